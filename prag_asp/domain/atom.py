@@ -1,0 +1,53 @@
+"""Ground atoms as plain values that round-trip to text."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from prag_asp.errors import QueryError
+
+
+class Atom(NamedTuple):
+    """A ground action or fluent: ``Atom("grasp", ("panda", "apple_1"))`` prints ``grasp(panda,apple_1)``."""
+
+    name: str
+    arguments: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.name}({','.join(self.arguments)})" if self.arguments else self.name
+
+
+def parse_atom(text: str) -> Atom:
+    """Return the atom that `text` spells; arguments may be terms themselves.
+
+    Raises:
+        QueryError: `text` is not a ground term.
+    """
+    name, parenthesis, rest = text.strip().partition("(")
+    if not parenthesis:
+        if not name or any(c in ",) \t" for c in name):
+            raise QueryError(f"{text!r} is not a ground atom; write it like grasp(panda,apple_1)")
+        return Atom(name)
+    if not name or not rest.endswith(")"):
+        raise QueryError(f"{text!r} is not a ground atom; write it like grasp(panda,apple_1)")
+    return Atom(name.strip(), tuple(split_terms(rest[:-1])))
+
+
+def split_terms(text: str) -> list[str]:
+    """Return the terms of a comma-separated list; commas within parentheses do not separate.
+
+    Raises:
+        QueryError: a term is empty or its parentheses do not match.
+    """
+    terms, depth, start = [], 0, 0
+    for position, character in enumerate(text):
+        depth += (character == "(") - (character == ")")
+        if depth < 0:
+            break
+        if character == "," and depth == 0:
+            terms.append(text[start:position].strip())
+            start = position + 1
+    terms.append(text[start:].strip())
+    if depth != 0 or not all(terms):
+        raise QueryError(f"{text!r} is not a list of terms; write it like approach,grasp(panda,apple_1)")
+    return terms

@@ -1,0 +1,108 @@
+"""What a domain states before any step: the facts of its base program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.domain.grounding import Grounder
+from prag_asp.domain.sources import Program
+from prag_asp.errors import DomainError
+
+Assignment = tuple[tuple[clingo.Symbol, str], ...]
+"""Fluents with their values: ``true``, ``false`` or, for a postcondition only, ``unknown``."""
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The contract's predicates as they hold in the grounded base program.
+
+    Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above it,
+    `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``.
+    """
+
+    parents: Mapping[str, tuple[str, ...]]
+    entities: Mapping[clingo.Symbol, str]
+    memberships: frozenset[tuple[clingo.Symbol, str]]
+    fluents: tuple[clingo.Symbol, ...]
+    actions: tuple[clingo.Symbol, ...]
+    preconditions: Mapping[clingo.Symbol, Assignment]
+    postconditions: Mapping[clingo.Symbol, Assignment]
+    initially: Assignment
+    exclusive: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
+    implies: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
+    goal: Assignment
+
+    @property
+    def closed(self) -> bool:
+        """Whether every fluent has an initial value."""
+        return set(self.fluents) <= {fluent for fluent, _ in self.initially}
+
+
+def ground_facts(program: Program) -> Facts:
+    """Ground the base part of a program and return what it states.
+
+    Raises:
+        DomainError: clingo rejects the program, or a predicate of the contract depends on a choice.
+    """
+    grounder = Grounder(program)
+    grounder.ground([("base", [])])
+    return read_facts(grounder.control)
+
+
+def read_facts(control: clingo.Control) -> Facts:
+    """Return what a grounded base part states.
+
+    Raises:
+        DomainError: a predicate of the contract depends on a choice.
+    """
+    parents: dict[str, tuple[str, ...]] = {str(name): () for (name,) in rows(control, "class", 1)}
+    for child, parent in rows(control, "class", 2):
+        parents[str(child)] = (*parents.get(str(child), ()), str(parent))
+    return Facts(
+        parents=parents,
+        entities={entity: str(name) for entity, name in rows(control, "entity", 2)},
+        memberships=frozenset((entity, str(name)) for entity, name in rows(control, "is_a", 2)),
+        fluents=tuple(fluent for (fluent,) in rows(control, "fluent", 1)),
+        actions=tuple(action for (action,) in rows(control, "action", 1)),
+        preconditions=_by_action(control, "precondition"),
+        postconditions=_by_action(control, "postcondition"),
+        initially=tuple((fluent, str(value)) for fluent, value in rows(control, "initially", 2)),
+        exclusive=tuple((first, second) for first, second in rows(control, "exclusive", 2)),
+        implies=tuple((first, second) for first, second in rows(control, "implies", 2)),
+        goal=tuple((fluent, str(value)) for fluent, value in rows(control, "goal", 2)),
+    )
+
+
+def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[clingo.Symbol]]:
+    """Return the arguments of every ground atom of a predicate, sorted.
+
+    Raises:
+        DomainError: one of them depends on a choice.
+    """
+    return sorted(_unsorted_rows(control, predicate, arity))
+
+
+def _unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
+    for atom in control.symbolic_atoms.by_signature(predicate, arity):
+        if not atom.is_fact:
+            raise DomainError(f"{atom.symbol} depends on a choice; what a domain states must follow from facts")
+        yield atom.symbol.arguments
+
+
+def _by_action(control: clingo.Control, predicate: str) -> dict[clingo.Symbol, Assignment]:
+    """Return the fluents and values of a predicate by action; comparing ranks spares thousands of calls to clingo."""
+    found: dict[clingo.Symbol, list[tuple[clingo.Symbol, clingo.Symbol]]] = {}
+    for action, fluent, value in _unsorted_rows(control, predicate, 3):
+        found.setdefault(action, []).append((fluent, value))
+    pairs = [pair for values in found.values() for pair in values]
+    rank = {fluent: position for position, fluent in enumerate(sorted({fluent for fluent, _ in pairs}))}
+    spelled = {value: str(value) for _, value in pairs}
+    return {
+        action: tuple(
+            sorted(((fluent, spelled[value]) for fluent, value in found[action]), key=lambda each: (rank[each[0]], each[1]))
+        )
+        for action in sorted(found)
+    }

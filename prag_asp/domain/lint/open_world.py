@@ -1,0 +1,118 @@
+"""Step rules that read a fluent whose value may be unknown: three-valued states are exact without such rules only."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import clingo
+from clingo.ast import AST, ASTType, Sign
+
+from prag_asp.domain.facts import Facts
+from prag_asp.domain.grounding import Grounder
+from prag_asp.domain.lint.problem import Problem, Signature
+from prag_asp.domain.lint.statement import Atom, Statement, names, variables
+
+READS = frozenset([("holds", 3), ("known", 3)])
+READ, UNSURE = "_read", "_unsure"
+ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
+
+
+def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the own rules of a step that read a fluent which may be unknown when they do."""
+    readings = [
+        (each, atom)
+        for each in statements
+        if each.own and each.timed and each.is_rule
+        for atom in each.body
+        if atom.signature in READS
+    ]
+    if not readings:
+        return
+    unsure = _unsure(grounder.control, facts)
+    if not unsure:
+        return
+    timed = {atom.signature for each in statements if each.timed for atom in each.heads}
+    seen: set[tuple[Path, int]] = set()
+    for number, (statement, atom) in enumerate(readings):
+        fluent = _read_fluent(grounder.control, number, statement, atom, timed, unsure)
+        if fluent is None or (statement.path, statement.line) in seen:
+            continue
+        seen.add((statement.path, statement.line))
+        yield statement.problem(f"this rule of a step reads {fluent}, {unsure[fluent]}", atom.line)
+
+
+def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
+    """Return the fluents that may be unknown, each with why and what to do."""
+    known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature("holds", 3)}
+    unsure = {
+        fluent: f"which is unknown at the start; state initially({fluent}, ...), or include rules/closed_world.lp"
+        for fluent in facts.fluents
+        if fluent not in known
+    }
+    for action, values in facts.postconditions.items():
+        for fluent, value in values:
+            if value == "unknown":
+                unsure.setdefault(fluent, f"which {action} may leave unknown; let the action make it true or false")
+    return unsure
+
+
+def _read_fluent(
+    control: clingo.Control,
+    number: int,
+    statement: Statement,
+    atom: Atom,
+    timed: set[Signature],
+    unsure: Iterable[clingo.Symbol],
+) -> clingo.Symbol | None:
+    """Return the first fluent of `unsure` that a rule reads at an atom, None where it reads none of them."""
+    numbers = itertools.count()
+    fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", str(atom.arguments[0]))
+    facts = " ".join(f"{UNSURE}({each})." for each in unsure)
+    for attempt, conditions in enumerate((list(_conditions(statement, timed)), list[str]())):
+        part = f"{READ}_{number}_{attempt}"
+        rule = f"{part}({fluent}) :- {'; '.join([f'{UNSURE}({fluent})', f'fluent({fluent})', *conditions])}."
+        try:
+            control.add(part, [], f"{facts}\n{rule}")
+            control.ground([(part, [])])
+        except RuntimeError:
+            continue
+        return min((each.symbol.arguments[0] for each in control.symbolic_atoms.by_signature(part, 1)), default=None)
+    return None
+
+
+def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
+    """Yield the conditions of a rule that do not depend on the step, as they restrict the fluents it reads."""
+    bound: set[str] = set()
+    comparisons: list[AST] = []
+    for node in statement.node.body:
+        if node.ast_type != ASTType.Literal or node.sign != Sign.NoSign:
+            continue
+        if node.atom.ast_type == ASTType.Comparison:
+            comparisons.append(node)
+        elif node.atom.ast_type == ASTType.SymbolicAtom:
+            text = _timeless(node.atom.symbol, statement, timed)
+            if text is not None:
+                bound |= variables([node])
+                yield text
+    for node in comparisons:
+        if variables([node]) <= bound and not _mentions_time([node], statement):
+            yield str(node)
+
+
+def _timeless(symbol: AST, statement: Statement, timed: set[Signature]) -> str | None:
+    """Return an atom as a condition on the base part: what occurs is an action."""
+    if symbol.ast_type != ASTType.Function:
+        return None
+    signature = symbol.name, len(symbol.arguments)
+    if signature == ("occurs", 2):
+        return f"action({symbol.arguments[0]})"
+    if signature in timed or signature in READS or _mentions_time([symbol], statement):
+        return None
+    return str(symbol)
+
+
+def _mentions_time(nodes: Iterable[AST], statement: Statement) -> bool:
+    return any(name in statement.parameters for name, _ in names(nodes))

@@ -1,0 +1,77 @@
+"""The stages of the linter, in the order in which one makes sense of the next."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from prag_asp.domain.facts import Facts, read_facts
+from prag_asp.domain.grounding import Grounder
+from prag_asp.domain.lint.directives import directive_problems, placement_problems
+from prag_asp.domain.lint.effects import effect_problems
+from prag_asp.domain.lint.hierarchy import hierarchy_problems
+from prag_asp.domain.lint.occurrence import occurrence_problems, state_problems
+from prag_asp.domain.lint.open_world import open_world_problems
+from prag_asp.domain.lint.origin import Origins
+from prag_asp.domain.lint.problem import Problem, raise_problems
+from prag_asp.domain.lint.recursion import recursion_problems
+from prag_asp.domain.lint.statement import Statement
+from prag_asp.domain.lint.syntax import parse_sources
+from prag_asp.domain.lint.table import name_problems, table_problems
+from prag_asp.domain.lint.vocabulary import CONTRACT_FILE, vocabulary_problems
+from prag_asp.domain.settings import Settings, read_table, settings_of
+from prag_asp.domain.sources import Program, Source
+
+STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
+
+
+def check(program: Program, folder: Path) -> tuple[Facts, Settings]:
+    """Return what a domain states and its settings, if nothing is wrong with them.
+
+    Raises:
+        DomainError: something is wrong; the message has one line for each problem.
+    """
+    encodings = _encodings_folder(program)
+    owned = [(source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources]
+    statements, problems = parse_sources(owned)
+    path = folder / "domain.toml"
+    table = read_table(path)
+    settings = settings_of(table, path)
+    raise_problems([*problems, *table_problems(table, settings)])
+    raise_problems(directive_problems(statements))
+    raise_problems([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
+    grounder = Grounder(_without_own_steps(program, owned))
+    grounder.ground([("base", [])])
+    facts = read_facts(grounder.control)
+    _check_facts(grounder, facts, statements)
+    raise_problems(name_problems(settings, facts))
+    return facts, settings
+
+
+def _check_facts(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> None:
+    origins = Origins(statements)
+    raise_problems([*hierarchy_problems(grounder.control, origins), *effect_problems(facts, origins)])
+    raise_problems(state_problems(facts, origins))
+    if grounder.control.is_conflicting:
+        raise_problems(_violations(origins))
+    raise_problems(open_world_problems(grounder, facts, statements))
+    raise_problems(occurrence_problems(grounder, facts, statements, origins))
+
+
+def _encodings_folder(program: Program) -> Path:
+    """Return the folder of the encodings: they begin every program."""
+    contract = (source.path.parent for source in program.sources if source.path.name == CONTRACT_FILE)
+    return next(contract, program.sources[0].path.parent)
+
+
+def _without_own_steps(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
+    """Return the program with the step rules of the domain in parts of their own, each line where it was."""
+    return Program(
+        tuple(Source(source.path, STEP_PART.sub(r"\1own_\2", source.text) if own else source.text) for source, own in owned)
+    )
+
+
+def _violations(origins: Origins) -> Iterator[Problem]:
+    for statement in origins.violated():
+        yield statement.problem("what the base part states violates this constraint, so there is no plan; mend one of them")

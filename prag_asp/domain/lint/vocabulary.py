@@ -1,0 +1,148 @@
+"""Predicates and names that are misspelt, for clingo says nothing about them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+
+from clingo.ast import ASTType
+
+from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled
+from prag_asp.domain.lint.statement import Atom, Statement, below, names
+
+SHOWN = (ASTType.ShowSignature, ASTType.Defined)
+CONTRACT_FILE = "contract.lp"
+
+
+def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the heads that nothing reads, the atoms that nothing defines, and the names that nothing has."""
+    contract = contract_signatures(statements)
+    unread = _unread_heads(statements, contract)
+    undefined = _undefined_atoms(statements, contract)
+    known = {name for name, _ in contract} | {name for name, _ in undefined}
+    for signature, (statement, atom) in unread.items():
+        near = nearest(signature[0], known)
+        for missing in [each for each in undefined if each[0] == near]:
+            del undefined[missing]
+        others = sorted(arity for name, arity in contract if name == signature[0])
+        yield statement.problem(f"{_unread(signature, near, others)}", atom.line)
+    yield from _undefined_problems(statements, contract, undefined)
+    yield from _nameless_problems(statements)
+
+
+def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
+    """Return the predicates that a domain may state: those of the contract, and what the encodings define."""
+    signatures: set[Signature] = set()
+    for statement in statements:
+        if not statement.own:
+            signatures |= {atom.signature for atom in statement.heads}
+            if statement.kind == ASTType.Defined:
+                signatures.add((statement.node.name, statement.node.arity))
+    return signatures
+
+
+def _unread_heads(
+    statements: Iterable[Statement], contract: set[Signature]
+) -> dict[Signature, tuple[Statement, Atom]]:
+    """Return the own heads outside of the contract that no body reads, where they first stand."""
+    read = set(contract)
+    for statement in statements:
+        read |= {atom.signature for atom in statement.body}
+        if statement.own and statement.kind in SHOWN:
+            read.add((statement.node.name, statement.node.arity))
+    found: dict[Signature, tuple[Statement, Atom]] = {}
+    for statement in statements:
+        if statement.own:
+            for atom in statement.heads:
+                if atom.signature not in read:
+                    found.setdefault(atom.signature, (statement, atom))
+    return found
+
+
+def _unread(signature: Signature, near: str | None, others: Sequence[int]) -> str:
+    if others:
+        counts = " or ".join(map(str, others))
+        return f"unknown predicate {spelled(signature)}; {signature[0]} takes {counts} arguments"
+    if near:
+        return f"unknown predicate {spelled(signature)}; did you mean {near}?"
+    return f"unknown predicate {spelled(signature)}: no rule reads it; read it in the body of a rule, or remove it"
+
+
+def _undefined_atoms(
+    statements: Iterable[Statement], contract: set[Signature]
+) -> dict[Signature, tuple[Statement, Atom]]:
+    """Return the atoms of own bodies that are in no head and not in the contract, where they first stand."""
+    defined = set(contract)
+    for statement in statements:
+        defined |= {atom.signature for atom in statement.heads}
+        if statement.own and statement.kind == ASTType.Defined:
+            defined.add((statement.node.name, statement.node.arity))
+    found: dict[Signature, tuple[Statement, Atom]] = {}
+    for statement in statements:
+        if statement.own:
+            for atom in statement.body:
+                if atom.signature not in defined:
+                    found.setdefault(atom.signature, (statement, atom))
+    return found
+
+
+def _undefined_problems(
+    statements: Iterable[Statement],
+    contract: set[Signature],
+    undefined: Mapping[Signature, tuple[Statement, Atom]],
+) -> Iterator[Problem]:
+    defined = contract | {atom.signature for statement in statements for atom in statement.heads}
+    for signature, (statement, atom) in undefined.items():
+        name = signature[0]
+        others = " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
+        near = nearest(name, {other for other, _ in defined})
+        if others:
+            hint = f"{name} takes {others} arguments"
+        else:
+            hint = f"did you mean {near}?" if near else "define it in a fact or a rule, or remove it"
+        yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line)
+
+
+def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the names in own bodies that no head can ever make, so that the atom never holds."""
+    made = _made_names(statements)
+    seen: set[str] = set()
+    for statement in statements:
+        if statement.own and statement.is_rule:
+            for atom in statement.body:
+                for name, line in names(atom.arguments):
+                    if name not in made and name not in statement.parameters and name not in seen:
+                        seen.add(name)
+                        near = nearest(name, made)
+                        hint = f"did you mean {near}?" if near else "declare it, or remove the rule"
+                        yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", line)
+
+
+def _made_names(statements: Iterable[Statement]) -> set[str]:
+    """Return every name that a ground atom can hold: those of heads, comparisons, aggregates and constants."""
+    made: set[str] = set()
+    for statement in statements:
+        if statement.kind == ASTType.Definition:
+            made.add(statement.node.name)
+            made |= {name for name, _ in names([statement.node.value])}
+        for atom in statement.heads:
+            made |= {name for name, _ in names(atom.arguments)}
+        if statement.own and statement.is_rule:
+            made |= _computed_names(statement)
+    return made
+
+
+def _computed_names(statement: Statement) -> set[str]:
+    """Return the names in the comparisons and the aggregates of a rule, from which a variable can take its value."""
+    made: set[str] = set()
+    for node in below([*statement.node.body, statement.node.head]):
+        if node.ast_type == ASTType.Comparison:
+            made |= {name for name, _ in names([node])}
+        elif node.ast_type in (ASTType.BodyAggregate, ASTType.Aggregate):
+            guards = [guard for guard in (node.left_guard, node.right_guard) if guard is not None]
+            made |= {name for name, _ in names(guards)}
+        elif node.ast_type in (ASTType.BodyAggregateElement, ASTType.HeadAggregateElement):
+            made |= {name for name, _ in names(node.terms)}
+    return made
+
+

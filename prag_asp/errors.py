@@ -1,0 +1,35 @@
+"""The errors of prag_asp, all of them values a program can catch.
+
+PragError
+├── DomainError        a domain's files are wrong: every message is ``file:line: what; what to do``
+├── QueryError         a question does not fit the domain: unknown action, negative length, bad weight
+├── EngineError        an engine cannot express a domain, and says why
+├── SceneError         the scene or a body of it cannot be built
+└── OutputError        a result could not be written
+"""
+
+from __future__ import annotations
+
+
+class PragError(Exception):
+    """Something that the user can mend; the message says what, where and how."""
+
+
+class DomainError(PragError):
+    """The files of a domain are wrong; one line of the message for each problem found."""
+
+
+class QueryError(PragError):
+    """A question does not fit the domain that it is asked of."""
+
+
+class EngineError(PragError):
+    """An engine cannot express the domain."""
+
+
+class SceneError(PragError):
+    """A scene cannot be built from its description."""
+
+
+class OutputError(PragError):
+    """A result could not be written."""

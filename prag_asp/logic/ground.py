@@ -1,0 +1,174 @@
+"""One step of a domain as ground rules, exactly as clingo made them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.domain.facts import Facts
+from prag_asp.domain.grounding import Grounder, Part
+from prag_asp.domain.sources import Program
+from prag_asp.logic.stationary import StepReads
+
+STEP = 1_000_000_000
+"""The number of the step that is grounded: one that no domain uses for anything else."""
+
+NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
+OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A ground rule: some head follows where the weights of the true literals of the body reach `bound`.
+
+    Literals are atoms, negative where negated. Without `weights`, all literals of the body have to be true.
+    """
+
+    heads: tuple[int, ...]
+    body: tuple[int, ...]
+    choice: bool = False
+    bound: int = 0
+    weights: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class GroundStep:
+    """The ground rules of one step in any state, by program part.
+
+    `names` holds the symbol of every named atom; `before`, `now` and `ending` the atoms of step t-1 and of step t by
+    their symbol without its time. `initial` are the timed symbols that hold at the start, without their time;
+    `obstacles` says why the step is not a function of the state and the action, where it is not.
+    """
+
+    rules: Mapping[str, tuple[Rule, ...]]
+    names: Mapping[int, clingo.Symbol]
+    before: Mapping[clingo.Symbol, int]
+    now: Mapping[clingo.Symbol, int]
+    initial: frozenset[clingo.Symbol]
+    consistent: bool
+    obstacles: tuple[str, ...]
+
+
+def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
+    """Ground one step of a program for every state that it may start from.
+
+    Which atoms step t-1 may have is not known beforehand: the step is grounded again until it makes no new ones.
+
+    Raises:
+        DomainError: clingo cannot ground the program.
+    """
+    seeds = _seeds(facts, reads)
+    while True:
+        ground = _ground_once(program, seeds, reads)
+        made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
+        if made | ground.initial <= seeds:
+            return ground
+        seeds |= made | ground.initial
+
+
+def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
+    """Return a timed atom without its last argument."""
+    return clingo.Function(symbol.name, symbol.arguments[:-1])
+
+
+def _signature(symbol: clingo.Symbol) -> tuple[str, int]:
+    return symbol.name, len(symbol.arguments) + 1
+
+
+def _seeds(facts: Facts, reads: StepReads) -> set[clingo.Symbol]:
+    seeds: set[clingo.Symbol] = set()
+    if ("holds", 3) in reads.previous:
+        seeds |= {clingo.Function("holds", [fluent, value]) for fluent in facts.fluents for value in OPEN_VALUES}
+    if ("occurs", 2) in reads.previous:
+        seeds |= {clingo.Function("occurs", [action]) for action in facts.actions}
+    return seeds
+
+
+class _Recorder(clingo.Observer):
+    """Keeps the rules that clingo grounds, by the part under way."""
+
+    def __init__(self) -> None:
+        self.part = "base"
+        self.rules: dict[str, list[Rule]] = {}
+        self.obstacles: list[str] = []
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        if body or choice or not head or self.part != "base":
+            self.rules.setdefault(self.part, []).append(Rule(tuple(head), tuple(body), choice))
+
+    def weight_rule(
+        self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]
+    ) -> None:
+        literals, weights = tuple(each[0] for each in body), tuple(each[1] for each in body)
+        found = Rule(tuple(head), literals, choice, lower_bound, weights)
+        self.rules.setdefault(self.part, []).append(found)
+
+    def theory_atom(self, *_: object) -> None:
+        self.obstacles.append("the program uses a theory")
+
+
+def _ground_once(program: Program, seeds: set[clingo.Symbol], reads: StepReads) -> GroundStep:
+    grounder, recorder = _start(program)
+    recorder.part = "before"
+    lines = [f"#external {clingo.Function(s.name, [*s.arguments, BEFORE])}." for s in sorted(seeds)]
+    grounder.control.add("before", [], "\n".join(lines))
+    grounder.ground([("before", [])])
+    for part in ("step", "check", "ending", "hindsight"):
+        recorder.part = part
+        grounder.ground([(part, [NOW])])
+    return _recorded(grounder, recorder, reads)
+
+
+def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
+    """Ground all steps of plans of a length; `names` then has the atoms of every step.
+
+    Raises:
+        DomainError: clingo cannot ground the program.
+    """
+    grounder, recorder = _start(program)
+    recorder.part = "step"
+    grounder.ground(unrolled(length))
+    return _recorded(grounder, recorder, reads)
+
+
+def unrolled(length: int) -> list[Part]:
+    """Return the program parts of plans of a length, after the base."""
+    steps: list[Part] = [("step", [clingo.Number(k)]) for k in range(1, length + 1)]
+    return [*steps, ("check", [clingo.Number(length)])]
+
+
+def _start(program: Program) -> tuple[Grounder, _Recorder]:
+    grounder, recorder = Grounder(program), _Recorder()
+    grounder.control.register_observer(recorder)
+    grounder.ground([("base", [])])
+    return grounder, recorder
+
+
+def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> GroundStep:
+    obstacles = [*reads.obstacles, *recorder.obstacles]
+    names: dict[int, clingo.Symbol] = {}
+    before: dict[clingo.Symbol, int] = {}
+    now: dict[clingo.Symbol, int] = {}
+    initial: set[clingo.Symbol] = set()
+    atoms = grounder.control.symbolic_atoms
+    signatures = sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)})
+    for atom in (atom for signature in signatures for atom in atoms.by_signature(*signature)):
+        time = atom.symbol.arguments[-1]
+        if time == START:
+            initial.add(timeless(atom.symbol))
+            if not atom.is_fact:
+                obstacles.append(f"{atom.symbol} depends on a choice: plans do not begin in one state")
+            continue
+        names[atom.literal] = atom.symbol
+        if time in (NOW, BEFORE):
+            (now if time == NOW else before)[timeless(atom.symbol)] = atom.literal
+    if any(rule.heads for rule in recorder.rules.get("base", [])):
+        obstacles.append("the base part makes a choice")
+    return GroundStep(
+        {part: tuple(rules) for part, rules in recorder.rules.items()},
+        names, before, now, frozenset(initial),
+        consistent=not any(not rule.heads for rule in recorder.rules.get("base", [])),
+        obstacles=tuple(dict.fromkeys(obstacles)),
+    )  # fmt: skip

@@ -1,0 +1,87 @@
+"""The logic of one domain, each part made once, when it is first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import clingo
+
+from prag_asp.domain.load import Domain
+from prag_asp.domain.sources import Program, read_sources
+from prag_asp.errors import EngineError
+from prag_asp.logic.ground import GroundStep, ground_plan, ground_step
+from prag_asp.logic.normal import NormalStep, normal_step
+from prag_asp.logic.program import canonical_program, whole_program, with_facts
+from prag_asp.logic.stationary import StepReads, read_step
+from prag_asp.logic.symmetry import interchangeable
+from prag_asp.logic.transition import Transition, build_transition
+
+
+@dataclass(frozen=True)
+class Model:
+    """What logic knows of a domain.
+
+    A plan's step may fail to be a function of state and action. Then `step` and `transition` raise EngineError, which
+    says why, and what else there is works on the unrolled program.
+    """
+
+    domain: Domain
+
+    @cached_property
+    def program(self) -> Program:
+        """The program whose answer sets are plans."""
+        return whole_program(self.domain)
+
+    @cached_property
+    def reads(self) -> StepReads:
+        """What a step reads of the step before."""
+        return read_step(self.domain.program)
+
+    @cached_property
+    def ground(self) -> GroundStep:
+        """One step, ground."""
+        return ground_step(self.program, self.domain.facts, self.reads)
+
+    @cached_property
+    def step(self) -> NormalStep:
+        """One step in normal form."""
+        return normal_step(self.ground)
+
+    def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
+        """Return the groups of interchangeable entities in plans of a length; most domains have the same for all."""
+        if not self.ground.obstacles:
+            return self._groups
+        unrolled = ground_plan(self.program, length, self.reads)
+        return tuple(interchangeable(self.domain.facts, unrolled))
+
+    @cached_property
+    def _groups(self) -> tuple[tuple[clingo.Symbol, ...], ...]:
+        return tuple(interchangeable(self.domain.facts, self.ground))
+
+    def task_program(self, length: int) -> Program:
+        """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""
+        groups = self.groups(length)
+        return canonical_program(self.domain, groups) if groups else self.program
+
+    def transition(
+        self, *, tasks: bool, weighed: Sequence[str] = (), labels: Sequence[clingo.Symbol] = ()
+    ) -> Transition:
+        """Return the step function of plans, or of tasks.
+
+        `weighed` are facts to add together with ``rules/weights.lp``, whose atoms `labels` the edges then carry.
+
+        Raises:
+            EngineError: the step is not a function of the state and the action.
+        """
+        if self.ground.obstacles:
+            raise EngineError(self.ground.obstacles[0])
+        program = self.task_program(0) if tasks else self.program
+        if weighed:
+            rules = read_sources(self.domain.encodings / "rules" / "weights.lp", self.domain.encodings)
+            program = with_facts(Program((*program.sources, *rules)), weighed)
+        if program is self.program:
+            return build_transition(self.step)
+        reads = read_step(Program(tuple(s for s in program.sources if s.path.suffix == ".lp")))
+        return build_transition(normal_step(ground_step(program, self.domain.facts, reads)), labels)

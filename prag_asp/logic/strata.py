@@ -1,0 +1,115 @@
+"""Ground rules in an order in which each atom comes after what it depends on, and their evaluation on columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import EngineError
+from prag_asp.logic.normal import Body
+
+Column = NDArray[np.bool_]
+"""The truth of one atom in many states: shape (number of states,)."""
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """Atoms that are evaluated together: one atom, or several that derive each other."""
+
+    atoms: tuple[int, ...]
+    recursive: bool
+
+
+def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[Body, ...]]) -> list[Stratum]:
+    """Return the atoms that `roots` depend on and that rules define, in order of dependency (Tarjan 1972).
+
+    Raises:
+        EngineError: an atom depends on its own negation.
+    """
+    index: dict[int, int] = {}
+    low: dict[int, int] = {}
+    stack: list[int] = []
+    on_stack: set[int] = set()
+    found: list[Stratum] = []
+    for root in roots:
+        if root in index or root not in bodies:
+            continue
+        work = [(root, iter(_dependencies(root, bodies)))]
+        index[root] = low[root] = len(index)
+        stack.append(root)
+        on_stack.add(root)
+        while work:
+            atom, rest = work[-1]
+            for below in rest:
+                if below not in index:
+                    index[below] = low[below] = len(index)
+                    stack.append(below)
+                    on_stack.add(below)
+                    work.append((below, iter(_dependencies(below, bodies))))
+                    break
+                if below in on_stack:
+                    low[atom] = min(low[atom], index[below])
+            else:
+                work.pop()
+                if work:
+                    low[work[-1][0]] = min(low[work[-1][0]], low[atom])
+                if low[atom] == index[atom]:
+                    at = stack.index(atom)
+                    members = stack[at:]
+                    del stack[at:]
+                    on_stack.difference_update(members)
+                    found.append(_stratum(members, bodies))
+    return found
+
+
+def _dependencies(atom: int, bodies: Mapping[int, tuple[Body, ...]]) -> list[int]:
+    return [abs(literal) for body in bodies[atom] for literal in body.literals if abs(literal) in bodies]
+
+
+def _stratum(members: list[int], bodies: Mapping[int, tuple[Body, ...]]) -> Stratum:
+    inside = set(members)
+    literals = [literal for atom in members for body in bodies[atom] for literal in body.literals]
+    if any(-literal in inside for literal in literals):
+        raise EngineError("rules of a step go around through a negation")
+    return Stratum(tuple(sorted(members)), any(literal in inside for literal in literals))
+
+
+def body_column(body: Body, column: Callable[[int], Column], size: int) -> Column:
+    """Return where a body is true."""
+    if body.weights:
+        total = np.zeros(size, dtype=np.int64)
+        for literal, weight in zip(body.literals, body.weights, strict=True):
+            total += weight * (column(literal) if literal > 0 else ~column(-literal))
+        reached: Column = total >= body.bound
+        return reached
+    result: Column | None = None
+    for literal in body.literals:
+        value = column(literal) if literal > 0 else ~column(-literal)
+        result = value if result is None else result & value
+    return np.ones(size, dtype=np.bool_) if result is None else result
+
+
+def evaluate(
+    strata: Iterable[Stratum],
+    bodies: Callable[[int], tuple[Body, ...]],
+    columns: dict[int, Column],
+    column: Callable[[int], Column],
+    size: int,
+) -> None:
+    """Add the column of every atom of `strata` to `columns`; `column` reads these and the atoms given beforehand."""
+    for stratum in strata:
+        for atom in stratum.atoms:
+            columns[atom] = np.zeros(size, dtype=np.bool_)
+        changed = True
+        while changed:
+            changed = False
+            for atom in stratum.atoms:
+                value = columns[atom]
+                for body in bodies(atom):
+                    value = value | body_column(body, column, size)
+                if stratum.recursive and not np.array_equal(value, columns[atom]):
+                    changed = True
+                columns[atom] = value

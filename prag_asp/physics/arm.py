@@ -1,0 +1,107 @@
+"""Bring the gripper to an object: grasps from above, and arm configurations at it and above it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from prag_asp.physics.collisions import arm_collision
+from prag_asp.physics.geometry import Pose, multiply, raised, width_along, yaw_of, yaw_quaternion
+from prag_asp.physics.kinematics import inverse
+from prag_asp.physics.robot import Joints
+from prag_asp.physics.search import (
+    ARM_COLLIDES,
+    NO_GRASP,
+    NO_KINEMATICS_ABOVE,
+    NO_KINEMATICS_AT,
+    Failure,
+    Search,
+)
+from prag_asp.physics.situation import Situation
+
+LIFT = 0.10
+"""How far above an object the gripper approaches it, in metres."""
+
+CLEARANCE = 0.006
+LARGEST_STEP = 1.2
+DOWN = (1.0, 0.0, 0.0, 0.0)
+
+
+class Configuration(NamedTuple):
+    """What the arm is asked to be free of: the poses of the objects, the opening, the object that it may touch."""
+
+    poses: Mapping[str, Pose]
+    width: float
+    touched: str | None
+
+
+def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
+    """Return tool poses from above that can grip an object, each with the opening then, most comfortable first.
+
+    Boxes are gripped by opposite sides, round things in eight directions.
+
+    Raises:
+        Failure: the object is too wide for the gripper.
+    """
+    shape, pose = situation.shape(entity), situation.pose(entity)
+    x, y, z = pose.position
+    half = situation.half(entity)[2]
+    bottom = z - half + search.robot.fingertip + 0.002
+    height = max(z, z + half - search.robot.finger_depth, bottom)
+    heading = math.atan2(y, x)
+    if shape.kind in ("sphere", "cylinder"):
+        yaws = [heading + turn * math.pi / 4 for turn in range(8)]
+    else:
+        yaws = [yaw_of(pose.quaternion) + turn * math.pi / 2 for turn in range(4)]
+    found = []
+    for yaw in sorted(yaws, key=lambda angle: -math.cos(angle - heading)):
+        opening = (-math.sin(yaw), math.cos(yaw), 0.0)
+        width = width_along(shape, pose.quaternion, opening)
+        if width <= search.robot.opening - CLEARANCE:
+            found.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
+    if not found:
+        raise Failure(NO_GRASP)
+    return found
+
+
+def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | None = None) -> Joints:
+    """Return joint angles that bring the tool to a pose, free of collisions.
+
+    Raises:
+        Failure: there are none.
+    """
+    solutions = inverse(search.robot, tool, near)
+    if not solutions:
+        raise Failure(NO_KINEMATICS_AT)
+    for joints in solutions:
+        if free(search, joints, wanted):
+            return joints
+    raise Failure(ARM_COLLIDES)
+
+
+def descend(search: Search, tool: Pose, at: Configuration, above: Configuration) -> tuple[Joints, Joints]:
+    """Return joint angles at a tool pose and, near to those, `LIFT` straight above it, both free of collisions.
+
+    Raises:
+        Failure: there are none.
+    """
+    solutions = inverse(search.robot, tool)
+    if not solutions:
+        raise Failure(NO_KINEMATICS_AT)
+    cause = ARM_COLLIDES
+    for low in solutions:
+        if not free(search, low, at):
+            continue
+        for high in inverse(search.robot, raised(tool, LIFT), near=low)[:2]:
+            if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
+                continue
+            if free(search, high, above):
+                return low, high
+        cause = NO_KINEMATICS_ABOVE
+    raise Failure(cause)
+
+
+def free(search: Search, joints: Joints, wanted: Configuration) -> bool:
+    """Tell whether the arm is free of collisions."""
+    return arm_collision(search.simulator, wanted.poses, joints, wanted.width, wanted.touched) is None

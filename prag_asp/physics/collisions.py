@@ -1,0 +1,60 @@
+"""Which bodies collide: bounding boxes first, then the closest points that the simulator finds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from prag_asp.physics.geometry import Pose
+from prag_asp.physics.robot import Joints
+from prag_asp.physics.simulator import COLLISION, Simulator
+from prag_asp.physics.situation import Situation
+
+BASE_LINK = -1
+
+
+def boxes_meet(situation: Situation, one: str, two: str, spacing: float = 0.0) -> bool:
+    """Tell whether the bounding boxes of two bodies overlap, the first widened by `spacing` metres sideways."""
+    ax, ay, az = situation.pose(one).position
+    bx, by, bz = situation.pose(two).position
+    ahx, ahy, ahz = situation.half(one)
+    bhx, bhy, bhz = situation.half(two)
+    return (
+        abs(ax - bx) < ahx + bhx + spacing
+        and abs(ay - by) < ahy + bhy + spacing
+        and abs(az - bz) < ahz + bhz + COLLISION
+    )
+
+
+def colliding(
+    simulator: Simulator, situation: Situation, moved: Iterable[str], objects: Iterable[str]
+) -> tuple[str, str] | None:
+    """Return two objects that collide, one of them moved, or a moved object and the table; None where none do."""
+    simulator.place(situation.poses)
+    bodies, done = list(objects), set[str]()
+    for one in moved:
+        done.add(one)
+        if situation.bottom(one) < 0.0 and simulator.overlap(simulator.body(one), simulator.table) < COLLISION:
+            return one, "the table"
+        for two in bodies:
+            if two not in done and boxes_meet(situation, one, two):
+                if simulator.overlap(simulator.body(one), simulator.body(two)) < COLLISION:
+                    return one, two
+    return None
+
+
+def arm_collision(
+    simulator: Simulator, poses: Mapping[str, Pose], joints: Joints, width: float, touched: str | None
+) -> str | None:
+    """Return what the arm collides with, None where it is free; the fingers may touch the object `touched`."""
+    simulator.place(poses)
+    simulator.pose_arm(joints, width)
+    if any(gap < COLLISION and link > BASE_LINK for link, gap in simulator.arm_contacts(simulator.table)):
+        return "the table"
+    fingers = simulator.robot.finger_links
+    for entity in poses:
+        for link, gap in simulator.arm_contacts(simulator.body(entity)):
+            if gap < COLLISION and not (entity == touched and link in fingers):
+                return entity
+    if simulator.self_overlap() < COLLISION:
+        return "itself"
+    return None

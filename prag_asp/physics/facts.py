@@ -1,0 +1,174 @@
+"""From a symbolic task to what physics has to bring about: facts of every state and effects of every action."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from prag_asp.domain.atom import Atom
+from prag_asp.domain.scene import PREDICATE_ROLES, Scene
+from prag_asp.errors import SceneError
+from prag_asp.physics.predicates import PREDICATES, Predicate
+from prag_asp.physics.situation import Situation
+from prag_asp.space.task import State, Task
+
+SUPPORTING = ("on_top", "inside")
+PLACING = (*SUPPORTING, "left_of", "right_of", "in_front_of", "behind", "located", "rotated", "reachable")
+
+
+class Fact(NamedTuple):
+    """A spatial predicate that is known to hold, or known not to hold, of some entities."""
+
+    predicate: Predicate
+    arguments: tuple[str, ...]
+    value: bool
+
+    def satisfied(self, situation: Situation) -> bool:
+        """Check the fact on a situation."""
+        return self.predicate.holds(situation, self.arguments) == self.value
+
+    def sentence(self) -> str:
+        """Return the fact in plain words."""
+        text = self.predicate.sentence(self.arguments)
+        return text if self.value else f"it is not so that {text}"
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What one action does to the bodies.
+
+    `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to. `holds` is the object
+    held before and after. `leaves` is set where the gripper goes away from its object, `lifts` where a grasped object
+    leaves what it stands on, `stays` where the gripper remains at a released object. `moved` are objects that the
+    action makes the subject of a relation. `before` and `after` are the facts of the states around it, `fresh` those
+    of `after` that the state before does not know.
+    """
+
+    action: Atom
+    grasps: str | None
+    releases: str | None
+    holds: str | None
+    visits: str | None
+    leaves: bool
+    lifts: bool
+    stays: bool
+    moved: tuple[str, ...]
+    closes: bool
+    after: tuple[Fact, ...]
+    fresh: tuple[Fact, ...]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A task as physics sees it: the bodies that take part, the facts of the first state, the effects."""
+
+    objects: tuple[str, ...]
+    initial: tuple[Fact, ...]
+    held: str | None
+    effects: tuple[Effect, ...]
+    contradiction: str | None = None
+
+    @property
+    def states(self) -> tuple[tuple[Fact, ...], ...]:
+        """The facts of every state, the initial one first."""
+        return (self.initial, *(effect.after for effect in self.effects))
+
+
+def facts(scene: Scene, state: State) -> tuple[Fact, ...]:
+    """Return what a state says about space; other fluents are left out.
+
+    Raises:
+        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+    """
+    return tuple(fact for atom, value in state.items() if (fact := _fact(scene, atom, value)) is not None)
+
+
+def problem(task: Task, scene: Scene) -> Problem:
+    """Return a task as physics sees it.
+
+    Raises:
+        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+    """
+    states = [facts(scene, state) for state in (task.initial, *task.states)]
+    start = held = _only(states[0], "holding")
+    effects: list[Effect] = []
+    contradiction = None
+    for k, action in enumerate(task.actions):
+        effect = _effect(action, facts(scene, task.subgoals[k]), states[k], states[k + 1], held)
+        if effect.grasps is not None and held not in (None, effect.grasps, effect.releases):
+            contradiction = contradiction or f"{action} grasps {effect.grasps} while the gripper holds {held}"
+        held = effect.grasps or (None if effect.releases else held)
+        effects.append(effect)
+    named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
+    objects = tuple(entity for entity in [*task.entities, *sorted(named)] if _is_object(scene, entity))
+    return Problem(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects), contradiction)
+
+
+def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
+    """Return a fluent as a fact, None where it means nothing to physics."""
+    name = scene.meaning(atom)
+    if name is None:
+        return None
+    roles = PREDICATE_ROLES[name]
+    if len(roles) != len(atom.arguments):
+        raise SceneError(f"{atom} has {len(atom.arguments)} arguments, but {name} takes {', '.join(roles)}")
+    for role, entity in zip(roles, atom.arguments, strict=True):
+        known: Mapping[str, object] = scene.rotations if role == "rotation" else scene.shapes
+        if entity not in known:
+            table = "rotations" if role == "rotation" else "shapes"
+            raise SceneError(f"{atom} speaks about {entity}, which has no entry under [scene.{table}]")
+    return Fact(PREDICATES[name], atom.arguments, value)
+
+
+def _effect(
+    action: Atom, subgoal: tuple[Fact, ...], before: tuple[Fact, ...], after: tuple[Fact, ...], held: str | None
+) -> Effect:
+    """Return what an action does, read off its subgoal and the states around it."""
+    grasps = _only(subgoal, "holding")
+    releases = held if _known(subgoal, "holding", held) is False else None
+    visits = _only(subgoal, "at")
+    holds = held if grasps is None and releases is None else None
+    moved = [fact.arguments[fact.predicate.subject] for fact in subgoal if fact.value and _places(fact)]
+    known_before = set(before)
+    return Effect(
+        action=action,
+        grasps=grasps,
+        releases=releases,
+        holds=holds,
+        visits=visits,
+        leaves=any(fact.predicate.name == "at" and not fact.value for fact in subgoal) and visits is None,
+        lifts=grasps is not None
+        and any(f.predicate.name in SUPPORTING and not f.value and f.arguments[0] == grasps for f in subgoal),
+        stays=releases is not None and _known(after, "at", releases) is True,
+        moved=tuple(dict.fromkeys(moved)),
+        closes=_closes(subgoal),
+        after=after,
+        fresh=tuple(fact for fact in after if fact not in known_before),
+    )
+
+
+def _places(fact: Fact) -> bool:
+    """Tell whether a fact says where an object is."""
+    return fact.predicate.name in PLACING
+
+
+def _closes(subgoal: Iterable[Fact]) -> bool:
+    """Tell whether an action closes the gripper."""
+    return any(fact.predicate.name == "gripper_open" and not fact.value for fact in subgoal)
+
+
+def _only(state: Iterable[Fact], name: str) -> str | None:
+    """Return the object of which a gripper predicate is known to hold, None where there is none."""
+    return next((f.arguments[1] for f in state if f.predicate.name == name and f.value), None)
+
+
+def _known(state: Iterable[Fact], name: str, entity: str | None) -> bool | None:
+    """Return the known value of a gripper predicate of an object, None where it is unknown."""
+    matching = (f.value for f in state if f.predicate.name == name and f.arguments[1] == entity)
+    return next(matching, None)
+
+
+def _is_object(scene: Scene, entity: str) -> bool:
+    """Tell whether an entity is a body of its own: neither the robot nor the table nor something without a shape."""
+    return entity in scene.shapes and scene.shapes[entity].kind not in ("robot", "table")

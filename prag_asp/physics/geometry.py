@@ -1,0 +1,225 @@
+"""Poses, bounding boxes and convex outlines as plain tuples: faster than arrays at this size.
+
+Lengths are metres; quaternions are x, y, z, w as in PyBullet; z points up.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.domain.scene import Shape
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+Point = tuple[float, float]
+Outline = tuple[Point, ...]
+
+IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
+CIRCLE_SIDES = 16
+
+
+class Pose(NamedTuple):
+    """A position in metres and an orientation as a unit quaternion."""
+
+    position: Vector
+    quaternion: Quaternion = IDENTITY
+
+
+def yaw_quaternion(yaw: float) -> Quaternion:
+    """Return the rotation by `yaw` radians about z."""
+    return (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+
+
+def yaw_of(quaternion: Quaternion) -> float:
+    """Return the heading of the body's x axis in radians, in (-pi, pi]."""
+    x, y, z, w = quaternion
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def wrap(angle: float) -> float:
+    """Return an angle in radians brought to [-pi, pi)."""
+    return (angle + math.pi) % (2 * math.pi) - math.pi
+
+
+def multiply(first: Quaternion, second: Quaternion) -> Quaternion:
+    """Return the rotation `second` followed by `first`."""
+    ax, ay, az, aw = first
+    bx, by, bz, bw = second
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
+    """Return a vector turned by a rotation."""
+    x, y, z, w = quaternion
+    vx, vy, vz = vector
+    tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
+    return (
+        vx + w * tx + y * tz - z * ty,
+        vy + w * ty + z * tx - x * tz,
+        vz + w * tz + x * ty - y * tx,
+    )
+
+
+def compose(outer: Pose, inner: Pose) -> Pose:
+    """Return the pose in the world of what has the pose `inner` in the frame `outer`."""
+    x, y, z = rotate(outer.quaternion, inner.position)
+    ox, oy, oz = outer.position
+    return Pose((ox + x, oy + y, oz + z), multiply(outer.quaternion, inner.quaternion))
+
+
+def invert(pose: Pose) -> Pose:
+    """Return the pose of the world in the frame `pose`."""
+    x, y, z, w = pose.quaternion
+    back = (-x, -y, -z, w)
+    px, py, pz = rotate(back, pose.position)
+    return Pose((-px, -py, -pz), back)
+
+
+def raised(pose: Pose, height: float) -> Pose:
+    """Return a pose moved straight up by `height` metres."""
+    x, y, z = pose.position
+    return Pose((x, y, z + height), pose.quaternion)
+
+
+def matrix(pose: Pose) -> NDArray[np.float64]:
+    """Return a pose as a homogeneous matrix, shape (4, 4)."""
+    result = np.eye(4)
+    for column, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
+        result[:3, column] = rotate(pose.quaternion, axis)
+    result[:3, 3] = pose.position
+    return result
+
+
+def finite(pose: Pose) -> bool:
+    """Tell whether a pose is finite and its quaternion of unit length, which PyBullet never checks."""
+    numbers = (*pose.position, *pose.quaternion)
+    return all(map(math.isfinite, numbers)) and abs(sum(q * q for q in pose.quaternion) - 1.0) < 1e-6
+
+
+@lru_cache(maxsize=1 << 14)
+def extents(shape: Shape, quaternion: Quaternion) -> Vector:
+    """Return half the sides of the world's bounding box of a turned shape, in metres."""
+    hx, hy, hz = shape.half
+    if shape.kind == "sphere":
+        return (hx, hx, hx)
+    columns = [rotate(quaternion, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+    if shape.kind == "cylinder":
+        axis = columns[2]
+        return _triple([abs(a) * hz + hx * math.sqrt(max(0.0, 1.0 - a * a)) for a in axis])
+    return _triple([sum(abs(columns[j][i]) * (hx, hy, hz)[j] for j in range(3)) for i in range(3)])
+
+
+def width_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> float:
+    """Return how wide a turned shape is along a unit vector, in metres."""
+    x, y, z, w = quaternion
+    local = rotate((-x, -y, -z, w), direction)
+    hx, hy, hz = shape.half
+    if shape.kind == "sphere":
+        return 2 * hx
+    if shape.kind == "cylinder":
+        return 2 * (abs(local[2]) * hz + hx * math.sqrt(max(0.0, 1.0 - local[2] ** 2)))
+    return 2 * (abs(local[0]) * hx + abs(local[1]) * hy + abs(local[2]) * hz)
+
+
+def cavity(shape: Shape) -> Vector:
+    """Return the inner sides of a container and the depth of its cavity in metres; zeros for what is solid."""
+    if shape.kind != "container":
+        return (0.0, 0.0, 0.0)
+    x, y, z = shape.size
+    return (x - 2 * shape.wall, y - 2 * shape.wall, z - shape.wall)
+
+
+def to_local(pose: Pose, x: float, y: float) -> Point:
+    """Return a point of the plane in the axes of a body that stands upright."""
+    yaw = yaw_of(pose.quaternion)
+    dx, dy = x - pose.position[0], y - pose.position[1]
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    return (cosine * dx + sine * dy, cosine * dy - sine * dx)
+
+
+def outline(shape: Shape, pose: Pose) -> Outline:
+    """Return the corners of an upright body seen from above, counter-clockwise; a ball is the point it stands on."""
+    x, y, _ = pose.position
+    if shape.kind == "sphere":
+        return ((x, y),)
+    if shape.kind == "cylinder":
+        angles = [2 * math.pi * i / CIRCLE_SIDES for i in range(CIRCLE_SIDES)]
+        return tuple((x + shape.half[0] * math.cos(a), y + shape.half[0] * math.sin(a)) for a in angles)
+    return rectangle(x, y, shape.half[0], shape.half[1], yaw_of(pose.quaternion))
+
+
+def rectangle(x: float, y: float, half_x: float, half_y: float, yaw: float) -> Outline:
+    """Return the corners of a turned rectangle, counter-clockwise."""
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
+    return tuple((x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in corners)
+
+
+def inside_by(polygon: Outline, point: Point) -> float:
+    """Return how far a point lies within a convex counter-clockwise polygon in metres; negative outside."""
+    depth = math.inf
+    for (ax, ay), (bx, by) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+        length = math.hypot(bx - ax, by - ay)
+        if length > 0.0:
+            depth = min(depth, ((bx - ax) * (point[1] - ay) - (by - ay) * (point[0] - ax)) / length)
+    if math.isinf(depth):
+        return -math.dist(polygon[0], point) if polygon else -math.inf
+    return depth
+
+
+def intersection(subject: Outline, clip: Outline) -> Outline:
+    """Return what two convex counter-clockwise polygons share, by Sutherland and Hodgman's clipping."""
+    if len(subject) == 1:
+        return subject if inside_by(clip, subject[0]) >= 0.0 else ()
+    result = list(subject)
+    for (ax, ay), (bx, by) in zip(clip, clip[1:] + clip[:1], strict=True):
+        kept: list[Point] = []
+        sides = [(bx - ax) * (y - ay) - (by - ay) * (x - ax) for x, y in result]
+        for i, (point, side) in enumerate(zip(result, sides, strict=True)):
+            previous, before = result[i - 1], sides[i - 1]
+            if (side >= 0.0) != (before >= 0.0):
+                share = before / (before - side)
+                kept.append(
+                    (previous[0] + share * (point[0] - previous[0]), previous[1] + share * (point[1] - previous[1]))
+                )
+            if side >= 0.0:
+                kept.append(point)
+        result = kept
+    return tuple(result)
+
+
+def hull(points: list[Point]) -> Outline:
+    """Return the convex hull of points, counter-clockwise, by Andrew's monotone chain."""
+    ordered = sorted(set(points))
+    if len(ordered) <= 2:
+        return tuple(ordered)
+    lower, upper = _chain(ordered), _chain(ordered[::-1])
+    return tuple(lower[:-1] + upper[:-1])
+
+
+def _chain(points: list[Point]) -> list[Point]:
+    """Return one half of a convex hull."""
+    chain: list[Point] = []
+    for x, y in points:
+        while len(chain) >= 2:
+            (ax, ay), (bx, by) = chain[-2], chain[-1]
+            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                break
+            chain.pop()
+        chain.append((x, y))
+    return chain
+
+
+def _triple(values: list[float]) -> Vector:
+    """Return a list of three numbers as a tuple."""
+    return (values[0], values[1], values[2])

@@ -1,0 +1,44 @@
+"""``rotated``: a body's x axis points along the heading that the scene gives to a rotation, from the world's x axis."""
+
+from __future__ import annotations
+
+import math
+
+from prag_asp.errors import SceneError
+from prag_asp.physics.geometry import Vector, wrap, yaw_of
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, words
+from prag_asp.physics.situation import Situation
+
+TOLERANCE = math.radians(10)
+MARGIN = math.radians(0.5)
+
+
+def target_yaw(situation: Situation, rotation: str) -> float:
+    """Return the yaw in radians that a rotation stands for.
+
+    Raises:
+        SceneError: the scene does not say.
+    """
+    yaw = situation.scene.rotations.get(rotation)
+    if yaw is None:
+        raise SceneError(f"{rotation} has no yaw; give it one in degrees under [scene.rotations]")
+    return yaw
+
+
+def _distance(situation: Situation, arguments: Arguments) -> float:
+    """Return by how many radians the heading is off, beyond the tolerance."""
+    yaw = yaw_of(situation.pose(arguments[0]).quaternion)
+    return excess(abs(wrap(yaw - target_yaw(situation, arguments[1]))) - TOLERANCE)
+
+
+def _volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
+    """Return the range of yaws."""
+    return Volume(yaw=(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN))
+
+
+def _sentence(arguments: Arguments) -> str:
+    """Return the predicate in plain words."""
+    return f"{words(arguments[0])} is turned {words(arguments[1])}"
+
+
+ROTATED = Predicate(name="rotated", distance=_distance, volume=_volume, sentence=_sentence)

@@ -1,0 +1,80 @@
+"""What the search for a witness carries along, and how it says that an attempt failed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from prag_asp.domain.scene import Scene
+from prag_asp.physics.geometry import Pose
+from prag_asp.physics.robot import Joints, Robot
+from prag_asp.physics.simulator import Simulator
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import Moment
+
+EMPTY_VOLUME = "no room where the relations want the object"
+RELATION = "a relation of the state does not hold"
+OBJECTS_COLLIDE = "objects collide"
+UNSUPPORTED = "an object would fall"
+NO_GRASP = "no grasp fits the object"
+NO_KINEMATICS_AT = "no arm configuration at the object"
+NO_KINEMATICS_ABOVE = "no arm configuration above the object"
+ARM_COLLIDES = "the arm collides"
+
+CAUSES = (
+    EMPTY_VOLUME,
+    RELATION,
+    OBJECTS_COLLIDE,
+    UNSUPPORTED,
+    NO_GRASP,
+    NO_KINEMATICS_AT,
+    NO_KINEMATICS_ABOVE,
+    ARM_COLLIDES,
+)
+"""Every cause of a failed attempt, cheapest check first."""
+
+
+class Failure(Exception):
+    """One attempt of the search failed; its argument is one of `CAUSES`. It never leaves the validator."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """The simulator, the objects of the task, and the generator of random numbers of this task."""
+
+    simulator: Simulator
+    objects: tuple[str, ...]
+    rng: np.random.Generator
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the simulator."""
+        return self.simulator.scene
+
+    @property
+    def robot(self) -> Robot:
+        """The robot of the simulator."""
+        return self.simulator.robot
+
+    def uniform(self, low: float, high: float) -> float:
+        """Draw a number between two bounds."""
+        return low + (high - low) * self.rng.random()
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One state of the search: the situation, the arm, what it holds.
+
+    `above` is the configuration straight above the gripper's place, kept while the gripper is down at an object.
+    """
+
+    situation: Situation
+    joints: Joints
+    held: str | None = None
+    grasp: Pose | None = None
+    above: Joints | None = None
+
+    def moment(self) -> Moment:
+        """Return the snapshot as a moment of a witness."""
+        return Moment(dict(self.situation.poses), self.joints, self.situation.width, self.held, self.grasp)

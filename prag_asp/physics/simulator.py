@@ -1,0 +1,220 @@
+"""A PyBullet world with the robot, the table and one body for each object of the scene.
+
+Bodies are made once and reused: making and removing them leaks. Those that a task does not use are parked, each at
+its own place. PyBullet is silent about unknown bodies and about poses that are not finite, so both are checked here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.errors import SceneError
+from prag_asp.physics.geometry import Pose, finite
+from prag_asp.physics.robot import ROBOTS, Joints, Robot
+from prag_asp.physics.silence import silent_stdout
+from prag_asp.physics.situation import TABLE_THICKNESS
+from prag_asp.physics.solids import container_boxes, volume
+
+with silent_stdout():
+    import pybullet
+    import pybullet_data
+
+COLLISION = -0.0015
+"""Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
+
+PARKING = (20.0, 20.0, 5.0)
+DENSITY = 400.0
+
+
+class Simulator:
+    """One PyBullet client and the bodies in it; use `open_simulator`, which closes it."""
+
+    def __init__(self, scene: Scene, client: int, visual: bool):
+        self.scene = scene
+        self.client = client
+        self.robot: Robot = ROBOTS[scene.robot]
+        self._visual = visual
+        pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
+        pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
+        self.arm = self._load_robot()
+        self.table = self._load_table()
+        self.bodies = {
+            entity: self._load_body(entity, shape)
+            for entity, shape in scene.shapes.items()
+            if shape.kind not in ("robot", "table")
+        }
+        self._poses: dict[str, Pose] = {}
+        self._arm_at: tuple[Joints, float] | None = None
+        self._joints = [*self.robot.arm_links, *self.robot.finger_joints]
+        self.place({})
+
+    def place(self, poses: Mapping[str, Pose]) -> None:
+        """Put objects at poses, and park all others.
+
+        Raises:
+            SceneError: an object has no body, or its pose is not finite.
+        """
+        for entity, pose in poses.items():
+            if self._poses.get(entity) != pose:
+                if not finite(pose):
+                    raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
+                self._move(entity, pose)
+        for i, entity in enumerate(self.bodies):
+            if entity not in poses:
+                parked = Pose((PARKING[0] + 2.0 * i, PARKING[1], PARKING[2]))
+                if self._poses.get(entity) != parked:
+                    self._move(entity, parked)
+
+    def pose_arm(self, joints: Joints, width: float) -> None:
+        """Put the arm at seven joint angles in radians, the gripper at an opening in metres.
+
+        Raises:
+            SceneError: a number is not finite, or there are not seven joints.
+        """
+        if self._arm_at == (joints, width):
+            return
+        if len(joints) != len(self.robot.lower) or not all(map(math.isfinite, (*joints, width))):
+            raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
+        values = [[angle] for angle in (*joints, width / 2, width / 2)]
+        pybullet.resetJointStatesMultiDof(self.arm, self._joints, values, physicsClientId=self.client)
+        self._arm_at = (joints, width)
+
+    def overlap(self, one: int, two: int) -> float:
+        """Return the smallest distance of two bodies that touch in metres, negative in each other, 0 apart."""
+        points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=self.client)
+        return min((point[8] for point in points), default=0.0)
+
+    def arm_contacts(self, body: int) -> list[tuple[int, float]]:
+        """Return the links of the arm that touch a body, with the distance in metres."""
+        points = pybullet.getClosestPoints(self.arm, body, 0.0, physicsClientId=self.client)
+        return [(point[3], point[8]) for point in points]
+
+    def self_overlap(self) -> float:
+        """Return the smallest distance of the arm's links that touch each other in metres, 0 where none do."""
+        smallest = 0.0
+        for low, high in self.robot.self_pairs:
+            points = pybullet.getClosestPoints(
+                self.arm, self.arm, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
+            )
+            smallest = min(smallest, min((point[8] for point in points), default=0.0))
+        return smallest
+
+    def flange(self) -> Pose:
+        """Return the pose of the flange as the simulator's own kinematics has it."""
+        state = pybullet.getLinkState(
+            self.arm, self.robot.flange_link, computeForwardKinematics=True, physicsClientId=self.client
+        )
+        return Pose(tuple(state[4]), tuple(state[5]))
+
+    def read(self, entity: str) -> Pose:
+        """Return where the simulator has an object.
+
+        Raises:
+            SceneError: it has no body.
+        """
+        body = self.body(entity)
+        position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=self.client)
+        return Pose(tuple(position), tuple(quaternion))
+
+    def body(self, entity: str) -> int:
+        """Return the id of an object's body.
+
+        Raises:
+            SceneError: it has none.
+        """
+        if entity not in self.bodies:
+            raise SceneError(f"{entity} has no body; give its class a shape under [scene.shapes]")
+        return self.bodies[entity]
+
+    def _move(self, entity: str, pose: Pose) -> None:
+        """Put one body at a pose."""
+        pybullet.resetBasePositionAndOrientation(
+            self.body(entity), pose.position, pose.quaternion, physicsClientId=self.client
+        )
+        self._poses[entity] = pose
+
+    def _load_robot(self) -> int:
+        """Load the arm at the origin."""
+        path = Path(pybullet_data.getDataPath()) / self.robot.urdf
+        flags = 0 if self._visual else pybullet.URDF_IGNORE_VISUAL_SHAPES
+        try:
+            arm = pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=self.client)
+        except pybullet.error as error:
+            raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
+        return int(arm)
+
+    def _load_table(self) -> int:
+        """Make the table, its top at z = 0."""
+        table = self.scene.table
+        half = [table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2]
+        return self._body([(pybullet.GEOM_BOX, {"halfExtents": half}, [0.0, 0.0, 0.0])], 0.0, table.color,
+                          [*table.centre, -TABLE_THICKNESS / 2])  # fmt: skip
+
+    def _load_body(self, entity: str, shape: Shape) -> int:
+        """Make the body of an object."""
+        x, y, z = shape.size
+        if shape.kind == "sphere":
+            parts = [(pybullet.GEOM_SPHERE, {"radius": x / 2}, [0.0, 0.0, 0.0])]
+        elif shape.kind == "cylinder":
+            parts = [(pybullet.GEOM_CYLINDER, {"radius": x / 2, "height": z}, [0.0, 0.0, 0.0])]
+        else:
+            boxes = container_boxes(shape) if shape.kind == "container" else [((0.0, 0.0, 0.0), shape.half)]
+            parts = [(pybullet.GEOM_BOX, {"halfExtents": list(half)}, list(centre)) for centre, half in boxes]
+        mass = 0.0 if entity in self.scene.fixed else DENSITY * volume(shape)
+        return self._body(parts, mass, self.scene.colors.get(entity, "#808080"), list(PARKING))
+
+    def _body(
+        self, parts: Sequence[tuple[int, dict[str, object], list[float]]], mass: float, color: str, at: list[float]
+    ) -> int:
+        """Make one body of several primitives.
+
+        Raises:
+            SceneError: PyBullet refuses a shape.
+        """
+        rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]
+        shapes = pybullet.createCollisionShapeArray(
+            shapeTypes=[kind for kind, _, _ in parts],
+            radii=[size.get("radius", 0.0) for _, size, _ in parts],
+            lengths=[size.get("height", 0.0) for _, size, _ in parts],
+            halfExtents=[size.get("halfExtents", [0.0, 0.0, 0.0]) for _, size, _ in parts],
+            collisionFramePositions=[centre for _, _, centre in parts],
+            physicsClientId=self.client,
+        )
+        looks = -1
+        if self._visual:
+            looks = pybullet.createVisualShapeArray(
+                shapeTypes=[kind for kind, _, _ in parts],
+                radii=[size.get("radius", 0.0) for _, size, _ in parts],
+                lengths=[size.get("height", 0.0) for _, size, _ in parts],
+                halfExtents=[size.get("halfExtents", [0.0, 0.0, 0.0]) for _, size, _ in parts],
+                visualFramePositions=[centre for _, _, centre in parts],
+                rgbaColors=[rgba for _ in parts],
+                specularColors=[[0.15, 0.15, 0.15] for _ in parts],
+                physicsClientId=self.client,
+            )
+        if shapes < 0 or (self._visual and looks < 0):
+            raise SceneError(f"PyBullet refuses the shape {parts}")
+        body = pybullet.createMultiBody(mass, shapes, looks, at, physicsClientId=self.client)
+        if body < 0:
+            raise SceneError(f"PyBullet refuses the body {parts}")
+        return int(body)
+
+
+@contextmanager
+def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
+    """Open a simulator without a window, and close it afterwards; `visual` loads what pictures need."""
+    with silent_stdout():
+        client = pybullet.connect(pybullet.DIRECT)
+    if client < 0:
+        raise SceneError("PyBullet cannot open a simulator: too many are open in this process")
+    try:
+        with silent_stdout():
+            simulator = Simulator(scene, client, visual)
+        yield simulator
+    finally:
+        pybullet.disconnect(physicsClientId=client)
+

@@ -1,0 +1,135 @@
+"""Whether bodies stay where they are put: contacts from below, and the centre of mass of what rests on them.
+
+Bodies stand upright. Of a stack the centre of mass of everything that rests on a body is used, not only its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from prag_asp.physics.geometry import (
+    Outline,
+    Point,
+    cavity,
+    hull,
+    inside_by,
+    intersection,
+    outline,
+    rectangle,
+    yaw_of,
+)
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.solids import volume
+
+CONTACT = 0.002
+BALANCE = 1e-6
+TABLE = ""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A body rests on another (or on the table, `TABLE`) where their outlines, seen from above, overlap."""
+
+    support: str
+    region: Outline
+
+
+def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[Contact]:
+    """Return what a body rests on: tops, floors of containers and the table that it touches from above."""
+    bottom = situation.bottom(entity)
+    below = outline(situation.shape(entity), situation.pose(entity))
+    found = []
+    for support, height in _tops(situation, others):
+        if support != entity and abs(bottom - height) <= CONTACT:
+            region = intersection(below, _top(situation, support))
+            if region:
+                found.append(Contact(support, region))
+    return found
+
+
+def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> float:
+    """Return the height of the highest top under a body that is let down from where it is, in metres."""
+    below = outline(situation.shape(entity), situation.pose(entity))
+    bottom = situation.bottom(entity) + CONTACT
+    heights = [
+        height
+        for support, height in _tops(situation, others)
+        if support != entity and height <= bottom and intersection(below, _top(situation, support))
+    ]
+    return max(heights, default=0.0)
+
+
+def unsupported(situation: Situation, entities: Iterable[str], held: str | None) -> str | None:
+    """Return a body that would fall or tip over, None where all stay; a held body stays, and bears what is on it."""
+    bodies = list(entities)
+    resting = {body: contacts(situation, body, bodies) for body in bodies if body != held}
+    for body in bodies:
+        if body == held or body in situation.scene.fixed:
+            continue
+        if not resting[body] or inside_by(_base(resting[body]), _balance_point(situation, body, resting)) < -BALANCE:
+            return body
+    return None
+
+
+def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str]:
+    """Return the bodies that rest on or in a body, directly or not, and so move with it."""
+    candidates = list(others)
+    found = [entity]
+    for current in found:
+        found += [
+            other
+            for other in candidates
+            if other not in found and any(c.support == current for c in contacts(situation, other, [current]))
+        ]
+    return found[1:]
+
+
+def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, float]]:
+    """Yield every surface that a body can rest on: its owner and its height in metres."""
+    yield TABLE, 0.0
+    for other in others:
+        shape = situation.shape(other)
+        if shape.kind == "container":
+            yield other, situation.bottom(other) + shape.wall
+        elif shape.kind != "sphere":
+            yield other, situation.top(other)
+
+
+def _top(situation: Situation, support: str) -> Outline:
+    """Return the outline of the surface of a support, a container's floor between its walls."""
+    if support == TABLE:
+        x, y = situation.scene.table.centre
+        size_x, size_y = situation.scene.table.size
+        return rectangle(x, y, size_x / 2, size_y / 2, 0.0)
+    shape, pose = situation.shape(support), situation.pose(support)
+    if shape.kind != "container":
+        return outline(shape, pose)
+    inner = cavity(shape)
+    x, y, _ = pose.position
+    return rectangle(x, y, inner[0] / 2, inner[1] / 2, yaw_of(pose.quaternion))
+
+
+def _base(touching: Iterable[Contact]) -> Outline:
+    """Return the outline within which the centre of mass has to lie."""
+    return hull([point for contact in touching for point in contact.region])
+
+
+def _balance_point(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> Point:
+    """Return the centre of mass of a body and of all that rests on it, seen from above.
+
+    Of a body that bridges several supports each is taken to bear all of it.
+    """
+    pile = [body]
+    for current in pile:
+        pile += [
+            other
+            for other, touching in resting.items()
+            if other not in pile and any(contact.support == current for contact in touching)
+        ]
+    masses = [volume(situation.shape(member)) for member in pile]
+    places = [situation.pose(member).position for member in pile]
+    total = sum(masses)
+    x = sum(mass * place[0] for mass, place in zip(masses, places, strict=True)) / total
+    y = sum(mass * place[1] for mass, place in zip(masses, places, strict=True)) / total
+    return (x, y)

@@ -1,0 +1,117 @@
+"""Look for a witness of a task: restarts from new first states, samples at each action, cheap checks first."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import SceneError
+from prag_asp.physics.actions import advance
+from prag_asp.physics.facts import Effect, Problem, problem
+from prag_asp.physics.proofs import impossibility
+from prag_asp.physics.search import CAUSES, Failure, Search, Snapshot
+from prag_asp.physics.simulator import Simulator, open_simulator
+from prag_asp.physics.start import draw_start
+from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
+from prag_asp.space.task import Task
+
+
+class Validator:
+    """Validates tasks of one scene in one simulator; use `open_validator`, which closes it."""
+
+    def __init__(self, simulator: Simulator):
+        self._simulator = simulator
+
+    def validate(self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
+        """Return the verdict on a task; it depends on nothing but the arguments and the scene.
+
+        Raises:
+            SceneError: the task speaks about something for which the scene has no shape.
+        """
+        budget = budget or Budget()
+        seen = problem(task, self._simulator.scene)
+        if len(seen.effects) != len(task.states):
+            raise SceneError(f"the task {task} has {len(task.states)} states for {len(seen.effects)} actions")
+        reason = impossibility(seen, self._simulator.scene)
+        if reason is not None:
+            return Verdict("infeasible", budget, seed, index, reason=reason)
+        rng = np.random.default_rng([seed, index])
+        return self._look(seen, Search(self._simulator, seen.objects, rng), budget, seed, index)
+
+    def _look(self, seen: Problem, search: Search, budget: Budget, seed: int, index: int) -> Verdict:
+        """Search for a witness within a budget."""
+        causes: Counter[str] = Counter()
+        for restart in range(budget.restarts):
+            witness = _attempt(seen, search, budget.samples, causes)
+            if witness is not None:
+                return Verdict(
+                    "feasible", budget, seed, index, causes=_ordered(causes), restarts=restart + 1, witness=witness
+                )
+        reason = causes.most_common(1)[0][0]
+        return Verdict(
+            "not_found", budget, seed, index, reason=reason, causes=_ordered(causes), restarts=budget.restarts
+        )
+
+
+@contextmanager
+def open_validator(scene: Scene) -> Iterator[Validator]:
+    """Open a validator, and close its simulator afterwards."""
+    with open_simulator(scene) as simulator:
+        yield Validator(simulator)
+
+
+def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
+    """Return the verdict on one task; open a validator to check many.
+
+    Raises:
+        SceneError: the task speaks about something for which the scene has no shape.
+    """
+    with open_validator(scene) as validator:
+        return validator.validate(task, seed=seed, index=index, budget=budget)
+
+
+def _attempt(seen: Problem, search: Search, samples: int, causes: Counter[str]) -> Witness | None:
+    """Return a witness found from one first state, None where an action fails in all its samples."""
+    snapshot = _start(search, seen, samples, causes)
+    if snapshot is None:
+        return None
+    moments, motions = [snapshot.moment()], []
+    for effect in seen.effects:
+        outcome = _step(search, snapshot, effect, samples, causes)
+        if outcome is None:
+            return None
+        snapshot, waypoints = outcome
+        moments.append(snapshot.moment())
+        motions.append(waypoints)
+    return Witness(tuple(moments), tuple(motions))
+
+
+def _start(search: Search, seen: Problem, samples: int, causes: Counter[str]) -> Snapshot | None:
+    """Return a first state, None where all samples fail."""
+    for _ in range(samples):
+        try:
+            return draw_start(search, seen)
+        except Failure as failure:
+            causes[str(failure)] += 1
+    return None
+
+
+def _step(
+    search: Search, snapshot: Snapshot, effect: Effect, samples: int, causes: Counter[str]
+) -> tuple[Snapshot, tuple[Waypoint, ...]] | None:
+    """Return what an action leads to, None where all samples fail."""
+    for attempt in range(samples):
+        try:
+            return advance(search, snapshot, effect, attempt)
+        except Failure as failure:
+            causes[str(failure)] += 1
+    return None
+
+
+def _ordered(causes: Counter[str]) -> dict[str, int]:
+    """Return counts in the order of the checks."""
+    return {cause: causes[cause] for cause in CAUSES if causes[cause]}

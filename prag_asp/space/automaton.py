@@ -1,0 +1,227 @@
+"""Deterministic automata as arrays: exact counts, words in order, ranks, and words drawn by weight.
+
+Every level of a task space is the set of words of one automaton: plans and tasks over actions, skeletons over names.
+"""
+
+from __future__ import annotations
+
+import random
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import accumulate
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Word = tuple[int, ...]
+"""Letters of an automaton, by number."""
+
+
+
+@dataclass(frozen=True)
+class Automaton:
+    """A deterministic automaton whose words are the paths from state 0 to an accepting state.
+
+    The edges of state s are the rows ``offsets[s]:offsets[s + 1]`` of `letters` and `targets`, in order of the letters,
+    which are numbers. `accepting` has shape (states,), `weights` (edges,) with a positive or zero int for each edge, or
+    is None where all weigh 1. An automaton without states has no words. `horizon` is the length up to which its words
+    are complete, None where all are.
+    """
+
+    offsets: NDArray[np.int64]
+    letters: NDArray[np.int64]
+    targets: NDArray[np.int64]
+    accepting: NDArray[np.bool_]
+    weights: NDArray[Any] | None = None
+    horizon: int | None = None
+
+    @property
+    def states(self) -> int:
+        """The number of states."""
+        return len(self.accepting)
+
+    @cached_property
+    def sources(self) -> NDArray[np.int64]:
+        """The source of each edge."""
+        return np.repeat(np.arange(self.states), np.diff(self.offsets))
+
+    def step(self, state: int, letter: int) -> int | None:
+        """Return the edge that a state has for a letter, if any."""
+        first, last = int(self.offsets[state]), int(self.offsets[state + 1])
+        edge = first + int(np.searchsorted(self.letters[first:last], letter))
+        return edge if edge < last and self.letters[edge] == letter else None
+
+
+def accepts(automaton: Automaton, word: Sequence[int]) -> bool:
+    """Return whether a word belongs to the automaton."""
+    state = 0
+    if not automaton.states:
+        return False
+    for letter in word:
+        edge = automaton.step(state, letter)
+        if edge is None:
+            return False
+        state = int(automaton.targets[edge])
+    return bool(automaton.accepting[state])
+
+
+class Completions:
+    """For each number of letters left, the weight of all words that complete a path from each state.
+
+    Exact: 64-bit integers as long as nothing can overflow them, Python integers from then on.
+    """
+
+    def __init__(self, automaton: Automaton) -> None:
+        self.automaton = automaton
+        self._rows: list[NDArray[Any]] = [automaton.accepting.astype(np.int64)]
+        degrees = np.diff(automaton.offsets)
+        heaviest = 1 if automaton.weights is None else max((int(w) for w in automaton.weights), default=1)
+        self._growth = int(degrees.max(initial=0)) * heaviest
+        self._inhabited = np.flatnonzero(degrees)
+
+    def row(self, left: int) -> NDArray[Any]:
+        """Return the weights for `left` letters, shape (states,), of dtype int64 or object."""
+        while len(self._rows) <= left:
+            self._rows.append(self.following(self._rows[-1]))
+        return self._rows[left]
+
+    def last_row(self, left: int) -> NDArray[Any]:
+        """Return the same as `row` without keeping the rows before it."""
+        row = self._rows[min(left, len(self._rows) - 1)]
+        for _ in range(left - len(self._rows) + 1):
+            row = self.following(row)
+        return row
+
+    def following(self, row: NDArray[Any]) -> NDArray[Any]:
+        """Return the row for one more letter."""
+        automaton = self.automaton
+        if row.dtype != object and int(row.max(initial=0)) * self._growth >= 2**62:
+            row = row.astype(object)
+        terms = row[automaton.targets]
+        if automaton.weights is not None:
+            terms = terms * (automaton.weights if terms.dtype == object else automaton.weights.astype(np.int64))
+        result = np.zeros(automaton.states, dtype=row.dtype)
+        if len(self._inhabited):
+            result[self._inhabited] = np.add.reduceat(terms, automaton.offsets[self._inhabited])
+        return result
+
+
+def count_words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> int:
+    """Return the weight of all words of a length whose first letters satisfy `prefix`."""
+    automaton = completions.automaton
+    if not automaton.states or len(prefix) > length:
+        return 0
+    reached: dict[int, int] = {0: 1}
+    for allowed in prefix:
+        following: dict[int, int] = {}
+        for state, weight in reached.items():
+            for edge in range(int(automaton.offsets[state]), int(automaton.offsets[state + 1])):
+                if allowed(int(automaton.letters[edge])):
+                    target = int(automaton.targets[edge])
+                    factor = 1 if automaton.weights is None else int(automaton.weights[edge])
+                    following[target] = following.get(target, 0) + weight * factor
+        reached = following
+    row = completions.last_row(length - len(prefix))
+    return sum(weight * int(row[state]) for state, weight in reached.items())
+
+
+def words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> Iterator[Word]:
+    """Yield the words of a length in order, lazily; `prefix` as in `count_words`."""
+    automaton = completions.automaton
+    if not automaton.states or len(prefix) > length or not completions.row(length)[0]:
+        return
+    word: list[int] = []
+    waiting = [iter(range(int(automaton.offsets[0]), int(automaton.offsets[1])))]
+    if length == 0:
+        yield ()
+        return
+    while waiting:
+        edge = next(waiting[-1], None)
+        if edge is None:
+            waiting.pop()
+            if word:
+                word.pop()
+            continue
+        letter, target = int(automaton.letters[edge]), int(automaton.targets[edge])
+        left = length - len(word) - 1
+        if len(word) < len(prefix) and not prefix[len(word)](letter) or not completions.row(left)[target]:
+            continue
+        if left == 0:
+            yield (*word, letter)
+        else:
+            word.append(letter)
+            waiting.append(iter(range(int(automaton.offsets[target]), int(automaton.offsets[target + 1]))))
+
+
+class Ranking:
+    """The words of one length in lexicographic order of their letters, each with its weight's share of the ranks.
+
+    Without weights, `unrank` and `rank` are the usual bijection (Nijenhuis and Wilf 1978); with integer weights, a
+    word of weight w owns w consecutive ranks, so that a uniform rank draws words by weight.
+    """
+
+    def __init__(self, completions: Completions, length: int) -> None:
+        self._completions = completions
+        self._length = length
+        self._sums: dict[tuple[int, int], list[int]] = {}
+        self.total = count_words(completions, length)
+        completions.row(length)
+
+    def _partial_sums(self, state: int, left: int) -> list[int]:
+        """Return the running totals of the weights behind the edges of a state with `left` letters to go."""
+        found = self._sums.get((state, left))
+        if found is None:
+            automaton = self._completions.automaton
+            edges = slice(int(automaton.offsets[state]), int(automaton.offsets[state + 1]))
+            behind = self._completions.row(left - 1)[automaton.targets[edges]].tolist()
+            if automaton.weights is not None:
+                behind = [int(w) * int(b) for w, b in zip(automaton.weights[edges], behind, strict=True)]
+            found = self._sums[state, left] = list(accumulate(behind))
+        return found
+
+    def unrank(self, rank: int) -> Word:
+        """Return the word that owns a rank from 0 to total - 1."""
+        automaton = self._completions.automaton
+        word, state = [], 0
+        for left in range(self._length, 0, -1):
+            sums = self._partial_sums(state, left)
+            branch = bisect_right(sums, rank)
+            edge = int(automaton.offsets[state]) + branch
+            rank -= sums[branch - 1] if branch else 0
+            if automaton.weights is not None:
+                rank //= int(automaton.weights[edge])
+            word.append(int(automaton.letters[edge]))
+            state = int(automaton.targets[edge])
+        return tuple(word)
+
+    def rank(self, word: Sequence[int]) -> int | None:
+        """Return the rank of a word in an automaton without weights, or None where it is no word of it."""
+        automaton = self._completions.automaton
+        rank, state = 0, 0
+        if len(word) != self._length or not accepts(automaton, word):
+            return None
+        for left, letter in zip(range(self._length, 0, -1), word, strict=True):
+            edge = automaton.step(state, letter)
+            assert edge is not None
+            branch = edge - int(automaton.offsets[state])
+            rank += self._partial_sums(state, left)[branch - 1] if branch else 0
+            state = int(automaton.targets[edge])
+        return rank
+
+    def weight(self, word: Sequence[int]) -> int:
+        """Return the weight of a word of the automaton."""
+        automaton = self._completions.automaton
+        weight, state = 1, 0
+        for letter in word:
+            edge = automaton.step(state, letter)
+            assert edge is not None
+            weight *= 1 if automaton.weights is None else int(automaton.weights[edge])
+            state = int(automaton.targets[edge])
+        return weight
+
+    def draw(self, generator: random.Random) -> Word:
+        """Return a word drawn with a probability proportional to its weight, exactly."""
+        return self.unrank(generator.randrange(self.total))

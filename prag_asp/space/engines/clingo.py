@@ -1,0 +1,151 @@
+"""The clingo engine: unroll all steps and enumerate answer sets. It is the reference, and takes any rules."""
+
+from __future__ import annotations
+
+import random
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import accumulate
+from math import lcm
+
+import clingo
+
+from prag_asp.domain.grounding import Grounder
+from prag_asp.domain.sources import Program
+from prag_asp.errors import QueryError
+from prag_asp.logic.ground import unrolled
+from prag_asp.logic.model import Model
+from prag_asp.logic.program import action_name
+from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
+from prag_asp.space.weights import Weights, refuse_unequal
+
+POLL = 0.2
+"""Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
+
+
+class ClingoEngine:
+    """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
+
+    def __init__(self, model: Model, level: Level, progress: Progress | None = None) -> None:
+        self._model = model
+        self._level = level
+        self._progress = progress
+        self._unrolled: tuple[int, _Unrolled] | None = None
+        actions = model.domain.facts.actions
+        self._names = sorted({action_name(action) for action in actions})
+        self._letters = self._names if level == "skeleton" else [str(action) for action in actions]
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length, by enumerating them all."""
+        if self._progress:
+            self._progress(f"enumerating answer sets for length {length}")
+        plans = self._plans(length)
+        assumptions = plans.assume(prefix)
+        return 0 if assumptions is None else plans.count(assumptions)
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily: by one search for each way to go on."""
+        plans = self._plans(length)
+        word: list[str] = []
+
+        def below() -> Iterator[Letters]:
+            assumptions = plans.assume((*word, *prefix[len(word) :]))
+            if assumptions is None or not plans.satisfiable(assumptions):
+                return
+            if len(word) == length:
+                yield tuple(word)
+                return
+            for letter in self._letters:
+                word.append(letter)
+                if self._fits(letter, prefix[len(word) - 1 : len(word)]):
+                    yield from below()
+                word.pop()
+
+        return below()
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        if not all(letter in self._letters for letter in word):
+            return False
+        plans = self._plans(len(word))
+        assumptions = plans.assume(word)
+        return assumptions is not None and plans.satisfiable(assumptions)
+
+    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
+        """Yield words drawn independently, each with a probability proportional to its weight, without end."""
+        if self._level == "task" and weights:
+            refuse_unequal(weights, self._model.groups(length))
+        everything = list(self.words(length))
+        weighed = [weights.of_plan([clingo.parse_term(action) for action in word]) for word in everything]
+        sums = list(accumulate(weighed))
+        if not sums or not sums[-1]:
+            raise QueryError(f"there is no {self._level} of length {length} to draw")
+        unit = Fraction(1, lcm(*(weight.denominator for weight in weighed)))
+        total = int(sums[-1] / unit)
+        while True:
+            at = bisect_right(sums, generator.randrange(total) * unit)
+            yield Draw(everything[at], weighed[at] / sums[-1])
+
+    def _fits(self, letter: str, wanted: Letters) -> bool:
+        return not wanted or wanted[0] in (letter, letter.partition("(")[0])
+
+    def _plans(self, length: int) -> _Unrolled:
+        if self._unrolled is None or self._unrolled[0] != length:
+            program = self._model.program if self._level == "plan" else self._model.task_program(length)
+            self._unrolled = (length, _Unrolled(program, length, self._level))
+        return self._unrolled[1]
+
+
+class _Unrolled:
+    """The ground program of all plans of one length."""
+
+    def __init__(self, program: Program, length: int, level: Level) -> None:
+        projected = "named(N,t) : named(N,t)" if level == "skeleton" else "occurs(A,t) : occurs(A,t)"
+        grounder = Grounder(program, "0", "--project=project", "--stats")
+        self._control = grounder.control
+        self._control.add("step", ["t"], f"#project {projected}.")
+        grounder.ground([("base", [])])
+        grounder.ground(unrolled(length))
+        self._length = length
+
+    def assume(self, letters: Sequence[str]) -> list[int] | None:
+        """Return the literals that say that a word begins with `letters`, or None where it cannot."""
+        if len(letters) > self._length:
+            return None
+        found = []
+        for step, letter in enumerate(letters, 1):
+            predicate = "named" if "(" not in letter and self._is_name(letter, step) else "occurs"
+            symbol = clingo.Function(predicate, [clingo.parse_term(letter), clingo.Number(step)])
+            atom = self._control.symbolic_atoms[symbol]
+            if atom is None:
+                return None
+            found.append(atom.literal)
+        return found
+
+    def _is_name(self, letter: str, step: int) -> bool:
+        symbol = clingo.Function("named", [clingo.parse_term(letter), clingo.Number(step)])
+        return self._control.symbolic_atoms[symbol] is not None
+
+    def satisfiable(self, assumptions: Sequence[int]) -> bool:
+        """Return whether some answer set satisfies the literals."""
+        return self._solve(assumptions, 1) > 0
+
+    def count(self, assumptions: Sequence[int]) -> int:
+        """Return the number of projected answer sets that satisfy the literals."""
+        return self._solve(assumptions, 0)
+
+    def _solve(self, assumptions: Sequence[int], limit: int) -> int:
+        solving = self._control.configuration.solve
+        assert isinstance(solving, clingo.Configuration)
+        solving.models = str(limit)
+        with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
+            try:
+                while not handle.wait(POLL):
+                    pass
+            except BaseException:
+                handle.cancel()
+                raise
+            handle.get()
+        # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
+        return int(self._control.statistics["summary"]["models"]["enumerated"])
