@@ -62,8 +62,7 @@ class Problem(NamedTuple):
         return f"{self.key}: {self.message}"
 
 
-@dataclass(frozen=True)
-class Shape:
+class Shape(NamedTuple):
     """A body: its kind (a key of `SHAPE_KEYS`), the size of its bounding box in metres, a container's wall."""
 
     kind: str
@@ -91,7 +90,7 @@ class Scene:
 
     `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where objects are
     put (low x, high x, low y, high y), `fixed` holds x, y in metres and yaw in radians of what never moves,
-    `predicates` maps fluent names to spatial predicates, `rotations` entities to yaws in radians. With `frame`
+    `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in radians. With `frame`
     "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone who faces the robot.
     """
 
@@ -396,12 +395,11 @@ class _Reader:
         return {fluent: str(predicate) for fluent, predicate in value.items()}
 
     def rotations(self, value: Mapping[str, Any]) -> dict[str, float]:
-        """Return the yaw in radians that an entity stands for."""
+        """Return the yaw in radians that a name stands for."""
         rotations = {}
-        for entity, yaw in value.items():
-            if self.known_entity(f"scene.rotations.{entity}", entity):
-                if _is_number(yaw):
-                    rotations[entity] = math.radians(yaw)
-                else:
-                    self.add(f"scene.rotations.{entity}", f"needs a yaw in degrees; got {yaw!r}")
+        for name, yaw in value.items():
+            if _is_number(yaw):
+                rotations[name] = math.radians(yaw)
+            else:
+                self.add(f"scene.rotations.{name}", f"needs a yaw in degrees; got {yaw!r}")
         return rotations

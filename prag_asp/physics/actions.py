@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.arm import LIFT, Configuration, configure, descend, free, grasps
+from prag_asp.physics.arm import LIFT, Configuration, collide, configure, descend, grasps
 from prag_asp.physics.collisions import colliding
 from prag_asp.physics.facts import Effect, Fact
 from prag_asp.physics.geometry import Pose, cavity, compose, invert, multiply, raised, yaw_of, yaw_quaternion
@@ -18,6 +18,7 @@ from prag_asp.physics.search import (
     OBJECTS_COLLIDE,
     RELATION,
     UNSUPPORTED,
+    Exhausted,
     Failure,
     Search,
     Snapshot,
@@ -35,7 +36,10 @@ def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) ->
 
     Raises:
         Failure: this attempt found none.
+        Exhausted: earlier attempts were all that there are.
     """
+    if attempt > 0 and not effect.moved and effect.grasps is None and effect.visits is None:
+        raise Exhausted
     start = snapshot
     for entity in effect.moved:
         if entity not in (effect.holds, effect.grasps, effect.releases):
@@ -129,7 +133,9 @@ def _visit(
 ) -> Snapshot:
     """Lower the open gripper to an object."""
     options = grasps(search, snapshot.situation, entity)
-    tool, _ = options[attempt % len(options)]
+    if attempt >= len(options):
+        raise Exhausted
+    tool, _ = options[attempt]
     opening = search.robot.opening
     wanted = Configuration(snapshot.situation.poses, opening, entity)
     at, above = descend(search, tool, wanted, wanted)
@@ -302,7 +308,8 @@ def _moved_arm(
 def _require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:
     """Check that the arm of a snapshot is free of collisions."""
     touched = touched or snapshot.held
-    if not free(search, snapshot.joints, Configuration(snapshot.situation.poses, snapshot.situation.width, touched)):
+    wanted = Configuration(snapshot.situation.poses, snapshot.situation.width, touched)
+    if collide(search, snapshot.joints, wanted) is not None:
         raise Failure(ARM_COLLIDES)
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from prag_asp.physics.collisions import arm_collision
+from prag_asp.physics.collisions import ArmCollision, arm_collision
 from prag_asp.physics.geometry import Pose, multiply, raised, width_along, yaw_of, yaw_quaternion
 from prag_asp.physics.kinematics import inverse
 from prag_asp.physics.robot import Joints
@@ -75,8 +75,11 @@ def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | 
     if not solutions:
         raise Failure(NO_KINEMATICS_AT)
     for joints in solutions:
-        if free(search, joints, wanted):
+        collision = collide(search, joints, wanted)
+        if collision is None:
             return joints
+        if collision.by_hand:
+            break
     raise Failure(ARM_COLLIDES)
 
 
@@ -91,17 +94,20 @@ def descend(search: Search, tool: Pose, at: Configuration, above: Configuration)
         raise Failure(NO_KINEMATICS_AT)
     cause = ARM_COLLIDES
     for low in solutions:
-        if not free(search, low, at):
+        collision = collide(search, low, at)
+        if collision is not None and collision.by_hand:
+            break
+        if collision is not None:
             continue
         for high in inverse(search.robot, raised(tool, LIFT), near=low)[:2]:
             if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
                 continue
-            if free(search, high, above):
+            if collide(search, high, above) is None:
                 return low, high
         cause = NO_KINEMATICS_ABOVE
     raise Failure(cause)
 
 
-def free(search: Search, joints: Joints, wanted: Configuration) -> bool:
-    """Tell whether the arm is free of collisions."""
-    return arm_collision(search.simulator, wanted.poses, joints, wanted.width, wanted.touched) is None
+def collide(search: Search, joints: Joints, wanted: Configuration) -> ArmCollision | None:
+    """Return what the arm collides with, None where it is free."""
+    return arm_collision(search.simulator, wanted.poses, joints, wanted.width, wanted.touched)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
@@ -10,6 +11,13 @@ from prag_asp.physics.simulator import COLLISION, Simulator
 from prag_asp.physics.situation import Situation
 
 BASE_LINK = -1
+
+
+class ArmCollision(NamedTuple):
+    """What the arm collides with, and whether the hand does: then no other arm configuration helps."""
+
+    other: str
+    by_hand: bool
 
 
 def boxes_meet(situation: Situation, one: str, two: str, spacing: float = 0.0) -> bool:
@@ -44,17 +52,18 @@ def colliding(
 
 def arm_collision(
     simulator: Simulator, poses: Mapping[str, Pose], joints: Joints, width: float, touched: str | None
-) -> str | None:
+) -> ArmCollision | None:
     """Return what the arm collides with, None where it is free; the fingers may touch the object `touched`."""
     simulator.place(poses)
     simulator.pose_arm(joints, width)
-    if any(gap < COLLISION and link > BASE_LINK for link, gap in simulator.arm_contacts(simulator.table)):
-        return "the table"
-    fingers = simulator.robot.finger_links
+    robot = simulator.robot
+    for link, gap in simulator.arm_contacts(simulator.table):
+        if gap < COLLISION and link > BASE_LINK:
+            return ArmCollision("the table", link > robot.flange_link)
     for entity in poses:
         for link, gap in simulator.arm_contacts(simulator.body(entity)):
-            if gap < COLLISION and not (entity == touched and link in fingers):
-                return entity
+            if gap < COLLISION and not (entity == touched and link in robot.finger_links):
+                return ArmCollision(entity, link > robot.flange_link)
     if simulator.self_overlap() < COLLISION:
-        return "itself"
+        return ArmCollision("itself", False)
     return None

@@ -16,7 +16,8 @@ from prag_asp.physics.geometry import Pose, matrix
 from prag_asp.physics.robot import Joints, Robot
 
 ACCURACY = 1e-5
-SWEEP = np.linspace(-2.8, 2.8, 41)
+SWEEP = tuple(np.linspace(-2.8, 2.8, 33).tolist())
+NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
 WEIGHTS = np.array([1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3])
 MAX_SOLUTIONS = 4
 
@@ -42,9 +43,9 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> list[Joints
     target = matrix(tool)
     flange = target @ _from_tool(robot)
     start = np.asarray(near if near is not None else _facing(robot, tool))
-    found = np.concatenate([frankik.ik_full(flange, start, float(angle)) for angle in SWEEP])
-    found = found[np.isfinite(found).all(axis=1)]
-    found = found[((found >= robot.lower) & (found <= robot.upper)).all(axis=1)]
+    angles = SWEEP if near is None else tuple(near[6] + angle for angle in NARROW)
+    found = np.concatenate([frankik.ik_full(flange, start, angle) for angle in angles])
+    found = found[((found >= robot.lower) & (found <= robot.upper)).all(axis=1)]  # NaN compares false
     weights = WEIGHTS if near is None else 1.0
     order = np.argsort((((found - start) * weights) ** 2).sum(axis=1), kind="stable")
     solutions: list[Joints] = []

@@ -15,6 +15,7 @@ from prag_asp.physics.support import TABLE
 
 TRIES = 30
 SPACING = 0.01
+FINGER_ROOM = 0.025
 JITTER = 0.05
 EDGE = 0.02
 
@@ -68,7 +69,7 @@ def draw_pose(
     Raises:
         Failure: the volume is empty, or nothing drawn from it satisfies the facts or is free.
     """
-    about = relevant(facts, entity, situation)
+    about = sorted(relevant(facts, entity, situation), key=lambda fact: not fact.value)
     wanted = [fact for fact in about if fact.value]
     yaw = _draw_yaw(search, situation, support, _volume(situation, entity, wanted, (0.0, 0.0, 0.0)))
     quaternion = yaw_quaternion(yaw)
@@ -77,14 +78,18 @@ def draw_pose(
     if volume.empty:
         raise Failure(EMPTY_VOLUME)
     (low_x, low_y, z), (high_x, high_y, _) = volume.low, volume.high
+    neighbours = [
+        other for other in situation.poses if support == TABLE or situation.shape(other).kind != "container"
+    ]
     cause = RELATION
-    for _ in range(TRIES):
+    for attempt in range(TRIES):
         pose = Pose((search.uniform(low_x, high_x), search.uniform(low_y, high_y), z), quaternion)
         trial = situation.with_pose(entity, pose)
-        if not all(fact.satisfied(trial) for fact in about):
-            continue
-        if support == TABLE and any(boxes_meet(trial, entity, other, SPACING) for other in situation.poses):
+        if any(boxes_meet(trial, entity, other, _spacing(support, attempt)) for other in neighbours):
             cause = OBJECTS_COLLIDE
+            continue
+        if not all(fact.satisfied(trial) for fact in about):
+            cause = RELATION
             continue
         return Pose((pose.position[0], pose.position[1], z + height), quaternion)
     raise Failure(cause)
@@ -118,14 +123,31 @@ def _surface(
     """Return where an object can be put down on a support: all of a top or floor, the workspace of the table."""
     z = surface_height(situation, support) + half[2]
     if support != TABLE:
-        name = "inside" if situation.shape(support).kind == "container" else "on_top"
-        return PREDICATES[name].volume(situation, (entity, support), half)
+        if situation.shape(support).kind == "container":
+            return _roomier(PREDICATES["inside"].volume(situation, (entity, support), half))
+        return PREDICATES["on_top"].volume(situation, (entity, support), half)
     low_x, high_x, low_y, high_y = situation.scene.workspace
     if any(fact.predicate.name == "reachable" and not fact.value for fact in about):
         (x, y), (size_x, size_y) = situation.scene.table.centre, situation.scene.table.size
         low_x, high_x = x - size_x / 2 + half[0] + EDGE, x + size_x / 2 - half[0] - EDGE
         low_y, high_y = y - size_y / 2 + half[1] + EDGE, y + size_y / 2 - half[1] - EDGE
     return Volume((low_x, low_y, z), (high_x, high_y, z))
+
+
+def _spacing(support: str, attempt: int) -> float:
+    """Return how far an object should be from others in metres: wide apart first, on the table never close."""
+    if support != TABLE:
+        return 0.0
+    return FINGER_ROOM if attempt < TRIES // 2 else SPACING
+
+
+def _roomier(volume: Volume) -> Volume:
+    """Return a volume that leaves room for a finger at the walls of a container, as far as there is some."""
+    (low_x, low_y, z), (high_x, high_y, _) = volume.low, volume.high
+    x, y = min(FINGER_ROOM, (high_x - low_x) / 2), min(FINGER_ROOM, (high_y - low_y) / 2)
+    if x < 0.0 or y < 0.0:
+        return volume
+    return Volume((low_x + x, low_y + y, z), (high_x - x, high_y - y, z))
 
 
 def _draw_yaw(search: Search, situation: Situation, support: str, volume: Volume) -> float:

@@ -39,6 +39,10 @@ class Failure(Exception):
     """One attempt of the search failed; its argument is one of `CAUSES`. It never leaves the validator."""
 
 
+class Exhausted(Exception):
+    """There is nothing left to attempt: nothing of this action is drawn at random. It never leaves the validator."""
+
+
 @dataclass(frozen=True)
 class Search:
     """The simulator, the objects of the task, and the generator of random numbers of this task."""

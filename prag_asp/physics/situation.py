@@ -52,10 +52,13 @@ class Situation:
 
     def half(self, entity: str) -> Vector:
         """Return half the sides of the bounding box of an entity as it is turned, in metres."""
+        pose = self.poses.get(entity)
+        if pose is not None:
+            return extents(self.shape(entity), pose.quaternion)
         if self.is_table(entity):
             x, y = self.scene.table.size
             return (x / 2, y / 2, 0.0)
-        return extents(self.shape(entity), self.pose(entity).quaternion)
+        raise SceneError(f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}")
 
     def top(self, entity: str) -> float:
         """Return the height of the highest point of an entity in metres."""

@@ -42,7 +42,8 @@ def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[C
     found = []
     for support, height in _tops(situation, others):
         if support != entity and abs(bottom - height) <= CONTACT:
-            region = intersection(below, _top(situation, support))
+            region = below if support == TABLE and _on_table(situation, below) else ()
+            region = region or intersection(below, _top(situation, support))
             if region:
                 found.append(Contact(support, region))
     return found
@@ -108,6 +109,13 @@ def _top(situation: Situation, support: str) -> Outline:
     inner = cavity(shape)
     x, y, _ = pose.position
     return rectangle(x, y, inner[0] / 2, inner[1] / 2, yaw_of(pose.quaternion))
+
+
+def _on_table(situation: Situation, below: Outline) -> bool:
+    """Tell whether an outline lies wholly on the table top."""
+    x, y = situation.scene.table.centre
+    size_x, size_y = situation.scene.table.size
+    return all(abs(px - x) <= size_x / 2 and abs(py - y) <= size_y / 2 for px, py in below)
 
 
 def _base(touching: Iterable[Contact]) -> Outline:

@@ -13,7 +13,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.actions import advance
 from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.proofs import impossibility
-from prag_asp.physics.search import CAUSES, Failure, Search, Snapshot
+from prag_asp.physics.search import CAUSES, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.start import draw_start
 from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
@@ -107,6 +107,8 @@ def _step(
     for attempt in range(samples):
         try:
             return advance(search, snapshot, effect, attempt)
+        except Exhausted:
+            break
         except Failure as failure:
             causes[str(failure)] += 1
     return None

@@ -6,7 +6,6 @@ entity that it uses, once; an entity weighs what it and all its classes weigh to
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -22,6 +21,7 @@ from prag_asp.errors import QueryError
 from prag_asp.logic.program import action_name, mentioned_entities
 from prag_asp.logic.transition import Transition
 from prag_asp.space.automaton import Automaton
+from prag_asp.space.spelling import unknown
 
 Number = int | Fraction | Decimal | str
 
@@ -74,7 +74,7 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
         first, arrow, second = (part.strip() for part in key.partition(">"))
         if arrow:
             if first not in names or second not in names:
-                raise QueryError(_unknown(first if first not in names else second, sorted(names), "action"))
+                raise QueryError(unknown(first if first not in names else second, sorted(names), "action"))
             pairs[first, second] = weight
         elif sum(key in kind for kind in (names, classes, entities)) > 1:
             raise QueryError(f"weight of {key!r}: the name stands for more than one of action, class and entity")
@@ -89,7 +89,7 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
                 if (entity, key) in facts.memberships:
                     by_entity[entity] *= weight
         else:
-            raise QueryError(_unknown(key, sorted({*names, *classes, *entities}), "action, class or entity"))
+            raise QueryError(unknown(key, sorted({*names, *classes, *entities}), "action, class or entity"))
     return Weights(
         {key: weight for key, weight in found_names.items() if weight != 1},
         {key: weight for key, weight in pairs.items() if weight != 1},

@@ -1,0 +1,158 @@
+"""The task space of a domain at one length: the one face that users see."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from math import log
+
+from prag_asp.domain.atom import Atom
+from prag_asp.domain.load import Domain
+from prag_asp.errors import QueryError
+from prag_asp.logic.model import Model
+from prag_asp.space.engines import LEVELS, Engine, Level, select
+from prag_asp.space.engines.protocol import Progress
+from prag_asp.space.narrate import Narrator
+from prag_asp.space.prefix import parse_prefix
+from prag_asp.space.task import Task
+from prag_asp.space.weights import Number, Weights, parse_weights
+
+Prefix = Sequence[str | Atom]
+"""What a word begins with: for each of the first steps an action or the name of one."""
+
+
+class TaskSpace:
+    """All tasks of a domain with a given number of actions: counted, enumerated, tested and drawn exactly.
+
+    `engine` is ``automaton``, ``clingo`` or ``auto``. There is no ``len()``: counts outgrow it.
+
+    Raises:
+        QueryError: the length is negative, or there is no such engine.
+        EngineError: the engine asked for cannot express the domain; it is raised by the first question.
+    """
+
+    def __init__(self, domain: Domain, length: int, *, engine: str = "auto", progress: Progress | None = None) -> None:
+        self._shared = _Shared(Model(domain), engine, progress)
+        self.domain = domain
+        self.length = _checked(length)
+
+    def at(self, length: int) -> TaskSpace:
+        """Return the space of another length, which shares all that was computed."""
+        space = object.__new__(TaskSpace)
+        space._shared, space.domain, space.length = self._shared, self.domain, _checked(length)
+        return space
+
+    def __repr__(self) -> str:
+        return f"TaskSpace({self.domain.name!r}, length={self.length})"
+
+    def count(self, by: Level = "task", prefix: Prefix = ()) -> int:
+        """Return the exact number of plans, tasks or skeletons that begin with `prefix`.
+
+        Raises:
+            QueryError: no such level, or the prefix names no action of the domain.
+        """
+        return self._engine(by).count(self.length, self._prefix(by, prefix))
+
+    def words(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
+        """Yield plans, tasks or skeletons as texts of actions or as names, in rank order, lazily, each once.
+
+        Raises:
+            QueryError: no such level, or the prefix names no action of the domain.
+        """
+        return self._engine(by).words(self.length, self._prefix(by, prefix))
+
+    def tasks(self, prefix: Prefix = ()) -> Iterator[Task]:
+        """Yield the tasks that begin with `prefix`, in rank order, lazily, each once."""
+        return self.narrate(self.words("task", prefix))
+
+    def __iter__(self) -> Iterator[Task]:
+        return self.tasks()
+
+    def __contains__(self, task: object) -> bool:
+        if isinstance(task, Task):
+            task = task.actions
+        if not isinstance(task, Sequence) or len(task) != self.length:
+            return False
+        return self._engine("plan").contains(tuple(map(str, task)))
+
+    def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
+        """Yield the task of each of some valid plans, given as texts of actions."""
+        return self._shared.narrator.tasks((plan, None) for plan in plans)
+
+    def sample(
+        self, count: int, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"
+    ) -> list[Task]:
+        """Return tasks drawn independently, each with a probability proportional to its weight, exactly.
+
+        `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes those
+        of the domain, and an empty mapping draws uniformly. With ``by="plan"``, plans are drawn in place of tasks.
+
+        Raises:
+            QueryError: there is nothing to draw, or a weight fits nothing.
+        """
+        if count < 0:
+            raise QueryError(f"cannot draw {count} tasks; give a number of at least 0")
+        drawn = self.draw(seed=seed, weights=weights, by=by)
+        return [next(drawn) for _ in range(count)]
+
+    def draw(
+        self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"
+    ) -> Iterator[Task]:
+        """Yield tasks drawn as by `sample`, without end."""
+        if by == "skeleton":
+            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
+        found = self.weights(weights)
+        draws = self._engine(by).draws(self.length, random.Random(seed), found)
+        words = ((draw.word, _log(draw.probability)) for draw in draws)
+        return self._shared.narrator.tasks(words)
+
+    def weights(self, weights: Mapping[str, Number] | None = None) -> Weights:
+        """Return weights as the engines take them; None are those of the domain.
+
+        Raises:
+            QueryError: a weight fits nothing in the domain.
+        """
+        given = self.domain.settings.weights if weights is None else weights
+        return parse_weights(given, self.domain.facts)
+
+    def _engine(self, by: Level) -> Engine:
+        if by not in LEVELS:
+            raise QueryError(f"no level {by!r}; there are {', '.join(LEVELS)}")
+        return self._shared.engine_for(by)
+
+    def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
+        return parse_prefix([str(item) for item in prefix], by, self.domain.facts)
+
+
+@dataclass
+class _Shared:
+    """What the spaces of one domain share: its logic and its engines, made when first asked for."""
+
+    model: Model
+    engine: str
+    progress: Progress | None
+    engines: dict[Level, Engine] = field(default_factory=dict)
+
+    def engine_for(self, by: Level) -> Engine:
+        if by not in self.engines:
+            self.engines[by] = select(self.engine, self.model, by, self.progress)
+        return self.engines[by]
+
+    @cached_property
+    def narrator(self) -> Narrator:
+        return Narrator(self.model)
+
+
+def _checked(length: int) -> int:
+    if length < 0:
+        raise QueryError(f"length {length}: a plan has at least 0 actions")
+    return length
+
+
+def _log(probability: Fraction) -> float:
+    return log(probability.numerator) - log(probability.denominator)
+
+

@@ -1,0 +1,111 @@
+"""Domains as plain Python values, their text, and the plans that the definition allows: no code of the library.
+
+A plan is valid if some complete initial state that agrees with `initially` and satisfies the invariants executes it.
+So the set of all complete states that are still possible is carried along, and a plan is valid while it is not empty.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+State = tuple[bool, ...]
+Values = dict[int, bool | None]
+
+
+@dataclass(frozen=True)
+class Action:
+    name: str
+    before: Values
+    after: Values
+
+
+@dataclass(frozen=True)
+class Toy:
+    """A ground domain over the fluents f0, f1, ...; an unknown effect is None."""
+
+    fluents: int
+    actions: tuple[Action, ...]
+    initially: Values = field(default_factory=dict)
+    exclusive: tuple[tuple[int, int], ...] = ()
+    implies: tuple[tuple[int, int], ...] = ()
+    goal: Values = field(default_factory=dict)
+    never_after: tuple[tuple[int, int], ...] = ()
+    at_most: dict[str, int] = field(default_factory=dict)
+    blocked: tuple[tuple[int, int, int], ...] = ()
+
+    def text(self) -> str:
+        lines = [f"fluent(f{f})." for f in range(self.fluents)]
+        lines += [f"action({term(self, i)})." for i in range(len(self.actions))]
+        for i, action in enumerate(self.actions):
+            lines += [f"precondition({term(self, i)},f{f},{spelled(v)})." for f, v in action.before.items()]
+            lines += [f"postcondition({term(self, i)},f{f},{spelled(v)})." for f, v in action.after.items()]
+        lines += [f"initially(f{f},{spelled(v)})." for f, v in self.initially.items()]
+        lines += [f"exclusive(f{f},f{g})." for f, g in self.exclusive]
+        lines += [f"implies(f{f},f{g})." for f, g in self.implies]
+        lines += [f"goal(f{f},{spelled(v)})." for f, v in self.goal.items()]
+        lines += [f"at_most({name},{k})." for name, k in self.at_most.items()]
+        lines.append("#program step(t).")
+        lines += [f":- occurs({term(self, i)},t-1), occurs({term(self, j)},t)." for i, j in self.never_after]
+        lines += [
+            f":- occurs({term(self, i)},t), holds(f{f},true,t-1), not holds(f{g},true,t-1)."
+            for i, f, g in self.blocked
+        ]
+        return "\n".join(lines) + "\n"
+
+    def allowed(self, state: State) -> bool:
+        return not any(state[f] and state[g] for f, g in self.exclusive) and all(
+            state[g] for f, g in self.implies if state[f]
+        )
+
+    def start(self) -> frozenset[State]:
+        everything = itertools.product((False, True), repeat=self.fluents)
+        return frozenset(s for s in everything if self.allowed(s) and agrees(s, self.initially))
+
+    def after(self, states: frozenset[State], plan: tuple[int, ...], i: int) -> frozenset[State]:
+        action = self.actions[i]
+        if plan and (plan[-1], i) in self.never_after:
+            return frozenset()
+        names = Counter(self.actions[j].name for j in (*plan, i))
+        if any(names[name] > k for name, k in self.at_most.items()):
+            return frozenset()
+        found = set()
+        for state in states:
+            if not agrees(state, action.before):
+                continue
+            if any(i == j and state[f] and not state[g] for j, f, g in self.blocked):
+                continue
+            free = [f for f, v in action.after.items() if v is None]
+            for values in itertools.product((False, True), repeat=len(free)):
+                changed = {**action.after, **dict(zip(free, values, strict=True))}
+                after = tuple(bool(changed.get(f, state[f])) for f in range(self.fluents))
+                if self.allowed(after):
+                    found.add(after)
+        return frozenset(found)
+
+    def plans(self, length: int) -> Iterator[tuple[int, ...]]:
+        def extend(plan: tuple[int, ...], states: frozenset[State]) -> Iterator[tuple[int, ...]]:
+            if not states:
+                return
+            if len(plan) == length:
+                if any(agrees(state, self.goal) for state in states):
+                    yield plan
+                return
+            for i in range(len(self.actions)):
+                yield from extend((*plan, i), self.after(states, plan, i))
+
+        return extend((), self.start())
+
+
+def agrees(state: State, values: Values) -> bool:
+    return all(state[f] == v for f, v in values.items())
+
+
+def term(toy: Toy, i: int) -> str:
+    return f"{toy.actions[i].name}({i})"
+
+
+def spelled(value: bool | None) -> str:
+    return "unknown" if value is None else str(value).lower()

@@ -1,0 +1,20 @@
+"""Domains made from text, without the checks that would refuse the oddities that tests want."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from prag_asp.domain.facts import ground_facts
+from prag_asp.domain.load import Domain
+from prag_asp.domain.paths import data_folder
+from prag_asp.domain.settings import Settings
+from prag_asp.domain.sources import Program, Source, core_sources, read_sources
+
+ENCODINGS = data_folder("encodings")
+
+
+def domain_of(text: str, *rules: str) -> Domain:
+    """Return the domain of a text, with rules by their names."""
+    added = tuple(s for rule in rules for s in read_sources(ENCODINGS / "rules" / f"{rule}.lp", ENCODINGS))
+    program = Program((*core_sources(ENCODINGS), Source(Path("domain.lp"), text), *added))
+    return Domain("toy", Path(), ENCODINGS, program, ground_facts(program), Settings(Path("domain.toml")))
