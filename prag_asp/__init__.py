@@ -7,15 +7,21 @@
     >>> from prag_asp import TaskSpace, load_domain
     >>> TaskSpace(load_domain("prag"), length=15).count(by="skeleton", prefix=["approach"])
     191264896
+
+The names below are loaded when they are first used, so that the command starts at once.
 """
 
 from __future__ import annotations
 
-from prag_asp.domain.atom import Atom, parse_atom
-from prag_asp.domain.load import Domain, load_domain
-from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
-from prag_asp.space.task import Task
-from prag_asp.space.task_space import TaskSpace
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from prag_asp.domain.atom import Atom, parse_atom
+    from prag_asp.domain.load import Domain, load_domain
+    from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
+    from prag_asp.space.task import Task
+    from prag_asp.space.task_space import TaskSpace
 
 __all__ = [
     "Atom",
@@ -31,3 +37,22 @@ __all__ = [
     "load_domain",
     "parse_atom",
 ]
+
+_HOMES = {
+    "prag_asp.domain.atom": ("Atom", "parse_atom"),
+    "prag_asp.domain.load": ("Domain", "load_domain"),
+    "prag_asp.errors": ("DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError"),
+    "prag_asp.space.task": ("Task",),
+    "prag_asp.space.task_space": ("TaskSpace",),
+}
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'prag_asp' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

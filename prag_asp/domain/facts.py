@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from operator import itemgetter
 
 import clingo
 
@@ -99,10 +100,10 @@ def _by_action(control: clingo.Control, predicate: str) -> dict[clingo.Symbol, A
         found.setdefault(action, []).append((fluent, value))
     pairs = [pair for values in found.values() for pair in values]
     rank = {fluent: position for position, fluent in enumerate(sorted({fluent for fluent, _ in pairs}))}
-    spelled = {value: str(value) for _, value in pairs}
-    return {
-        action: tuple(
-            sorted(((fluent, spelled[value]) for fluent, value in found[action]), key=lambda each: (rank[each[0]], each[1]))
-        )
-        for action in sorted(found)
-    }
+    spelled = {value: str(value) for value in {value for _, value in pairs}}
+    table: dict[clingo.Symbol, Assignment] = {}
+    for action in sorted(found):
+        ranked = [(rank[fluent], spelled[value], fluent) for fluent, value in found[action]]
+        ranked.sort(key=itemgetter(0, 1))
+        table[action] = tuple((fluent, value) for _, value, fluent in ranked)
+    return table

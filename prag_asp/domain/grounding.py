@@ -10,7 +10,8 @@ import clingo
 from prag_asp.domain.sources import Program
 from prag_asp.errors import DomainError
 
-POSITION = re.compile(r"<(?:string|block)>:(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: *(?:error|info|warning): *")
+POSITION = re.compile(r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *")
+UNSAFE = re.compile(r"'([^']+)' is unsafe")
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
@@ -64,5 +65,8 @@ def located(program: Program, message: str) -> str:
     if not place:
         return " ".join(message.split())
     path, line = program.locate(int(place["line"]))
+    unsafe = sorted({"_" if name.startswith("#") else name for name in UNSAFE.findall(message)})
+    if unsafe:
+        return f"{path}:{line}: unsafe variable {', '.join(unsafe)}; bind it in the body by an atom without `not`"
     words = " ".join(POSITION.sub("", message).split())
     return f"{path}:{line}: {words}"

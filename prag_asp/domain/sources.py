@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from prag_asp.domain.tokens import blanked
 from prag_asp.errors import DomainError
 
-# Comments and strings are matched first, so that an include inside them is none.
-TOKENS = re.compile(r'%\*.*?\*%|%[^\n]*|"(?:\\.|[^"\\\n])*"|#include\s*(?:"(?P<file>[^"\n]*)"|<(?P<system>\w*)>)\s*\.', re.S)
+KEYWORD = re.compile(r"#include\b")
+INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
+
 
 
 @dataclass(frozen=True)
@@ -63,18 +65,19 @@ def read_sources(path: Path, encodings: Path, *, own: Path | None = None) -> tup
 
 def _read(path: Path, encodings: Path, own: Path, found: dict[Path, Source], above: tuple[Path, ...]) -> None:
     text = read_text(path)
-    blanked = []
+    pieces = []
     end = 0
-    for token in TOKENS.finditer(text):
-        if token["file"] is None and token["system"] is None:
-            continue
-        line = text.count("\n", 0, token.start()) + 1
-        target = _include(token["file"] or "", path, line, encodings, own)
+    for keyword in KEYWORD.finditer(blanked(text)):
+        line = text.count("\n", 0, keyword.start()) + 1
+        include = INCLUDE.match(text, keyword.start())
+        if include is None:
+            raise DomainError(f'{path}:{line}: unreadable #include; write it as #include "file.lp".')
+        target = _include(include["file"], path, line, encodings, own)
         if target.resolve() not in (*above, path.resolve()) and target.resolve() not in found:
             _read(target, encodings, own, found, (*above, path.resolve()))
-        blanked += [text[end : token.start()], re.sub(r"[^\n]", " ", token[0])]
-        end = token.end()
-    found[path.resolve()] = Source(path, "".join([*blanked, text[end:]]))
+        pieces += [text[end : include.start()], re.sub(r"[^\n]", " ", include[0])]
+        end = include.end()
+    found[path.resolve()] = Source(path, "".join([*pieces, text[end:]]))
 
 
 def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> Path:
@@ -95,7 +98,7 @@ def read_text(path: Path) -> str:
         DomainError: the file is missing, unreadable or not UTF-8.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise DomainError(f"{path}:{line}: not UTF-8 text; save the file as UTF-8") from None

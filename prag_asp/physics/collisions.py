@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from prag_asp.physics.geometry import Pose
+from prag_asp.physics.geometry import Pose, Vector
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.simulator import COLLISION, Simulator
 from prag_asp.physics.situation import Situation
 
+Box = tuple[Vector, Vector]
 BASE_LINK = -1
 
 
@@ -20,12 +21,15 @@ class ArmCollision(NamedTuple):
     by_hand: bool
 
 
-def boxes_meet(situation: Situation, one: str, two: str, spacing: float = 0.0) -> bool:
-    """Tell whether the bounding boxes of two bodies overlap, the first widened by `spacing` metres sideways."""
-    ax, ay, az = situation.pose(one).position
-    bx, by, bz = situation.pose(two).position
-    ahx, ahy, ahz = situation.half(one)
-    bhx, bhy, bhz = situation.half(two)
+def box(situation: Situation, entity: str) -> Box:
+    """Return the bounding box of a body: its centre and its half sides in metres."""
+    return situation.pose(entity).position, situation.half(entity)
+
+
+def boxes_meet(one: Box, two: Box, spacing: float = 0.0) -> bool:
+    """Tell whether two bounding boxes overlap, the first widened by `spacing` metres sideways."""
+    (ax, ay, az), (ahx, ahy, ahz) = one
+    (bx, by, bz), (bhx, bhy, bhz) = two
     return (
         abs(ax - bx) < ahx + bhx + spacing
         and abs(ay - by) < ahy + bhy + spacing
@@ -38,13 +42,13 @@ def colliding(
 ) -> tuple[str, str] | None:
     """Return two objects that collide, one of them moved, or a moved object and the table; None where none do."""
     simulator.place(situation.poses)
-    bodies, done = list(objects), set[str]()
+    boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in moved:
         done.add(one)
         if situation.bottom(one) < 0.0 and simulator.overlap(simulator.body(one), simulator.table) < COLLISION:
             return one, "the table"
-        for two in bodies:
-            if two not in done and boxes_meet(situation, one, two):
+        for two, other in boxes.items():
+            if two not in done and boxes_meet(boxes[one], other):
                 if simulator.overlap(simulator.body(one), simulator.body(two)) < COLLISION:
                     return one, two
     return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from prag_asp.physics.collisions import boxes_meet
+from prag_asp.physics.collisions import box, boxes_meet
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.geometry import Pose, extents, yaw_of, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES, Volume
@@ -79,15 +79,18 @@ def draw_pose(
         raise Failure(EMPTY_VOLUME)
     (low_x, low_y, z), (high_x, high_y, _) = volume.low, volume.high
     neighbours = [
-        other for other in situation.poses if support == TABLE or situation.shape(other).kind != "container"
+        box(situation, other)
+        for other in situation.poses
+        if support == TABLE or situation.shape(other).kind != "container"
     ]
     cause = RELATION
     for attempt in range(TRIES):
         pose = Pose((search.uniform(low_x, high_x), search.uniform(low_y, high_y), z), quaternion)
-        trial = situation.with_pose(entity, pose)
-        if any(boxes_meet(trial, entity, other, _spacing(support, attempt)) for other in neighbours):
+        spacing = _spacing(support, attempt)
+        if any(boxes_meet((pose.position, half), other, spacing) for other in neighbours):
             cause = OBJECTS_COLLIDE
             continue
+        trial = situation.with_pose(entity, pose)
         if not all(fact.satisfied(trial) for fact in about):
             cause = RELATION
             continue

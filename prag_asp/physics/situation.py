@@ -54,7 +54,7 @@ class Situation:
         """Return half the sides of the bounding box of an entity as it is turned, in metres."""
         pose = self.poses.get(entity)
         if pose is not None:
-            return extents(self.shape(entity), pose.quaternion)
+            return extents(self.scene.shapes[entity], pose.quaternion)
         if self.is_table(entity):
             x, y = self.scene.table.size
             return (x / 2, y / 2, 0.0)

@@ -38,10 +38,11 @@ class Contact:
 def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[Contact]:
     """Return what a body rests on: tops, floors of containers and the table that it touches from above."""
     bottom = situation.bottom(entity)
-    below = outline(situation.shape(entity), situation.pose(entity))
+    below: Outline = ()
     found = []
     for support, height in _tops(situation, others):
         if support != entity and abs(bottom - height) <= CONTACT:
+            below = below or outline(situation.shape(entity), situation.pose(entity))
             region = below if support == TABLE and _on_table(situation, below) else ()
             region = region or intersection(below, _top(situation, support))
             if region:
@@ -64,10 +65,12 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 def unsupported(situation: Situation, entities: Iterable[str], held: str | None) -> str | None:
     """Return a body that would fall or tip over, None where all stay; a held body stays, and bears what is on it."""
     bodies = list(entities)
-    resting = {body: contacts(situation, body, bodies) for body in bodies if body != held}
-    for body in bodies:
-        if body == held or body in situation.scene.fixed:
-            continue
+    loose = [body for body in bodies if body != held and body not in situation.scene.fixed]
+    high = [body for body in loose if not _low_on_table(situation, body)]
+    resting = {body: contacts(situation, body, bodies) for body in high}
+    bearing = {contact.support for touching in resting.values() for contact in touching}
+    resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
+    for body in resting:
         if not resting[body] or inside_by(_base(resting[body]), _balance_point(situation, body, resting)) < -BALANCE:
             return body
     return None
@@ -109,6 +112,15 @@ def _top(situation: Situation, support: str) -> Outline:
     inner = cavity(shape)
     x, y, _ = pose.position
     return rectangle(x, y, inner[0] / 2, inner[1] / 2, yaw_of(pose.quaternion))
+
+
+def _low_on_table(situation: Situation, body: str) -> bool:
+    """Tell whether a body stands on the table with its centre over it, the usual case."""
+    x, y, _ = situation.pose(body).position
+    centre_x, centre_y = situation.scene.table.centre
+    size_x, size_y = situation.scene.table.size
+    near = abs(x - centre_x) <= size_x / 2 and abs(y - centre_y) <= size_y / 2
+    return near and abs(situation.bottom(body)) <= CONTACT
 
 
 def _on_table(situation: Situation, below: Outline) -> bool:

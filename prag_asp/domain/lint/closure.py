@@ -1,4 +1,4 @@
-"""Why what is known contradicts the invariants: the chain of them that leads to a conflict."""
+"""What follows from literals by the invariants, and which of them cannot hold together."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from prag_asp.domain.facts import Facts
 
 Literal = tuple[clingo.Symbol, bool]
 Graph = Mapping[Literal, tuple[Literal, ...]]
+Reasons = Mapping[Literal, Literal]
+"""Which literal each one was found to follow from."""
 
 
 def invariant_graph(facts: Facts) -> Graph:
@@ -24,32 +26,30 @@ def invariant_graph(facts: Facts) -> Graph:
     return {literal: tuple(entailed) for literal, entailed in graph.items()}
 
 
-def conflict(known: Iterable[Literal], graph: Graph) -> tuple[Literal, Literal] | None:
-    """Return two literals of `known` (twice the same one, where it contradicts itself) that cannot both hold."""
-    reason: dict[Literal, Literal] = {}
+def entailed(known: Iterable[Literal], graph: Graph) -> dict[Literal, Literal]:
+    """Return what is known and all that follows from it, each with what it follows from."""
+    reasons: dict[Literal, Literal] = {}
     for start in known:
         stack = [start]
         while stack:
             literal = stack.pop()
-            fluent, value = literal
-            if (fluent, not value) in reason:
-                return reason[fluent, not value], start
-            if literal not in reason:
-                reason[literal] = start
+            if literal not in reasons:
+                reasons[literal] = start
                 stack += graph.get(literal, ())
+    return reasons
+
+
+def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[Literal, Literal] | None:
+    """Return two literals (the same one twice, where it contradicts itself) whose consequences contradict each other.
+
+    With `given`, the first of them is one of its reasons.
+    """
+    against = reasons if given is None else given
+    for (fluent, value), start in reasons.items():
+        other = against.get((fluent, not value))
+        if other is not None:
+            return other, start
     return None
-
-
-def entailed(known: Iterable[Literal], graph: Graph) -> list[Literal]:
-    """Return what is known and all that follows from it."""
-    found: dict[Literal, None] = {}
-    stack = list(known)[::-1]
-    while stack:
-        literal = stack.pop()
-        if literal not in found:
-            found[literal] = None
-            stack += graph.get(literal, ())
-    return list(found)
 
 
 def spell(literal: Literal) -> str:

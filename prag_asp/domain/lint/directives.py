@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from prag_asp.domain.lint.problem import Problem, nearest, spelled
-from prag_asp.domain.lint.statement import TIMED_PARTS, Statement, below, constant, names
+from prag_asp.domain.lint.statement import TIMED_PARTS, Statement, below, names
 
 REFUSED: Mapping[ASTType, str] = {
     ASTType.Script: "#script is refused: a domain is data and runs no code; remove it",
@@ -28,12 +29,15 @@ STATED = frozenset(
 )  # fmt: skip
 """The predicates that hold before any step, whatever happens."""
 
+CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
 TIMED = frozenset([("occurs", 2), ("holds", 3)])
 
 
 def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the statements that a domain may not hold and the program parts that nothing would ground."""
-    reserved = {name for each in statements if not each.own for atom in _atoms(each) for name, _ in names(atom)}
+    reserved = names(
+        argument for each in statements if not each.own for atom in (*each.heads, *each.body) for argument in atom.arguments
+    )
     for statement in statements:
         if statement.own:
             yield from _refused(statement)
@@ -53,16 +57,11 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
             yield from _timed_problems(statement) if statement.timed else _base_problems(statement)
 
 
-def _atoms(statement: Statement) -> Iterator[Sequence[AST]]:
-    for atom in (*statement.heads, *statement.body):
-        yield atom.arguments
-
-
 def _refused(statement: Statement) -> Iterator[Problem]:
     if statement.kind in REFUSED:
         yield statement.problem(REFUSED[statement.kind])
-    if statement.is_rule:
-        for node in below([statement.node]):
+    if statement.is_rule and re.search("[@&]", str(statement.node)):
+        for node in below(statement.node):
             if node.ast_type == ASTType.TheoryAtom:
                 yield statement.problem(REFUSED[ASTType.TheoryAtom])
             elif node.ast_type == ASTType.Function and node.external:
@@ -88,7 +87,7 @@ def _timed_problems(statement: Statement) -> Iterator[Problem]:
                 f"{spelled(atom.signature)} is stated in #program {statement.part}({time}), but holds at every step; "
                 "move the rule above it, or below #program base."
             )
-        elif not atom.arguments or constant(atom.arguments[-1]) != time:
+        elif not atom.arguments or atom.arguments[-1] != time:
             yield statement.problem(
                 f"the head {atom} of a rule in #program {statement.part}({time}) does not carry its time; "
                 f"make {time} its last argument"
@@ -97,15 +96,12 @@ def _timed_problems(statement: Statement) -> Iterator[Problem]:
 
 def _base_problems(statement: Statement) -> Iterator[Problem]:
     for atom in (*statement.heads, *statement.body):
-        if atom.signature in TIMED and (atom.name == "occurs" or constant(atom.arguments[-1]) == "t"):
+        if atom.signature in TIMED and (atom.name == "occurs" or atom.arguments[-1] == "t"):
             yield statement.problem(
                 f"{atom} speaks of a step, but stands in the base part; begin the rules of a step with #program step(t)."
             )
             return
-    if statement.node.head.ast_type in (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate):
-        for atom in statement.heads:
-            if atom.signature in STATED:
-                yield statement.problem(
-                    f"{spelled(atom.signature)} depends on a choice, but a domain is one; state it as a fact"
-                )
-                return
+    for atom in statement.heads:
+        if atom.signature in STATED and statement.node.head.ast_type in CHOICES:
+            yield statement.problem(f"{spelled(atom.signature)} depends on a choice; state it as a fact")
+            return

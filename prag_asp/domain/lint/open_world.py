@@ -8,12 +8,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import clingo
-from clingo.ast import AST, ASTType, Sign
+from clingo.ast import ASTType
 
 from prag_asp.domain.facts import Facts
 from prag_asp.domain.grounding import Grounder
 from prag_asp.domain.lint.problem import Problem, Signature
-from prag_asp.domain.lint.statement import Atom, Statement, names, variables
+from prag_asp.domain.lint.statement import Atom, Statement, atoms, names, variables
 
 READS = frozenset([("holds", 3), ("known", 3)])
 READ, UNSURE = "_read", "_unsure"
@@ -69,7 +69,7 @@ def _read_fluent(
 ) -> clingo.Symbol | None:
     """Return the first fluent of `unsure` that a rule reads at an atom, None where it reads none of them."""
     numbers = itertools.count()
-    fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", str(atom.arguments[0]))
+    fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
     facts = " ".join(f"{UNSURE}({each})." for each in unsure)
     for attempt, conditions in enumerate((list(_conditions(statement, timed)), list[str]())):
         part = f"{READ}_{number}_{attempt}"
@@ -86,33 +86,27 @@ def _read_fluent(
 def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
     """Yield the conditions of a rule that do not depend on the step, as they restrict the fluents it reads."""
     bound: set[str] = set()
-    comparisons: list[AST] = []
-    for node in statement.node.body:
-        if node.ast_type != ASTType.Literal or node.sign != Sign.NoSign:
+    comparisons: list[str] = []
+    for node, text in statement.literals:
+        if node.ast_type != ASTType.Literal or text.startswith("not "):
             continue
         if node.atom.ast_type == ASTType.Comparison:
-            comparisons.append(node)
-        elif node.atom.ast_type == ASTType.SymbolicAtom:
-            text = _timeless(node.atom.symbol, statement, timed)
-            if text is not None:
-                bound |= variables([node])
-                yield text
-    for node in comparisons:
-        if variables([node]) <= bound and not _mentions_time([node], statement):
-            yield str(node)
+            comparisons.append(text)
+            continue
+        for atom in atoms(node, text):
+            condition = _timeless(atom, statement, timed)
+            if condition is not None:
+                bound |= variables(condition)
+                yield condition
+    for text in comparisons:
+        if variables(text) <= bound and not names([text]) & set(statement.parameters):
+            yield text
 
 
-def _timeless(symbol: AST, statement: Statement, timed: set[Signature]) -> str | None:
+def _timeless(atom: Atom, statement: Statement, timed: set[Signature]) -> str | None:
     """Return an atom as a condition on the base part: what occurs is an action."""
-    if symbol.ast_type != ASTType.Function:
+    if atom.signature == ("occurs", 2):
+        return f"action({atom.arguments[0]})"
+    if atom.signature in timed or atom.signature in READS or names(atom.arguments) & set(statement.parameters):
         return None
-    signature = symbol.name, len(symbol.arguments)
-    if signature == ("occurs", 2):
-        return f"action({symbol.arguments[0]})"
-    if signature in timed or signature in READS or _mentions_time([symbol], statement):
-        return None
-    return str(symbol)
-
-
-def _mentions_time(nodes: Iterable[AST], statement: Statement) -> bool:
-    return any(name in statement.parameters for name, _ in names(nodes))
+    return str(atom)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import clingo
 from clingo.ast import ASTType
 
-from prag_asp.domain.lint.statement import Atom, Statement
+from prag_asp.domain.lint.statement import Statement
 
 TRACE = "_stated"
 VIOLATED = "_violated"
@@ -52,8 +52,8 @@ def _trace(base: Sequence[Statement]) -> dict[tuple[str, tuple[clingo.Symbol, ..
     lines = [str(each.node) for each in base if not each.is_rule or each.heads]
     for number, statement in enumerate(base):
         if statement.is_rule and statement.node.head.ast_type == ASTType.Literal:
-            body = "; ".join(map(str, statement.node.body)) or "#true"
-            stated = [_term(atom) for atom in statement.heads] or [VIOLATED]
+            body = "; ".join(text for _, text in statement.literals) or "#true"
+            stated = [str(atom).lstrip("-") for atom in statement.heads] or [VIOLATED]
             lines += [f"{TRACE}({number},{each}) :- {body}." for each in stated]
     control = clingo.Control(["--warn=none"], logger=lambda *_: None)
     try:
@@ -66,8 +66,3 @@ def _trace(base: Sequence[Statement]) -> dict[tuple[str, tuple[clingo.Symbol, ..
     for number, stated in sorted(((mark[0].number, mark[1]) for mark in marks), key=lambda mark: mark[0]):
         traces.setdefault((stated.name, tuple(stated.arguments)), []).append(base[number])
     return traces
-
-
-def _term(atom: Atom) -> str:
-    name = atom.name.lstrip("-")
-    return f"{name}({','.join(map(str, atom.arguments))})" if atom.arguments else name

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from clingo.ast import AST, ASTType, BinaryOperator, Sign
-
 from prag_asp.domain.lint.problem import Problem, Signature
-from prag_asp.domain.lint.statement import Statement, variables
+from prag_asp.domain.lint.statement import VARIABLE, Statement, plain_atom, variables
+
+LARGER = re.compile(r"[a-z]\w*\(|\([A-Z]\w*[+-]\d+\)$|\(\d+\+[A-Z]\w*\)$")
+"""The terms that are larger than a variable in them: functions, and sums as clingo writes them."""
 
 
 def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
@@ -27,27 +29,15 @@ def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 def _grows(rule: Statement, reads: Mapping[Signature, set[Signature]]) -> bool:
     """Return whether a head puts a variable deeper than all of the body does, where the body is made of that head."""
+    if any(atom is None or atom.negated for atom in (plain_atom(*literal) for literal in rule.literals)):
+        return False
+    plain = {argument for atom in rule.body for argument in atom.arguments if VARIABLE.fullmatch(argument)}
     for head in rule.heads:
-        deep = variables(each for each in head.arguments if _is_larger(each))
-        plain = {str(each) for atom in rule.body for each in atom.arguments if each.ast_type == ASTType.Variable}
-        if deep & plain and all(_is_positive_atom(node) for node in rule.node.body):
+        deep = {name for argument in head.arguments if LARGER.match(argument) for name in variables(argument)}
+        if deep & plain:
             made_of = [_reachable(atom.signature, reads) | {atom.signature} for atom in rule.body]
             return all(head.signature in each for each in made_of)
     return False
-
-
-def _is_larger(term: AST) -> bool:
-    if term.ast_type == ASTType.BinaryOperation:
-        return term.operator_type in (BinaryOperator.Plus, BinaryOperator.Minus)
-    return term.ast_type == ASTType.Function
-
-
-def _is_positive_atom(node: AST) -> bool:
-    return (
-        node.ast_type == ASTType.Literal
-        and node.sign == Sign.NoSign
-        and node.atom.ast_type == ASTType.SymbolicAtom
-    )
 
 
 def _reachable(start: Signature, reads: Mapping[Signature, set[Signature]]) -> set[Signature]:

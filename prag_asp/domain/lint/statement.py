@@ -2,57 +2,60 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
-import clingo
 from clingo.ast import AST, ASTType
 
 from prag_asp.domain.lint.problem import Problem, Signature
 
 TIMED_PARTS = ("step", "check")
+STRING = re.compile(r'"(?:\\.|[^"\\])*"')
+NAME = re.compile(r"(?<![\w'@#])_*[a-z][\w']*")
+VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
+PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\((?P<arguments>.*)\))?$", re.S)
 
 
 @dataclass(frozen=True)
 class Atom:
-    """An atom of a rule: its predicate (with a leading ``-`` where strongly negated), its arguments, its line."""
+    """An atom of a rule: its predicate (with a leading ``-`` where strongly negated) and its arguments as text."""
 
     name: str
-    arguments: tuple[AST, ...]
-    line: int
+    arguments: tuple[str, ...]
     negated: bool
+    node: AST
 
     @property
     def signature(self) -> Signature:
         """The name and the number of arguments."""
         return self.name, len(self.arguments)
 
+    @property
+    def line(self) -> int:
+        """The line of the file."""
+        return int(self.node.location.begin.line)
+
     def __str__(self) -> str:
-        return f"{self.name}({','.join(map(str, self.arguments))})" if self.arguments else self.name
+        return f"{self.name}({','.join(self.arguments)})" if self.arguments else self.name
 
 
 @dataclass(frozen=True)
 class Statement:
     """One statement of a source, in its program part.
 
-    `own` tells the domain's files from the encodings, `parameters` are those of the part; `body` holds the atoms
-    of conditions as well.
+    `own` tells the domain's files from the encodings, `parameters` are those of the part.
     """
 
     node: AST
+    kind: ASTType
     path: Path
     line: int
     own: bool
     part: str
     parameters: tuple[str, ...]
-    heads: tuple[Atom, ...] = ()
-    body: tuple[Atom, ...] = ()
-
-    @property
-    def kind(self) -> ASTType:
-        """The type of the statement in clingo's syntax tree."""
-        return self.node.ast_type
 
     @property
     def timed(self) -> bool:
@@ -62,23 +65,41 @@ class Statement:
     @property
     def is_rule(self) -> bool:
         """Whether the statement is a rule, a fact or a constraint."""
-        return self.node.ast_type == ASTType.Rule
+        return self.kind == ASTType.Rule
+
+    @cached_property
+    def literals(self) -> tuple[tuple[AST, str], ...]:
+        """The body's literals, each with its text."""
+        return tuple((node, str(node)) for node in getattr(self.node, "body", ()))
+
+    @cached_property
+    def heads(self) -> tuple[Atom, ...]:
+        """The atoms that a rule derives."""
+        return tuple(self._head[0])
+
+    @cached_property
+    def body(self) -> tuple[Atom, ...]:
+        """The atoms that a statement reads, those of conditions included."""
+        return (*self._head[1], *(atom for node, text in self.literals for atom in atoms(node, text)))
+
+    @cached_property
+    def _head(self) -> tuple[list[Atom], list[Atom]]:
+        if not self.is_rule:
+            return [], []
+        head = self.node.head
+        text = str(head)
+        plain = plain_atom(head, text)
+        if plain:
+            return [plain], []
+        derived, conditions = _split_head(head)
+        return (
+            [atom for node in derived for atom in atoms(node, str(node))],
+            [atom for node in conditions for atom in atoms(node, str(node))],
+        )
 
     def problem(self, text: str, line: int | None = None) -> Problem:
         """Return a problem of this statement."""
         return Problem(self.path, self.line if line is None else line, text)
-
-
-def read_statement(node: AST, path: Path, own: bool, part: str, parameters: tuple[str, ...]) -> Statement:
-    """Return a statement of clingo's syntax tree with its atoms."""
-    line = node.location.begin.line
-    if node.ast_type != ASTType.Rule:
-        body = tuple(atoms([*getattr(node, "body", ())]))
-        return Statement(node, path, line, own, part, parameters, (), body)
-    heads, conditions = _split_head(node.head)
-    return Statement(
-        node, path, line, own, part, parameters, tuple(atoms(heads)), tuple(atoms([*conditions, *node.body]))
-    )
 
 
 def _split_head(head: AST) -> tuple[list[AST], list[AST]]:
@@ -92,16 +113,46 @@ def _split_head(head: AST) -> tuple[list[AST], list[AST]]:
     return [each.literal for each in elements], [literal for each in elements for literal in each.condition]
 
 
-def atoms(nodes: Iterable[AST]) -> Iterator[Atom]:
-    """Yield the atoms below some nodes of a syntax tree, in the order of the text."""
-    stack = [(node, False) for node in reversed(list(nodes))]
+def atoms(node: AST, text: str) -> Iterator[Atom]:
+    """Yield the atoms of a literal, an aggregate or a condition, whose text is `text`."""
+    plain = plain_atom(node, text)
+    if plain:
+        yield plain
+        return
+    stack = [(node, False)]
     while stack:
         node, negated = stack.pop()
         if node.ast_type == ASTType.SymbolicAtom:
             yield from _symbolic_atoms(node.symbol, negated)
         else:
             inner = bool(node.sign) if node.ast_type == ASTType.Literal else negated
-            stack += [(child, inner) for child in reversed(children(node))]
+            stack += [(child, inner) for child in reversed(_children(node))]
+
+
+def plain_atom(node: AST, text: str) -> Atom | None:
+    """Return the atom of a literal without strings and pools, told from its text: most are, and this is fast."""
+    match = PLAIN_ATOM.match(text)
+    if not match or '"' in text or ";" in text:
+        return None
+    arguments = split_arguments(match["arguments"]) if match["arguments"] is not None else []
+    if arguments is None:
+        return None
+    return Atom(match["name"], tuple(arguments), bool(match["sign"]), node)
+
+
+def split_arguments(text: str) -> list[str] | None:
+    """Return the arguments in a text, None where its parentheses do not match."""
+    arguments, depth, start = [], 0, 0
+    for separator in re.finditer(r"[(),]", text):
+        if separator[0] == ",":
+            if depth == 0:
+                arguments.append(text[start : separator.start()])
+                start = separator.end()
+        else:
+            depth += 1 if separator[0] == "(" else -1
+            if depth < 0:
+                return None
+    return [*arguments, text[start:]] if depth == 0 else None
 
 
 def _symbolic_atoms(symbol: AST, negated: bool, prefix: str = "") -> Iterator[Atom]:
@@ -111,11 +162,10 @@ def _symbolic_atoms(symbol: AST, negated: bool, prefix: str = "") -> Iterator[At
     elif symbol.ast_type == ASTType.UnaryOperation:
         yield from _symbolic_atoms(symbol.argument, negated, "" if prefix else "-")
     elif symbol.ast_type == ASTType.Function:
-        yield Atom(prefix + symbol.name, tuple(symbol.arguments), symbol.location.begin.line, negated)
+        yield Atom(prefix + symbol.name, tuple(map(str, symbol.arguments)), negated, symbol)
 
 
-def children(node: AST) -> list[AST]:
-    """Return the nodes right below a node of a syntax tree."""
+def _children(node: AST) -> list[AST]:
     found: list[AST] = []
     for key in node.child_keys:
         child = getattr(node, key)
@@ -126,31 +176,20 @@ def children(node: AST) -> list[AST]:
     return found
 
 
-def below(nodes: Iterable[AST]) -> Iterator[AST]:
-    """Yield some nodes of a syntax tree and all that is below them, in the order of the text."""
-    stack = list(nodes)[::-1]
+def below(node: AST) -> Iterator[AST]:
+    """Yield a node of a syntax tree and all that is below it."""
+    stack = [node]
     while stack:
         node = stack.pop()
         yield node
-        stack += children(node)[::-1]
+        stack += _children(node)
 
 
-def names(nodes: Iterable[AST]) -> Iterator[tuple[str, int]]:
-    """Yield the names of the functions and constants below some nodes, each with its line."""
-    for node in below(nodes):
-        if node.ast_type == ASTType.Function and node.name:
-            yield node.name, node.location.begin.line
-        elif node.ast_type == ASTType.SymbolicTerm and node.symbol.type == clingo.SymbolType.Function:
-            yield node.symbol.name, node.location.begin.line
+def names(texts: Iterable[str]) -> set[str]:
+    """Return the names of the functions and constants in texts, strings aside."""
+    return {name for text in texts for name in NAME.findall(STRING.sub("", text) if '"' in text else text)} - {"not"}
 
 
-def variables(nodes: Iterable[AST]) -> set[str]:
-    """Return the names of the variables below some nodes, without the anonymous one."""
-    return {node.name for node in below(nodes) if node.ast_type == ASTType.Variable} - {"_"}
-
-
-def constant(node: AST) -> str | None:
-    """Return the name that a node is, where it is a constant."""
-    if node.ast_type == ASTType.SymbolicTerm and node.symbol.type == clingo.SymbolType.Function:
-        return str(node.symbol) if not node.symbol.arguments else None
-    return None
+def variables(text: str) -> set[str]:
+    """Return the names of the variables in a text, strings aside."""
+    return set(VARIABLE.findall(STRING.sub("", text)))

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from clingo.ast import AST, ASTType, parse_string
 
 from prag_asp.domain.lint.problem import Problem
-from prag_asp.domain.lint.statement import Statement, read_statement
+from prag_asp.domain.lint.statement import Statement
 from prag_asp.domain.sources import Source
 
 MESSAGE = re.compile(r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>.*)", re.S)
@@ -95,10 +95,12 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
         return _syntax_problem(source, messages)
     part, parameters = "base", tuple[str, ...]()
     for node in nodes:
-        if node.ast_type == ASTType.Program:
+        kind = node.ast_type
+        if kind == ASTType.Program:
             part, parameters = node.name, tuple(each.name for each in node.parameters)
-        if node.ast_type != ASTType.Comment:
-            statements.append(read_statement(node, source.path, own, part, parameters))
+        if kind != ASTType.Comment:
+            line = node.location.begin.line
+            statements.append(Statement(node, kind, source.path, line, own, part, parameters))
     return None
 
 

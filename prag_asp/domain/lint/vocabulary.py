@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled
-from prag_asp.domain.lint.statement import Atom, Statement, below, names
+from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled, suggestion
+from prag_asp.domain.lint.statement import Atom, Statement, names, plain_atom
 
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
 CONTRACT_FILE = "contract.lp"
@@ -110,39 +110,20 @@ def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     for statement in statements:
         if statement.own and statement.is_rule:
             for atom in statement.body:
-                for name, line in names(atom.arguments):
-                    if name not in made and name not in statement.parameters and name not in seen:
-                        seen.add(name)
-                        near = nearest(name, made)
-                        hint = f"did you mean {near}?" if near else "declare it, or remove the rule"
-                        yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", line)
+                for name in sorted(names(atom.arguments) - made - seen - set(statement.parameters)):
+                    seen.add(name)
+                    hint = suggestion(name, made, "declare it, or remove the rule")
+                    yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", atom.line)
 
 
 def _made_names(statements: Iterable[Statement]) -> set[str]:
-    """Return every name that a ground atom can hold: those of heads, comparisons, aggregates and constants."""
+    """Return every name that a ground atom can hold: a head states it, or a comparison or an aggregate computes it."""
     made: set[str] = set()
     for statement in statements:
         if statement.kind == ASTType.Definition:
-            made.add(statement.node.name)
-            made |= {name for name, _ in names([statement.node.value])}
+            made |= names([statement.node.name, str(statement.node.value)])
         for atom in statement.heads:
-            made |= {name for name, _ in names(atom.arguments)}
-        if statement.own and statement.is_rule:
-            made |= _computed_names(statement)
+            made |= names(atom.arguments)
+        if statement.own:
+            made |= names(text for node, text in statement.literals if plain_atom(node, text) is None)
     return made
-
-
-def _computed_names(statement: Statement) -> set[str]:
-    """Return the names in the comparisons and the aggregates of a rule, from which a variable can take its value."""
-    made: set[str] = set()
-    for node in below([*statement.node.body, statement.node.head]):
-        if node.ast_type == ASTType.Comparison:
-            made |= {name for name, _ in names([node])}
-        elif node.ast_type in (ASTType.BodyAggregate, ASTType.Aggregate):
-            guards = [guard for guard in (node.left_guard, node.right_guard) if guard is not None]
-            made |= {name for name, _ in names(guards)}
-        elif node.ast_type in (ASTType.BodyAggregateElement, ASTType.HeadAggregateElement):
-            made |= {name for name, _ in names(node.terms)}
-    return made
-
-

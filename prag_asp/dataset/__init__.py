@@ -1,0 +1,1 @@
+"""Tasks written to files and read from them; one format a file."""

@@ -1,0 +1,61 @@
+"""Tell the comments and strings of a logic program from its code."""
+
+from __future__ import annotations
+
+import re
+
+STRING = re.compile(r'"(?:\\["\\n]|[^"\\\n])*"')
+COMMENT_EDGE = re.compile(r"%\*|\*%")
+
+
+def blanked(text: str) -> str:
+    """Return a logic program with its comments and strings blanked out; every position stays where it is."""
+    pieces: list[str] = []
+    position = 0
+    while position < len(text):
+        end = _token_end(text, position)
+        token = text[position:end]
+        hidden = token[0] == "%" or len(token) > 1 and token[0] == '"'
+        pieces.append(re.sub(r"[^\n\0]", " ", token) if hidden else token)
+        position = end
+    return "".join(pieces)
+
+
+def open_comment(text: str) -> int | None:
+    """Return the position of a block comment that never ends, None where there is none."""
+    position = 0
+    while position < len(text):
+        end = _token_end(text, position)
+        if text.startswith("%*", position) and _depth(text[position:end]) > 0:
+            return position
+        position = end
+    return None
+
+
+def _token_end(text: str, start: int) -> int:
+    """Return where the comment, the string or the piece of code that begins at `start` ends."""
+    if text.startswith("%*", start):
+        return _comment_end(text, start)
+    if text[start] == "%":
+        end = text.find("\n", start)
+        return end if end >= 0 else len(text)
+    if text[start] == '"':
+        string = STRING.match(text, start)
+        return string.end() if string else start + 1
+    ends = [end for end in (text.find("%", start), text.find('"', start)) if end >= 0]
+    return min(ends, default=len(text))
+
+
+def _comment_end(text: str, start: int) -> int:
+    """Return the end of a block comment; clingo nests them."""
+    depth = 0
+    for edge in COMMENT_EDGE.finditer(text, start):
+        depth += 1 if edge[0] == "%*" else -1
+        if depth == 0:
+            return edge.end()
+    return len(text)
+
+
+def _depth(comment: str) -> int:
+    edges = COMMENT_EDGE.findall(comment)
+    return edges.count("%*") - edges.count("*%")
