@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from operator import itemgetter
 
@@ -12,16 +12,18 @@ from prag_asp.domain.grounding import Grounder
 from prag_asp.domain.sources import Program
 from prag_asp.errors import DomainError
 
+VALUES = ("true", "false", "unknown")
+
 Assignment = tuple[tuple[clingo.Symbol, str], ...]
-"""Fluents with their values: ``true``, ``false`` or, for a postcondition only, ``unknown``."""
+"""Fluents with their values; ``unknown`` is one of postconditions only."""
 
 
 @dataclass(frozen=True)
 class Facts:
     """The contract's predicates as they hold in the grounded base program.
 
-    Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above it,
-    `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``.
+    Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above
+    it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``.
     """
 
     parents: Mapping[str, tuple[str, ...]]
@@ -62,14 +64,15 @@ def read_facts(control: clingo.Control) -> Facts:
     parents: dict[str, tuple[str, ...]] = {str(name): () for (name,) in rows(control, "class", 1)}
     for child, parent in rows(control, "class", 2):
         parents[str(child)] = (*parents.get(str(child), ()), str(parent))
+    fluents = tuple(fluent for (fluent,) in rows(control, "fluent", 1))
     return Facts(
         parents=parents,
         entities={entity: str(name) for entity, name in rows(control, "entity", 2)},
         memberships=frozenset((entity, str(name)) for entity, name in rows(control, "is_a", 2)),
-        fluents=tuple(fluent for (fluent,) in rows(control, "fluent", 1)),
+        fluents=fluents,
         actions=tuple(action for (action,) in rows(control, "action", 1)),
-        preconditions=_by_action(control, "precondition"),
-        postconditions=_by_action(control, "postcondition"),
+        preconditions=_by_action(control, "precondition", fluents),
+        postconditions=_by_action(control, "postcondition", fluents),
         initially=tuple((fluent, str(value)) for fluent, value in rows(control, "initially", 2)),
         exclusive=tuple((first, second) for first, second in rows(control, "exclusive", 2)),
         implies=tuple((first, second) for first, second in rows(control, "implies", 2)),
@@ -89,21 +92,28 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
 def _unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
     for atom in control.symbolic_atoms.by_signature(predicate, arity):
         if not atom.is_fact:
-            raise DomainError(f"{atom.symbol} depends on a choice; what a domain states must follow from facts")
+            raise DomainError(
+                f"{atom.symbol} depends on a choice; what a domain states must follow from facts"
+            )
         yield atom.symbol.arguments
 
 
-def _by_action(control: clingo.Control, predicate: str) -> dict[clingo.Symbol, Assignment]:
-    """Return the fluents and values of a predicate by action; comparing ranks spares thousands of calls to clingo."""
-    found: dict[clingo.Symbol, list[tuple[clingo.Symbol, clingo.Symbol]]] = {}
+def _by_action(
+    control: clingo.Control, predicate: str, fluents: Iterable[clingo.Symbol]
+) -> dict[clingo.Symbol, Assignment]:
+    """Return the fluents and values of a predicate by action, sorted.
+
+    There can be thousands: each term is looked up once, for clingo's terms are slow to compare.
+    """
+    ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
+    spelled = {clingo.Function(value): value for value in VALUES}
+    found: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {}
     for action, fluent, value in _unsorted_rows(control, predicate, 3):
-        found.setdefault(action, []).append((fluent, value))
-    pairs = [pair for values in found.values() for pair in values]
-    rank = {fluent: position for position, fluent in enumerate(sorted({fluent for fluent, _ in pairs}))}
-    spelled = {value: str(value) for value in {value for _, value in pairs}}
+        rank, known = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
+        word = spelled.get(value) or spelled.setdefault(value, str(value))
+        found.setdefault(action, []).append((rank, word, known))
     table: dict[clingo.Symbol, Assignment] = {}
     for action in sorted(found):
-        ranked = [(rank[fluent], spelled[value], fluent) for fluent, value in found[action]]
-        ranked.sort(key=itemgetter(0, 1))
-        table[action] = tuple((fluent, value) for _, value, fluent in ranked)
+        found[action].sort(key=itemgetter(0, 1))
+        table[action] = tuple((fluent, value) for _, value, fluent in found[action])
     return table

@@ -1,7 +1,8 @@
 """The ``[scene]`` table of a domain: what the classes look like and how they stand before the robot.
 
-Lengths are metres, angles in the file degrees. The world's origin is the base of the robot on the table top: x
-points away from the robot, y to the robot's left, z up. This module loads no simulator, so that the linter can use it.
+Lengths are metres, angles in the file degrees. The world's origin is the base of the robot on the table top:
+x points away from the robot, y to the robot's left, z up. This module loads no simulator, so that the linter
+can use it.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ class Problem(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """A body: its kind (a key of `SHAPE_KEYS`), the size of its bounding box in metres, a container's wall."""
+    """A body: its kind (of `SHAPE_KEYS`), the size of its bounding box and a container's wall in metres."""
 
     kind: str
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -88,10 +89,11 @@ class Table:
 class Scene:
     """Everything that physics knows of a domain.
 
-    `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where objects are
-    put (low x, high x, low y, high y), `fixed` holds x, y in metres and yaw in radians of what never moves,
-    `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in radians. With `frame`
-    "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone who faces the robot.
+    `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where
+    objects are put (low x, high x, low y, high y), `fixed` holds x, y in metres and yaw in radians of what
+    never moves, `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in radians.
+    With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
+    who faces the robot.
     """
 
     shapes: Mapping[str, Shape]
@@ -105,7 +107,7 @@ class Scene:
     rotations: Mapping[str, float] = field(default_factory=dict)
 
     def meaning(self, fluent: Atom) -> str | None:
-        """Return the name of the spatial predicate that `fluent` stands for, None where physics ignores it."""
+        """Return the name of the spatial predicate that `fluent` means, None where physics ignores it."""
         name = self.predicates.get(fluent.name, fluent.name)
         return name if name in PREDICATE_ROLES else None
 
@@ -133,7 +135,7 @@ def scene_problems(
     entities: Mapping[str, str],
     fluents: Iterable[Atom] = (),
 ) -> list[Problem]:
-    """Return every problem of a ``[scene]`` table, shapes that spatial `fluents` of the domain lack included."""
+    """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
     reader = _Reader(classes, entities)
     scene = reader.read(table)
     problems = list(reader.problems)
@@ -195,7 +197,7 @@ class _Reader:
     """Reads a ``[scene]`` table, and collects what is wrong with it instead of stopping."""
 
     def __init__(self, classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]):
-        self.classes = {**{name: () for name in entities.values()}, **classes}
+        self.classes = {**dict.fromkeys(entities.values(), ()), **classes}
         self.entities = entities
         self.problems: list[Problem] = []
 
@@ -250,11 +252,11 @@ class _Reader:
         self.add(f"scene.{name}", f"needs one of {', '.join(options)}; got {value!r}")
         return options[0]
 
-    def lengths(self, key: str, value: object, count: int) -> tuple[float, ...] | None:
+    def lengths(self, key: str, value: Any, count: int) -> tuple[float, ...] | None:
         """Return `count` positive lengths in metres."""
-        if isinstance(value, list | tuple) and len(value) == count and all(map(_is_number, value)):
-            if all(0 < length <= MAX_LENGTH for length in value):
-                return tuple(map(float, value))
+        listed = isinstance(value, list) and len(value) == count
+        if listed and all(_is_number(length) and 0 < length <= MAX_LENGTH for length in value):
+            return tuple(map(float, value))
         words = {1: "a positive length", 2: "two positive lengths", 3: "three positive lengths"}[count]
         shown = value[0] if count == 1 and isinstance(value, list) else value
         self.add(key, f"needs {words} in metres (at most {MAX_LENGTH:g}); got {shown!r}")
@@ -285,9 +287,8 @@ class _Reader:
             self.add(key, f'needs a table like {{ kind = "box", size = [0.05, 0.05, 0.05] }}; got {value!r}')
             return None
         kind = value.get("kind")
-        if kind not in SHAPE_KEYS:
-            hint = _suggest(kind, SHAPE_KEYS) if isinstance(kind, str) else f"known are {', '.join(SHAPE_KEYS)}"
-            self.add(f"{key}.kind", f"unknown shape {kind!r}; {hint}")
+        if not isinstance(kind, str) or kind not in SHAPE_KEYS:
+            self.add(f"{key}.kind", f"unknown shape {kind!r}; {_suggest(str(kind), SHAPE_KEYS)}")
             return None
         before = len(self.problems)
         self.unknown(key, value, ("kind", *SHAPE_KEYS[kind]))
@@ -303,7 +304,9 @@ class _Reader:
                 continue
             count = TRIPLE if name == "size" else 1
             given = value.get(name)
-            found[name] = self.lengths(f"{key}.{name}", given if count > 1 else [given], count) or (0.0,) * count
+            found[name] = (
+                self.lengths(f"{key}.{name}", given if count > 1 else [given], count) or (0.0,) * count
+            )
         if "size" in found:
             return (found["size"][0], found["size"][1], found["size"][2])
         diameter = 2 * found["radius"][0] if "radius" in found else 0.0
@@ -369,7 +372,9 @@ class _Reader:
             position += own is None
         return colors
 
-    def fixed(self, value: Mapping[str, Any], shapes: Mapping[str, Shape]) -> dict[str, tuple[float, float, float]]:
+    def fixed(
+        self, value: Mapping[str, Any], shapes: Mapping[str, Shape]
+    ) -> dict[str, tuple[float, float, float]]:
         """Return x, y in metres and yaw in radians of the entities that never move."""
         fixed = {}
         for entity, place in value.items():

@@ -30,8 +30,9 @@ KEY_PART = re.compile(r""""([^"]*)"|'([^']*)'|([\w-]+)""")
 class Settings:
     """The tables of a domain.toml; `path` is the file, even where there is none.
 
-    `weights` belong to action names (``grasp``), pairs of consecutive ones (``grasp>move``), classes and entities;
-    `language` maps names of actions and fluents to sentences; `scene` is the table as physics reads it.
+    `weights` belong to names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), single
+    actions, classes and entities; `language` maps names of actions and fluents to sentences; `scene` is the
+    table as physics reads it.
     """
 
     path: Path
@@ -42,7 +43,7 @@ class Settings:
     scene: Mapping[str, Any] = field(default_factory=dict)
 
     def line_of(self, *keys: str) -> int:
-        """Return the line of domain.toml that sets the key reached through `keys`, or 1 where none is found."""
+        """Return the line that sets the key reached through `keys`, or 1 where there is none."""
         return key_line(read_text(self.path), keys) if self.path.is_file() else 1
 
 
@@ -55,18 +56,21 @@ def read_table(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
-        return tomllib.loads(read_text(path), parse_float=Decimal)
+        table: dict[str, Any] = tomllib.loads(read_text(path), parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
         words = str(error)
         place = re.search(r" \(at (?:line (\d+)|end of document).*\)", words)
         line = place[1] if place and place[1] else str(len(read_text(path).rstrip().split("\n")))
-        raise DomainError(f"{path}:{line}: not TOML: {words.split(' (at ')[0]}; mend the line") from None
+        raise DomainError(
+            f"{path}:{line}: not TOML: {words.split(' (at ', maxsplit=1)[0]}; mend the line"
+        ) from None
     except (ValueError, RecursionError, InvalidOperation) as error:
         raise DomainError(f"{path}:1: not TOML: {error}; shorten its numbers and nested lists") from None
+    return table
 
 
 def settings_of(table: Mapping[str, Any], path: Path) -> Settings:
-    """Return the settings that a table spells; what has the wrong type is left out, for the linter reports it."""
+    """Return the settings that a table spells, without what has a wrong type: the linter reports it."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
     language = {key: value for key, value in _table(table, "language").items() if isinstance(value, str)}
     return Settings(
@@ -108,12 +112,13 @@ def _rounded(value: Any) -> Any:
 
 
 def key_line(text: str, keys: Sequence[str]) -> int:
-    """Return the first line of a TOML text that sets the key reached through `keys`, or the nearest table above it."""
+    """Return the first line that sets the key reached through `keys`, or the nearest table above it."""
+    wanted = tuple(map(weight_key, keys))
     best, depth = 1, 0
     for number, here in _keys(text):
-        if here == tuple(keys):
+        if here == wanted:
             return number
-        if len(here) > depth and here == tuple(keys[: len(here)]):
+        if len(here) > depth and here == wanted[: len(here)]:
             best, depth = number, len(here)
     return best
 
@@ -142,4 +147,4 @@ def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
 
 
 def _parts(name: str) -> tuple[str, ...]:
-    return tuple("".join(part) for part in KEY_PART.findall(name))
+    return tuple(weight_key("".join(part)) for part in KEY_PART.findall(name))

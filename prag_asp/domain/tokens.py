@@ -15,7 +15,7 @@ def blanked(text: str) -> str:
     while position < len(text):
         end = _token_end(text, position)
         token = text[position:end]
-        hidden = token[0] == "%" or len(token) > 1 and token[0] == '"'
+        hidden = token[0] == "%" or (len(token) > 1 and token[0] == '"')
         pieces.append(re.sub(r"[^\n\0]", " ", token) if hidden else token)
         position = end
     return "".join(pieces)

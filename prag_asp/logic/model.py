@@ -12,9 +12,10 @@ from prag_asp.domain.load import Domain
 from prag_asp.domain.sources import Program, read_sources
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground import GroundStep, ground_plan, ground_step
-from prag_asp.logic.normal import NormalStep, normal_step
+from prag_asp.logic.normal import NormalStep
 from prag_asp.logic.program import canonical_program, whole_program, with_facts
 from prag_asp.logic.stationary import StepReads, read_step
+from prag_asp.logic.strata import stratified_step
 from prag_asp.logic.symmetry import interchangeable
 from prag_asp.logic.transition import Transition, build_transition
 
@@ -47,7 +48,7 @@ class Model:
     @cached_property
     def step(self) -> NormalStep:
         """One step in normal form."""
-        return normal_step(self.ground)
+        return stratified_step(self.ground)
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
         """Return the groups of interchangeable entities in plans of a length; most domains have the same for all."""
@@ -84,4 +85,4 @@ class Model:
         if program is self.program:
             return build_transition(self.step)
         reads = read_step(Program(tuple(s for s in program.sources if s.path.suffix == ".lp")))
-        return build_transition(normal_step(ground_step(program, self.domain.facts, reads)), labels)
+        return build_transition(stratified_step(ground_step(program, self.domain.facts, reads)), labels)

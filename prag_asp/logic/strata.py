@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.normal import Body
+from prag_asp.logic.ground import GroundStep
+from prag_asp.logic.normal import Body, NormalStep, normal_step
 
 Column = NDArray[np.bool_]
 """The truth of one atom in many states: shape (number of states,)."""
@@ -21,6 +22,18 @@ class Stratum:
 
     atoms: tuple[int, ...]
     recursive: bool
+
+
+def stratified_step(ground: GroundStep) -> NormalStep:
+    """Return the normal form of a ground step all of whose rules can be evaluated in order.
+
+    Raises:
+        EngineError: the step is not a function of the state and the action.
+    """
+    step = normal_step(ground)
+    stratify(list(step.bodies), step.bodies)
+    stratify(list(step.final_bodies), step.final_bodies)
+    return step
 
 
 def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[Body, ...]]) -> list[Stratum]:

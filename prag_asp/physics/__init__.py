@@ -1,0 +1,30 @@
+"""Whether a robot can do a task: spatial predicates, witnesses, and the search for them in PyBullet."""
+
+from __future__ import annotations
+
+from prag_asp.physics.pool import WorkerError, validate_tasks
+from prag_asp.physics.predicates import PREDICATES, Predicate
+from prag_asp.physics.render import PicturesMissingError, film_strip
+from prag_asp.physics.search import CAUSES
+from prag_asp.physics.validator import Validator, open_validator, validate_task
+from prag_asp.physics.verdict import Budget, Moment, Verdict, Waypoint, Witness
+from prag_asp.physics.witness_check import check_witness
+
+__all__ = [
+    "CAUSES",
+    "PREDICATES",
+    "Budget",
+    "Moment",
+    "PicturesMissingError",
+    "Predicate",
+    "Validator",
+    "Verdict",
+    "Waypoint",
+    "Witness",
+    "WorkerError",
+    "check_witness",
+    "film_strip",
+    "open_validator",
+    "validate_task",
+    "validate_tasks",
+]

@@ -12,6 +12,7 @@ from prag_asp.physics.geometry import Pose, cavity, compose, invert, multiply, r
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.placement import any_support, draw_pose, known_support, relevant
 from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.search import (
     ARM_COLLIDES,
@@ -48,9 +49,9 @@ def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) ->
     if snapshot.above is not None and not _stays_down(snapshot, effect):
         snapshot = _raise(search, snapshot, waypoints)
     if effect.grasps is not None:
-        snapshot = _grasp(search, snapshot, effect.grasps, effect, attempt, waypoints)
+        snapshot = _grasp(search, snapshot, effect, attempt, waypoints)
     elif effect.releases is not None:
-        snapshot = _release(search, snapshot, effect.releases, effect, waypoints)
+        snapshot = _release(search, snapshot, effect, waypoints)
     elif effect.holds is not None and effect.holds in effect.moved:
         snapshot = _carry(search, snapshot, effect.holds, effect, waypoints)
     elif effect.visits is not None and snapshot.held is None:
@@ -98,9 +99,9 @@ def _verify(
         if before.situation.poses[entity] is not pose and before.situation.poses[entity] != pose
     }
     for fact in facts:
-        if fact.predicate.of_gripper or fact in known_again or not changed.isdisjoint(fact.arguments):
-            if not fact.satisfied(after.situation):
-                raise Failure(RELATION)
+        concerned = fact.predicate.of_gripper or not changed.isdisjoint(fact.arguments)
+        if (concerned or fact in known_again) and not fact.satisfied(after.situation):
+            raise Failure(RELATION)
 
 
 def _stays_down(snapshot: Snapshot, effect: Effect) -> bool:
@@ -147,22 +148,17 @@ def _visit(
 def _close(snapshot: Snapshot, entity: str) -> Snapshot:
     """Close the gripper on the object that it is at."""
     situation = snapshot.situation
-    width = _grip_width(snapshot, entity)
+    width = grip_width(situation, entity)
     grasp = compose(invert(situation.tool), situation.poses[entity])
     return replace(snapshot, situation=replace(situation, width=width), held=entity, grasp=grasp)
 
 
-def _grip_width(snapshot: Snapshot, entity: str) -> float:
-    """Return the opening that grips an object where the tool is, in metres."""
-    from prag_asp.physics.predicates.gripper import grip_width
-
-    return grip_width(snapshot.situation, entity)
-
-
 def _grasp(
-    search: Search, snapshot: Snapshot, entity: str, effect: Effect, attempt: int, waypoints: list[Waypoint]
+    search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]
 ) -> Snapshot:
     """Take hold of an object, and lift it where it leaves what it stands on."""
+    entity = effect.grasps
+    assert entity is not None
     if snapshot.above is None:
         snapshot = _visit(search, snapshot, entity, attempt, waypoints)
     snapshot = _close(snapshot, entity)
@@ -174,11 +170,10 @@ def _grasp(
     return snapshot
 
 
-def _release(
-    search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypoints: list[Waypoint]
-) -> Snapshot:
+def _release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
     """Put the held object where the facts want it, or straight down, and open the gripper."""
-    situation = snapshot.situation
+    entity, situation = effect.releases, snapshot.situation
+    assert entity is not None
     opening = search.robot.opening
     if entity not in effect.moved and snapshot.above is not None:
         at, above, poses = snapshot.joints, snapshot.above, situation.poses
@@ -188,7 +183,10 @@ def _release(
         placed = replace(situation, poses=poses)
         verify_objects(search, placed, _changed(snapshot, poses), None)
         at, above = _lower(search, snapshot, entity, poses)
-        waypoints += [Waypoint("approach", above, situation.width, entity), Waypoint("at", at, situation.width, entity)]
+        waypoints += [
+            Waypoint("approach", above, situation.width, entity),
+            Waypoint("at", at, situation.width, entity),
+        ]
     opened = replace(situation, poses=poses, tool=tool_pose(at), width=opening)
     after = Snapshot(opened, at, above=above)
     _require_free(search, after, entity)
@@ -242,7 +240,7 @@ def _carry(
     else:
         support = known_support(around, entity, effect.after) or TABLE
         depth = cavity(situation.shape(support))[2] if support != TABLE else 0.0
-        pose = draw_pose(search, around, entity, support, effect.after, max(LIFT, depth + OVER_RIM))
+        pose = draw_pose(search, around, entity, support, effect.after, height=max(LIFT, depth + OVER_RIM))
     poses = _with_riders(situation, entity, pose, search.objects)
     after = replace(situation, poses=poses)
     verify_objects(search, after, _changed(snapshot, poses), entity)

@@ -29,7 +29,7 @@ DOWN = (1.0, 0.0, 0.0, 0.0)
 
 
 class Configuration(NamedTuple):
-    """What the arm is asked to be free of: the poses of the objects, the opening, the object that it may touch."""
+    """What the arm has to be free of: the objects at their poses, but for the one it may touch."""
 
     poses: Mapping[str, Pose]
     width: float
@@ -37,9 +37,9 @@ class Configuration(NamedTuple):
 
 
 def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
-    """Return tool poses from above that can grip an object, each with the opening then, most comfortable first.
+    """Return tool poses from above that grip an object, each with the opening then, the easiest first.
 
-    Boxes are gripped by opposite sides, round things in eight directions.
+    Boxes are gripped by opposite sides, round things in four directions.
 
     Raises:
         Failure: the object is too wide for the gripper.
@@ -50,12 +50,13 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     bottom = z - half + search.robot.fingertip + 0.002
     height = max(z, z + half - search.robot.finger_depth, bottom)
     heading = math.atan2(y, x)
-    if shape.kind in ("sphere", "cylinder"):
-        yaws = [heading + turn * math.pi / 4 for turn in range(8)]
-    else:
-        yaws = [yaw_of(pose.quaternion) + turn * math.pi / 2 for turn in range(4)]
+    round_body = shape.kind in ("sphere", "cylinder")
+    first = heading if round_body else yaw_of(pose.quaternion)
+    turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
+    # Half a turn gives the same grip, so of each pair of opposite headings the nearer one is enough.
+    yaws = sorted(turns, key=lambda angle: -math.cos(angle - heading))[: len(turns) // 2]
     found = []
-    for yaw in sorted(yaws, key=lambda angle: -math.cos(angle - heading)):
+    for yaw in yaws:
         opening = (-math.sin(yaw), math.cos(yaw), 0.0)
         width = width_along(shape, pose.quaternion, opening)
         if width <= search.robot.opening - CLEARANCE:
@@ -84,7 +85,7 @@ def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | 
 
 
 def descend(search: Search, tool: Pose, at: Configuration, above: Configuration) -> tuple[Joints, Joints]:
-    """Return joint angles at a tool pose and, near to those, `LIFT` straight above it, both free of collisions.
+    """Return joint angles at a tool pose and, near to those, `LIFT` straight above, free of collisions.
 
     Raises:
         Failure: there are none.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from prag_asp.physics.geometry import Pose, Vector
+from prag_asp.physics.geometry import Pose, Vector, extents
 from prag_asp.physics.robot import Joints
-from prag_asp.physics.simulator import COLLISION, Simulator
+from prag_asp.physics.simulator import COLLISION, Simulator, boxes_touch
 from prag_asp.physics.situation import Situation
 
 Box = tuple[Vector, Vector]
@@ -37,34 +37,49 @@ def boxes_meet(one: Box, two: Box, spacing: float = 0.0) -> bool:
     )
 
 
+def _corners(centre: Vector, half: Vector) -> Box:
+    """Return the lowest and the highest corner of a bounding box."""
+    (x, y, z), (hx, hy, hz) = centre, half
+    return (x - hx, y - hy, z - hz), (x + hx, y + hy, z + hz)
+
+
 def colliding(
     simulator: Simulator, situation: Situation, moved: Iterable[str], objects: Iterable[str]
 ) -> tuple[str, str] | None:
-    """Return two objects that collide, one of them moved, or a moved object and the table; None where none do."""
+    """Return a moved object and another, or the table, that it collides with; None where none do."""
     simulator.place(situation.poses)
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in moved:
         done.add(one)
-        if situation.bottom(one) < 0.0 and simulator.overlap(simulator.body(one), simulator.table) < COLLISION:
+        if (
+            situation.bottom(one) < 0.0
+            and simulator.overlap(simulator.body(one), simulator.table) < COLLISION
+        ):
             return one, "the table"
         for two, other in boxes.items():
-            if two not in done and boxes_meet(boxes[one], other):
-                if simulator.overlap(simulator.body(one), simulator.body(two)) < COLLISION:
-                    return one, two
+            if two in done or not boxes_meet(boxes[one], other):
+                continue
+            if simulator.overlap(simulator.body(one), simulator.body(two)) < COLLISION:
+                return one, two
     return None
 
 
 def arm_collision(
     simulator: Simulator, poses: Mapping[str, Pose], joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
-    """Return what the arm collides with, None where it is free; the fingers may touch the object `touched`."""
+    """Return what the arm collides with, None where it is free; its fingers may touch `touched`."""
     simulator.place(poses)
     simulator.pose_arm(joints, width)
     robot = simulator.robot
-    for link, gap in simulator.arm_contacts(simulator.table):
-        if gap < COLLISION and link > BASE_LINK:
-            return ArmCollision("the table", link > robot.flange_link)
-    for entity in poses:
+    links = [simulator.link_box(link) for link in robot.links]
+    if any(low[2] < 0.0 for low, _ in links[1:]):
+        for link, gap in simulator.arm_contacts(simulator.table):
+            if gap < COLLISION and link > BASE_LINK:
+                return ArmCollision("the table", link > robot.flange_link)
+    for entity, pose in poses.items():
+        body = _corners(pose.position, extents(simulator.scene.shapes[entity], pose.quaternion))
+        if not any(boxes_touch(body, link_box) for link_box in links):
+            continue
         for link, gap in simulator.arm_contacts(simulator.body(entity)):
             if gap < COLLISION and not (entity == touched and link in robot.finger_links):
                 return ArmCollision(entity, link > robot.flange_link)

@@ -1,4 +1,4 @@
-"""From a symbolic task to what physics has to bring about: facts of every state and effects of every action."""
+"""From a symbolic task to what physics has to bring about: facts of states and effects of actions."""
 
 from __future__ import annotations
 
@@ -30,19 +30,18 @@ class Fact(NamedTuple):
 
     def sentence(self) -> str:
         """Return the fact in plain words."""
-        text = self.predicate.sentence(self.arguments)
-        return text if self.value else f"it is not so that {text}"
+        return self.predicate.sentence(self.arguments, self.value)
 
 
 @dataclass(frozen=True)
 class Effect:
     """What one action does to the bodies.
 
-    `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to. `holds` is the object
-    held before and after. `leaves` is set where the gripper goes away from its object, `lifts` where a grasped object
-    leaves what it stands on, `stays` where the gripper remains at a released object. `moved` are objects that the
-    action makes the subject of a relation. `before` and `after` are the facts of the states around it, `fresh` those
-    of `after` that the state before does not know.
+    `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to. `holds` is
+    the object held before and after. `leaves` is set where the gripper goes away from its object, `lifts`
+    where a grasped object leaves what it stands on, `stays` where the gripper remains at a released object.
+    `moved` are objects that the action makes the subject of a relation. `before` and `after` are the facts of
+    the states around it, `fresh` those of `after` that the state before does not know.
     """
 
     action: Atom
@@ -81,7 +80,7 @@ def facts(scene: Scene, state: State) -> tuple[Fact, ...]:
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
     """
-    return tuple(fact for atom, value in state.items() if (fact := _fact(scene, atom, value)) is not None)
+    return _facts(scene, state, {})
 
 
 def problem(task: Task, scene: Scene) -> Problem:
@@ -90,12 +89,13 @@ def problem(task: Task, scene: Scene) -> Problem:
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
     """
-    states = [facts(scene, state) for state in (task.initial, *task.states)]
+    known: dict[tuple[Atom, bool], Fact | None] = {}
+    states = [_facts(scene, state, known) for state in (task.initial, *task.states)]
     start = held = _only(states[0], "holding")
     effects: list[Effect] = []
     contradiction = None
     for k, action in enumerate(task.actions):
-        effect = _effect(action, facts(scene, task.subgoals[k]), states[k], states[k + 1], held)
+        effect = _effect(action, _facts(scene, task.subgoals[k], known), states[k], states[k + 1], held)
         if effect.grasps is not None and held not in (None, effect.grasps, effect.releases):
             contradiction = contradiction or f"{action} grasps {effect.grasps} while the gripper holds {held}"
         held = effect.grasps or (None if effect.releases else held)
@@ -103,6 +103,15 @@ def problem(task: Task, scene: Scene) -> Problem:
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
     objects = tuple(entity for entity in [*task.entities, *sorted(named)] if _is_object(scene, entity))
     return Problem(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects), contradiction)
+
+
+def _facts(scene: Scene, state: State, known: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
+    """Return what a state says about space, each fluent read once into `known`."""
+    for atom, value in state.items():
+        if (atom, value) not in known:
+            known[atom, value] = _fact(scene, atom, value)
+    found = (known[item] for item in state.items())
+    return tuple(fact for fact in found if fact is not None)
 
 
 def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
@@ -122,7 +131,11 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
 
 
 def _effect(
-    action: Atom, subgoal: tuple[Fact, ...], before: tuple[Fact, ...], after: tuple[Fact, ...], held: str | None
+    action: Atom,
+    subgoal: tuple[Fact, ...],
+    before: tuple[Fact, ...],
+    after: tuple[Fact, ...],
+    held: str | None,
 ) -> Effect:
     """Return what an action does, read off its subgoal and the states around it."""
     grasps = _only(subgoal, "holding")
@@ -170,5 +183,5 @@ def _known(state: Iterable[Fact], name: str, entity: str | None) -> bool | None:
 
 
 def _is_object(scene: Scene, entity: str) -> bool:
-    """Tell whether an entity is a body of its own: neither the robot nor the table nor something without a shape."""
+    """Tell whether an entity is a body of its own: it has a shape, and is neither robot nor table."""
     return entity in scene.shapes and scene.shapes[entity].kind not in ("robot", "table")

@@ -106,7 +106,7 @@ def finite(pose: Pose) -> bool:
     return all(map(math.isfinite, numbers)) and abs(sum(q * q for q in pose.quaternion) - 1.0) < 1e-6
 
 
-@lru_cache(maxsize=1 << 14)
+@lru_cache(maxsize=1 << 11)
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
     """Return half the sides of the world's bounding box of a turned shape, in metres."""
     hx, hy, hz = shape.half
@@ -132,7 +132,7 @@ def width_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> floa
 
 
 def cavity(shape: Shape) -> Vector:
-    """Return the inner sides of a container and the depth of its cavity in metres; zeros for what is solid."""
+    """Return the inner sides and the depth of a container's cavity in metres; zeros for what is solid."""
     if shape.kind != "container":
         return (0.0, 0.0, 0.0)
     x, y, z = shape.size
@@ -148,7 +148,7 @@ def to_local(pose: Pose, x: float, y: float) -> Point:
 
 
 def outline(shape: Shape, pose: Pose) -> Outline:
-    """Return the corners of an upright body seen from above, counter-clockwise; a ball is the point it stands on."""
+    """Return the corners of an upright body from above, counter-clockwise; of a ball where it stands."""
     x, y, _ = pose.position
     if shape.kind == "sphere":
         return ((x, y),)
@@ -190,7 +190,10 @@ def intersection(subject: Outline, clip: Outline) -> Outline:
             if (side >= 0.0) != (before >= 0.0):
                 share = before / (before - side)
                 kept.append(
-                    (previous[0] + share * (point[0] - previous[0]), previous[1] + share * (point[1] - previous[1]))
+                    (
+                        previous[0] + share * (point[0] - previous[0]),
+                        previous[1] + share * (point[1] - previous[1]),
+                    )
                 )
             if side >= 0.0:
                 kept.append(point)

@@ -1,12 +1,13 @@
 """Forward and inverse kinematics of the panda, every answer verified.
 
-The solution is the analytic one of He and Liu ("Analytical inverse kinematics for Franka Emika Panda", 2021), which
-fixes joint 7 and finds up to four configurations; joint 7 is swept over its range.
+The solution is the analytic one of He and Liu ("Analytical inverse kinematics for Franka Emika Panda", 2021),
+which fixes joint 7 and finds up to four configurations; joint 7 is swept over its range.
 """
 
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import frankik
 import numpy as np
@@ -16,7 +17,8 @@ from prag_asp.physics.geometry import Pose, matrix
 from prag_asp.physics.robot import Joints, Robot
 
 ACCURACY = 1e-5
-SWEEP = tuple(np.linspace(-2.8, 2.8, 33).tolist())
+COARSE = tuple(np.linspace(-2.8, 2.8, 13).tolist())
+FINE = tuple(np.linspace(-2.8, 2.8, 49).tolist())
 NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
 WEIGHTS = np.array([1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3])
 MAX_SOLUTIONS = 4
@@ -37,15 +39,16 @@ def tool_pose(joints: Joints) -> Pose:
 def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> list[Joints]:
     """Return joint vectors that bring the tool to a pose, at most `MAX_SOLUTIONS`, best first.
 
-    They are near `near`, or near the robot's posture turned towards the target. Each is within the limits, and
-    forward kinematics puts it within 0.01 mm of the target. The list is empty where nothing is found.
+    They are near `near`, or near the robot's posture turned towards the target. Each is within the limits,
+    and forward kinematics puts it within 0.01 mm of the target. The list is empty where nothing is found.
     """
     target = matrix(tool)
     flange = target @ _from_tool(robot)
     start = np.asarray(near if near is not None else _facing(robot, tool))
-    angles = SWEEP if near is None else tuple(near[6] + angle for angle in NARROW)
-    found = np.concatenate([frankik.ik_full(flange, start, angle) for angle in angles])
-    found = found[((found >= robot.lower) & (found <= robot.upper)).all(axis=1)]  # NaN compares false
+    angles = COARSE if near is None else tuple(near[6] + angle for angle in NARROW)
+    found = _sweep(robot, flange, start, angles)
+    if not len(found):
+        found = _sweep(robot, flange, start, FINE)
     weights = WEIGHTS if near is None else 1.0
     order = np.argsort((((found - start) * weights) ** 2).sum(axis=1), kind="stable")
     solutions: list[Joints] = []
@@ -60,12 +63,29 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> list[Joints
     return solutions
 
 
+def _sweep(
+    robot: Robot, flange: NDArray[np.float64], start: NDArray[np.float64], angles: tuple[float, ...]
+) -> NDArray[np.float64]:
+    """Return the solutions within the limits for some angles of joint 7, shape (solutions, 7)."""
+    found = np.concatenate([frankik.ik_full(flange, start, angle) for angle in angles])
+    lower, upper = _limits(robot)
+    within = np.all((found >= lower) & (found <= upper), axis=1)
+    return found[within]  # a branch without a solution is NaN, which no comparison lets through
+
+
 def _facing(robot: Robot, tool: Pose) -> Joints:
     """Return the robot's posture turned towards a target."""
     heading = math.atan2(tool.position[1], tool.position[0])
     return (heading, *robot.posture[1:])
 
 
+@cache
+def _limits(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the limits of the joints in radians, each of shape (7,)."""
+    return np.array(robot.lower), np.array(robot.upper)
+
+
+@cache
 def _from_tool(robot: Robot) -> NDArray[np.float64]:
     """Return the pose of the flange in the frame of the tool, shape (4, 4)."""
     cosine, sine = math.cos(robot.tool_turn), math.sin(robot.tool_turn)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from prag_asp.physics.collisions import box, boxes_meet
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import Pose, extents, yaw_of, yaw_quaternion
+from prag_asp.physics.geometry import Pose, Vector, extents, yaw_of, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES, Volume
 from prag_asp.physics.search import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
 from prag_asp.physics.situation import Situation
@@ -16,21 +16,27 @@ from prag_asp.physics.support import TABLE
 TRIES = 30
 SPACING = 0.01
 FINGER_ROOM = 0.025
+TABLE_ROOM = 0.1
+NEAR = 0.15
 JITTER = 0.05
 EDGE = 0.02
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
-    """Return what an object stands on or in by the facts that hold, `TABLE` for the table, None where unknown."""
+    """Return what an object stands on or in by the facts, `TABLE` for the table, None where unknown."""
     for fact in facts:
-        if fact.value and fact.predicate.name in ("on_top", "inside", "located") and fact.arguments[0] == entity:
+        if (
+            fact.value
+            and fact.predicate.name in ("on_top", "inside", "located")
+            and fact.arguments[0] == entity
+        ):
             support = fact.arguments[1]
             return TABLE if situation.is_table(support) else support
     return None
 
 
 def any_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
-    """Return a support for an object of which nothing is known: the table, unless it is known not to be on it.
+    """Return a support for an object that may be anywhere: the table, unless it is known not to be on it.
 
     Raises:
         Failure: every support is ruled out.
@@ -43,7 +49,9 @@ def any_support(search: Search, situation: Situation, entity: str, facts: Iterab
     if not any(situation.is_table(support) for support in ruled_out):
         return TABLE
     options = [
-        other for other in situation.poses if other not in ruled_out and situation.shape(other).kind != "sphere"
+        other
+        for other in situation.poses
+        if other not in ruled_out and situation.shape(other).kind != "sphere"
     ]
     if not options:
         raise Failure(EMPTY_VOLUME)
@@ -62,7 +70,13 @@ def relevant(facts: Iterable[Fact], entity: str, situation: Situation) -> list[F
 
 
 def draw_pose(
-    search: Search, situation: Situation, entity: str, support: str, facts: Iterable[Fact], height: float = 0.0
+    search: Search,
+    situation: Situation,
+    entity: str,
+    support: str,
+    facts: Iterable[Fact],
+    *,
+    height: float = 0.0,
 ) -> Pose:
     """Draw a pose of an object at rest on a support, or `height` metres above, that the facts about it allow.
 
@@ -77,7 +91,11 @@ def draw_pose(
     volume = _volume(situation, entity, wanted, half).meet(_surface(situation, entity, support, half, about))
     if volume.empty:
         raise Failure(EMPTY_VOLUME)
-    (low_x, low_y, z), (high_x, high_y, _) = volume.low, volume.high
+    close = volume.meet(_close(situation, entity, wanted))
+    preferred = volume if close.empty else close
+    anywhere = support != TABLE or any(
+        fact.predicate.name == "reachable" and not fact.value for fact in about
+    )
     neighbours = [
         box(situation, other)
         for other in situation.poses
@@ -85,16 +103,19 @@ def draw_pose(
     ]
     cause = RELATION
     for attempt in range(TRIES):
-        pose = Pose((search.uniform(low_x, high_x), search.uniform(low_y, high_y), z), quaternion)
-        spacing = _spacing(support, attempt)
+        first = attempt < TRIES // 2
+        room = TABLE_ROOM if support == TABLE else FINGER_ROOM
+        x, y, z = _draw_point(search, preferred, room) if first else _draw_point(search, volume, 0.0)
+        pose = Pose((x, y, z), quaternion)
+        spacing = _spacing(support, first)
         if any(boxes_meet((pose.position, half), other, spacing) for other in neighbours):
             cause = OBJECTS_COLLIDE
             continue
         trial = situation.with_pose(entity, pose)
         if not all(fact.satisfied(trial) for fact in about):
             cause = RELATION
-            continue
-        return Pose((pose.position[0], pose.position[1], z + height), quaternion)
+        elif anywhere or PREDICATES["reachable"].holds(trial, ("", entity)):
+            return Pose((x, y, z + height), quaternion)
     raise Failure(cause)
 
 
@@ -120,15 +141,27 @@ def _volume(
     return volume
 
 
+def _close(situation: Situation, entity: str, wanted: Iterable[Fact]) -> Volume:
+    """Return the surroundings of what an object is beside: there the relation is seen at a glance."""
+    volume = Volume()
+    for fact in wanted:
+        if fact.predicate.inverse is not None:
+            other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
+            x, y, _ = situation.pose(other).position
+            half_x, half_y, _ = situation.half(other)
+            dx, dy = half_x + NEAR, half_y + NEAR
+            volume = volume.meet(Volume((x - dx, y - dy, -math.inf), (x + dx, y + dy, math.inf)))
+    return volume
+
+
 def _surface(
     situation: Situation, entity: str, support: str, half: tuple[float, float, float], about: Iterable[Fact]
 ) -> Volume:
-    """Return where an object can be put down on a support: all of a top or floor, the workspace of the table."""
+    """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
     z = surface_height(situation, support) + half[2]
     if support != TABLE:
-        if situation.shape(support).kind == "container":
-            return _roomier(PREDICATES["inside"].volume(situation, (entity, support), half))
-        return PREDICATES["on_top"].volume(situation, (entity, support), half)
+        name = "inside" if situation.shape(support).kind == "container" else "on_top"
+        return PREDICATES[name].volume(situation, (entity, support), half)
     low_x, high_x, low_y, high_y = situation.scene.workspace
     if any(fact.predicate.name == "reachable" and not fact.value for fact in about):
         (x, y), (size_x, size_y) = situation.scene.table.centre, situation.scene.table.size
@@ -137,20 +170,20 @@ def _surface(
     return Volume((low_x, low_y, z), (high_x, high_y, z))
 
 
-def _spacing(support: str, attempt: int) -> float:
-    """Return how far an object should be from others in metres: wide apart first, on the table never close."""
-    if support != TABLE:
-        return 0.0
-    return FINGER_ROOM if attempt < TRIES // 2 else SPACING
+def _spacing(support: str, first: bool) -> float:
+    """Return how far an object should be from others in metres: first wide, on the table never close."""
+    if first:
+        return FINGER_ROOM
+    return SPACING if support == TABLE else 0.0
 
 
-def _roomier(volume: Volume) -> Volume:
-    """Return a volume that leaves room for a finger at the walls of a container, as far as there is some."""
-    (low_x, low_y, z), (high_x, high_y, _) = volume.low, volume.high
-    x, y = min(FINGER_ROOM, (high_x - low_x) / 2), min(FINGER_ROOM, (high_y - low_y) / 2)
-    if x < 0.0 or y < 0.0:
-        return volume
-    return Volume((low_x + x, low_y + y, z), (high_x - x, high_y - y, z))
+def _draw_point(search: Search, volume: Volume, room: float) -> Vector:
+    """Draw a point at the bottom of a volume, `room` metres off its borders as far as there is some."""
+    x, y = (
+        search.uniform(low + min(room, (high - low) / 3), high - min(room, (high - low) / 3))
+        for low, high in zip(volume.low[:2], volume.high[:2], strict=True)
+    )
+    return (x, y, volume.low[2])
 
 
 def _draw_yaw(search: Search, situation: Situation, support: str, volume: Volume) -> float:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Fact, Problem
@@ -58,8 +59,8 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
 def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
     """Tell whether no shadow of a body fits a rectangle.
 
-    The width of a shadow is never less than that of the body, and the area of the shadow of a convex body never less
-    than that of its smallest shadow.
+    The width of a shadow is never less than that of the body, and the area of the shadow of a convex body
+    never less than that of its smallest shadow.
     """
     small, middle, _ = sorted(shape.size)
     area = small * middle * (math.pi / 4 if shape.kind in ("sphere", "cylinder") else 1.0)
@@ -77,38 +78,27 @@ def _gripper_reasons(true: list[Fact]) -> Iterator[str]:
 
 def _order_reasons(true: list[Fact]) -> Iterator[str]:
     """Yield cycles of relations that are strict orders along an axis: nothing is left of itself."""
-    edges: dict[int, dict[str, list[str]]] = {0: {}, 1: {}, 2: {}}
+    edges: dict[int, dict[str, set[str]]] = {0: {}, 1: {}, 2: {}}
     for fact in true:
         name = fact.predicate.name
         if name == "on_top":
-            edges[2].setdefault(fact.arguments[1], []).append(fact.arguments[0])
+            edges[2].setdefault(fact.arguments[0], set()).add(fact.arguments[1])
         elif name in DIRECTIONS:
             axis, sign = DIRECTIONS[name]
             low, high = fact.arguments if sign < 0 else fact.arguments[::-1]
-            edges[axis].setdefault(low, []).append(high)
+            edges[axis].setdefault(high, set()).add(low)
     for axis, graph in edges.items():
         cycle = _cycle(graph)
         if cycle:
             yield f"the relations along {AXES[axis]} form a circle: {', '.join(cycle)}"
 
 
-def _cycle(graph: dict[str, list[str]]) -> list[str]:
-    """Return the nodes of a cycle of a directed graph, empty where there is none."""
-    finished: set[str] = set()
-    for root in graph:
-        path: list[str] = []
-        stack: list[tuple[str, Iterator[str]]] = [(root, iter(graph[root]))] if root not in finished else []
-        path = [root] if stack else []
-        while stack:
-            following = next(stack[-1][1], None)
-            if following is None:
-                finished.add(stack.pop()[0])
-                path.pop()
-            elif following in path:
-                return path[path.index(following) :]
-            elif following not in finished:
-                path.append(following)
-                stack.append((following, iter(graph.get(following, ()))))
+def _cycle(below: Mapping[str, set[str]]) -> list[str]:
+    """Return a cycle of a directed graph, its first node again at the end; empty where there is none."""
+    try:
+        TopologicalSorter(below).prepare()
+    except CycleError as error:
+        return list(error.args[1])
     return []
 
 
@@ -120,9 +110,11 @@ def _fixed_reasons(facts: Iterable[Fact], scene: Scene) -> Iterator[str]:
     }
     situation = Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)
     for fact in facts:
-        if fact.predicate.of_gripper:
+        if fact.predicate.of_gripper or fact.arguments[fact.predicate.subject] not in poses:
             continue
-        bodies = [entity for entity in fact.arguments if scene.shapes.get(entity, Shape("robot")).kind != "robot"]
+        bodies = [
+            entity for entity in fact.arguments if scene.shapes.get(entity, Shape("robot")).kind != "robot"
+        ]
         still = all(entity in poses or scene.shapes[entity].kind == "table" for entity in bodies)
         if still and not fact.satisfied(situation):
-            yield f"{fact.sentence()}, but neither can move" if len(bodies) > 1 else f"{fact.sentence()} never"
+            yield f"{fact.sentence()} cannot hold, for nothing of it can move"

@@ -1,8 +1,9 @@
 """The Franka Emika Panda with its hand: what the rest of physics needs to know of a robot.
 
-The tool is the point between the finger tips, its z axis the direction in which the fingers point, its y axis the
-one along which they open. Joint limits are Franka's own (https://frankaemika.github.io/docs/control_parameters.html),
-which are narrower than those of PyBullet's URDF.
+The tool is the point between the finger tips, its z axis the direction in which the fingers point, its y axis
+the one along which they open. Joint limits are Franka's own
+(https://frankaemika.github.io/docs/control_parameters.html), which are narrower than those of PyBullet's
+URDF.
 """
 
 from __future__ import annotations
@@ -13,13 +14,14 @@ from dataclasses import dataclass
 Joints = tuple[float, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Robot:
     """An arm of seven joints with a parallel gripper; metres and radians.
 
-    `home` is where the arm waits, `posture` what the inverse kinematics likes best, `tool_offset` how far the tool
-    is in front of the flange, `tool_turn` how far it is turned about the flange's axis. `finger_depth` is how deep an
-    object reaches between the fingers before it meets the palm, `fingertip` how far the tips extend past the tool.
+    `home` is where the arm waits, `posture` what the inverse kinematics likes best, `tool_offset` how far the
+    tool is in front of the flange, `tool_turn` how far it is turned about the flange's axis. `finger_depth`
+    is how deep an object reaches between the fingers before it meets the palm, `fingertip` how far the tips
+    extend past the tool.
     """
 
     urdf: str
@@ -27,6 +29,7 @@ class Robot:
     upper: Joints
     home: Joints
     posture: Joints
+    links: tuple[int, ...]
     arm_links: tuple[int, ...]
     finger_joints: tuple[int, int]
     finger_links: tuple[int, ...]
@@ -50,8 +53,9 @@ PANDA = Robot(
     urdf="franka_panda/panda.urdf",
     lower=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973),
     upper=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973),
-    home=(0.0, -0.55, 0.0, -2.2, 0.0, 1.9, math.pi / 4),
+    home=(0.0, -0.3, 0.0, -2.5, 0.0, 2.2, math.pi / 4),
     posture=(0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4),
+    links=(-1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10),
     arm_links=(0, 1, 2, 3, 4, 5, 6),
     finger_joints=(9, 10),
     finger_links=(9, 10),

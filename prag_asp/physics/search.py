@@ -40,7 +40,7 @@ class Failure(Exception):
 
 
 class Exhausted(Exception):
-    """There is nothing left to attempt: nothing of this action is drawn at random. It never leaves the validator."""
+    """Nothing of this action is drawn at random, so nothing is left to attempt. It stays in the validator."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,8 @@ class Search:
 class Snapshot:
     """One state of the search: the situation, the arm, what it holds.
 
-    `above` is the configuration straight above the gripper's place, kept while the gripper is down at an object.
+    `above` is the configuration straight above the gripper's place, kept while the gripper is down at an
+    object.
     """
 
     situation: Situation

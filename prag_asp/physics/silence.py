@@ -8,32 +8,35 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-STDOUT = 1
+STDOUT, STDERR = 1, 2
 
 
 @contextmanager
-def silent_stdout() -> Iterator[None]:
-    """Send whatever is written to file descriptor 1 to nowhere, buffered output of C included."""
+def silenced(*descriptors: int) -> Iterator[None]:
+    """Send what is written to file descriptors to nowhere, buffered output of C included."""
     flush()
-    saved = os.dup(STDOUT)
+    saved = [(descriptor, os.dup(descriptor)) for descriptor in descriptors]
     try:
-        silence_stdout()
+        for descriptor in descriptors:
+            silence(descriptor)
         yield
         flush()
     finally:
-        os.dup2(saved, STDOUT)
-        os.close(saved)
+        for descriptor, copy in saved:
+            os.dup2(copy, descriptor)
+            os.close(copy)
 
 
-def silence_stdout() -> None:
-    """Send file descriptor 1 to nowhere, for the rest of the process."""
+def silence(descriptor: int) -> None:
+    """Send what is written to a file descriptor to nowhere, for the rest of the process."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, STDOUT)
+    os.dup2(nowhere, descriptor)
     os.close(nowhere)
 
 
 def flush() -> None:
-    """Write out what Python and C still hold for standard output."""
-    if sys.stdout is not None and not sys.stdout.closed:
-        sys.stdout.flush()
+    """Write out what Python and C still hold for standard output and standard error."""
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None and not stream.closed:
+            stream.flush()
     ctypes.CDLL(None).fflush(None)

@@ -1,7 +1,8 @@
 """A PyBullet world with the robot, the table and one body for each object of the scene.
 
-Bodies are made once and reused: making and removing them leaks. Those that a task does not use are parked, each at
-its own place. PyBullet is silent about unknown bodies and about poses that are not finite, so both are checked here.
+Bodies are made once and reused: making and removing them leaks. Those that a task does not use are parked,
+each at its own place. PyBullet is silent about unknown bodies and about poses that are not finite, so both
+are checked here.
 """
 
 from __future__ import annotations
@@ -10,16 +11,17 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.errors import SceneError
-from prag_asp.physics.geometry import Pose, finite
+from prag_asp.physics.geometry import Pose, Vector, finite
 from prag_asp.physics.robot import ROBOTS, Joints, Robot
-from prag_asp.physics.silence import silent_stdout
+from prag_asp.physics.silence import STDERR, STDOUT, silenced
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.solids import container_boxes, volume
 
-with silent_stdout():
+with silenced(STDOUT, STDERR):  # the import announces when PyBullet was built
     import pybullet
     import pybullet_data
 
@@ -28,6 +30,17 @@ COLLISION = -0.0015
 
 PARKING = (20.0, 20.0, 5.0)
 DENSITY = 400.0
+REMEMBERED = 64
+
+
+class _Part(NamedTuple):
+    """A primitive of a body: its kind in PyBullet, its sizes and its place in the body in metres."""
+
+    kind: int
+    half: Vector = (0.0, 0.0, 0.0)
+    radius: float = 0.0
+    height: float = 0.0
+    at: Vector = (0.0, 0.0, 0.0)
 
 
 class Simulator:
@@ -48,7 +61,10 @@ class Simulator:
             if shape.kind not in ("robot", "table")
         }
         self._poses: dict[str, Pose] = {}
+        self._links = sorted({link for pair in self.robot.self_pairs for link in pair})
         self._arm_at: tuple[Joints, float] | None = None
+        self._joints_at: Joints = ()
+        self._self_overlaps: dict[Joints, float] = {}
         self._joints = [*self.robot.arm_links, *self.robot.finger_joints]
         self.place({})
 
@@ -61,7 +77,9 @@ class Simulator:
         for entity, pose in poses.items():
             if self._poses.get(entity) != pose:
                 if not finite(pose):
-                    raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
+                    raise SceneError(
+                        f"{entity} has the pose {pose}, which is not a finite position and rotation"
+                    )
                 self._move(entity, pose)
         for i, entity in enumerate(self.bodies):
             if entity not in poses:
@@ -81,10 +99,10 @@ class Simulator:
             raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
         values = [[angle] for angle in (*joints, width / 2, width / 2)]
         pybullet.resetJointStatesMultiDof(self.arm, self._joints, values, physicsClientId=self.client)
-        self._arm_at = (joints, width)
+        self._arm_at, self._joints_at = (joints, width), joints
 
     def overlap(self, one: int, two: int) -> float:
-        """Return the smallest distance of two bodies that touch in metres, negative in each other, 0 apart."""
+        """Return the distance of two bodies that touch in metres: negative in each other, 0 where apart."""
         points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=self.client)
         return min((point[8] for point in points), default=0.0)
 
@@ -94,14 +112,28 @@ class Simulator:
         return [(point[3], point[8]) for point in points]
 
     def self_overlap(self) -> float:
-        """Return the smallest distance of the arm's links that touch each other in metres, 0 where none do."""
+        """Return the smallest distance of two links of the arm that touch in metres, 0 where none do."""
+        known = self._self_overlaps.get(self._joints_at)
+        if known is not None:
+            return known
+        boxes = {link: self.link_box(link) for link in self._links}
         smallest = 0.0
         for low, high in self.robot.self_pairs:
+            if not boxes_touch(boxes[low], boxes[high]):
+                continue
             points = pybullet.getClosestPoints(
                 self.arm, self.arm, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
             )
             smallest = min(smallest, min((point[8] for point in points), default=0.0))
+        if len(self._self_overlaps) >= REMEMBERED:
+            self._self_overlaps.clear()
+        self._self_overlaps[self._joints_at] = smallest
         return smallest
+
+    def link_box(self, link: int) -> tuple[Vector, Vector]:
+        """Return the lowest and the highest corner of the bounding box of a link of the arm, in metres."""
+        low, high = pybullet.getAABB(self.arm, link, physicsClientId=self.client)
+        return low, high
 
     def flange(self) -> Pose:
         """Return the pose of the flange as the simulator's own kinematics has it."""
@@ -150,71 +182,78 @@ class Simulator:
     def _load_table(self) -> int:
         """Make the table, its top at z = 0."""
         table = self.scene.table
-        half = [table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2]
-        return self._body([(pybullet.GEOM_BOX, {"halfExtents": half}, [0.0, 0.0, 0.0])], 0.0, table.color,
-                          [*table.centre, -TABLE_THICKNESS / 2])  # fmt: skip
+        half = (table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2)
+        at = (*table.centre, -TABLE_THICKNESS / 2)
+        return self._body([_Part(pybullet.GEOM_BOX, half=half)], 0.0, table.color, at)
 
     def _load_body(self, entity: str, shape: Shape) -> int:
         """Make the body of an object."""
-        x, y, z = shape.size
+        radius, height = shape.half[0], shape.size[2]
         if shape.kind == "sphere":
-            parts = [(pybullet.GEOM_SPHERE, {"radius": x / 2}, [0.0, 0.0, 0.0])]
+            parts = [_Part(pybullet.GEOM_SPHERE, radius=radius)]
         elif shape.kind == "cylinder":
-            parts = [(pybullet.GEOM_CYLINDER, {"radius": x / 2, "height": z}, [0.0, 0.0, 0.0])]
+            parts = [_Part(pybullet.GEOM_CYLINDER, radius=radius, height=height)]
+        elif shape.kind == "container":
+            parts = [_Part(pybullet.GEOM_BOX, half=half, at=at) for at, half in container_boxes(shape)]
         else:
-            boxes = container_boxes(shape) if shape.kind == "container" else [((0.0, 0.0, 0.0), shape.half)]
-            parts = [(pybullet.GEOM_BOX, {"halfExtents": list(half)}, list(centre)) for centre, half in boxes]
+            parts = [_Part(pybullet.GEOM_BOX, half=shape.half)]
         mass = 0.0 if entity in self.scene.fixed else DENSITY * volume(shape)
-        return self._body(parts, mass, self.scene.colors.get(entity, "#808080"), list(PARKING))
+        return self._body(parts, mass, self.scene.colors.get(entity, "#808080"), PARKING)
 
-    def _body(
-        self, parts: Sequence[tuple[int, dict[str, object], list[float]]], mass: float, color: str, at: list[float]
-    ) -> int:
+    def _body(self, parts: Sequence[_Part], mass: float, color: str, at: Vector) -> int:
         """Make one body of several primitives.
 
         Raises:
             SceneError: PyBullet refuses a shape.
         """
-        rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]
+        kinds = [part.kind for part in parts]
+        radii, lengths = [part.radius for part in parts], [part.height for part in parts]
+        halves, centres = [part.half for part in parts], [part.at for part in parts]
         shapes = pybullet.createCollisionShapeArray(
-            shapeTypes=[kind for kind, _, _ in parts],
-            radii=[size.get("radius", 0.0) for _, size, _ in parts],
-            lengths=[size.get("height", 0.0) for _, size, _ in parts],
-            halfExtents=[size.get("halfExtents", [0.0, 0.0, 0.0]) for _, size, _ in parts],
-            collisionFramePositions=[centre for _, _, centre in parts],
+            shapeTypes=kinds,
+            radii=radii,
+            lengths=lengths,
+            halfExtents=halves,
+            collisionFramePositions=centres,
             physicsClientId=self.client,
         )
         looks = -1
         if self._visual:
+            rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]
             looks = pybullet.createVisualShapeArray(
-                shapeTypes=[kind for kind, _, _ in parts],
-                radii=[size.get("radius", 0.0) for _, size, _ in parts],
-                lengths=[size.get("height", 0.0) for _, size, _ in parts],
-                halfExtents=[size.get("halfExtents", [0.0, 0.0, 0.0]) for _, size, _ in parts],
-                visualFramePositions=[centre for _, _, centre in parts],
-                rgbaColors=[rgba for _ in parts],
-                specularColors=[[0.15, 0.15, 0.15] for _ in parts],
+                shapeTypes=kinds,
+                radii=radii,
+                lengths=lengths,
+                halfExtents=halves,
+                visualFramePositions=centres,
+                rgbaColors=[rgba] * len(kinds),
                 physicsClientId=self.client,
             )
-        if shapes < 0 or (self._visual and looks < 0):
-            raise SceneError(f"PyBullet refuses the shape {parts}")
-        body = pybullet.createMultiBody(mass, shapes, looks, at, physicsClientId=self.client)
+        body = -1
+        if shapes >= 0 and (looks >= 0 or not self._visual):
+            body = pybullet.createMultiBody(mass, shapes, looks, at, physicsClientId=self.client)
         if body < 0:
-            raise SceneError(f"PyBullet refuses the body {parts}")
+            raise SceneError(f"PyBullet refuses a body of {parts}")
         return int(body)
+
+
+def boxes_touch(one: tuple[Vector, Vector], two: tuple[Vector, Vector]) -> bool:
+    """Tell whether two bounding boxes, each its lowest and its highest corner, have a point in common."""
+    (ax, ay, az), (bx, by, bz) = one
+    (cx, cy, cz), (dx, dy, dz) = two
+    return ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz
 
 
 @contextmanager
 def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
     """Open a simulator without a window, and close it afterwards; `visual` loads what pictures need."""
-    with silent_stdout():
+    with silenced(STDOUT):
         client = pybullet.connect(pybullet.DIRECT)
     if client < 0:
         raise SceneError("PyBullet cannot open a simulator: too many are open in this process")
     try:
-        with silent_stdout():
+        with silenced(STDOUT):
             simulator = Simulator(scene, client, visual)
         yield simulator
     finally:
         pybullet.disconnect(physicsClientId=client)
-

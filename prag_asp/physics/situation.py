@@ -48,7 +48,9 @@ class Situation:
         if self.is_table(entity):
             x, y = self.scene.table.centre
             return Pose((x, y, 0.0))
-        raise SceneError(f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}")
+        raise SceneError(
+            f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}"
+        )
 
     def half(self, entity: str) -> Vector:
         """Return half the sides of the bounding box of an entity as it is turned, in metres."""
@@ -58,7 +60,9 @@ class Situation:
         if self.is_table(entity):
             x, y = self.scene.table.size
             return (x / 2, y / 2, 0.0)
-        raise SceneError(f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}")
+        raise SceneError(
+            f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}"
+        )
 
     def top(self, entity: str) -> float:
         """Return the height of the highest point of an entity in metres."""

@@ -1,10 +1,11 @@
-"""Draw the first state of a task: every object gets a pose that the known facts allow; what is unknown is free."""
+"""Draw the first state of a task: each object gets a pose that the facts allow; the unknown is free."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 
+from prag_asp.domain.scene import Scene
 from prag_asp.physics.actions import take_place, verify_objects
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import Pose, yaw_quaternion
@@ -22,12 +23,14 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
     """
     home = search.robot.home
     situation = Situation(search.scene, fixed_poses(search, problem), tool_pose(home), search.robot.opening)
-    for entity in _order(problem):
+    for entity in _order(problem, search.scene):
         if entity not in situation.poses:
             support = known_support(situation, entity, problem.initial)
             if support is None:
                 support = any_support(search, situation, entity, problem.initial)
-            situation = situation.with_pose(entity, draw_pose(search, situation, entity, support, problem.initial))
+            situation = situation.with_pose(
+                entity, draw_pose(search, situation, entity, support, problem.initial)
+            )
     verify_objects(search, situation, problem.objects, None)
     snapshot = Snapshot(situation, home)
     place = problem.held or _visited(problem.initial)
@@ -49,14 +52,19 @@ def fixed_poses(search: Search, problem: Problem) -> Mapping[str, Pose]:
     }
 
 
-def _order(problem: Problem) -> list[str]:
-    """Return the objects so that supports come before what stands on them, wide relations before the rest."""
+def _order(problem: Problem, scene: Scene) -> list[str]:
+    """Return the objects so that supports come before what stands on them, large ones before small ones."""
     below: dict[str, set[str]] = {entity: set() for entity in problem.objects}
     for fact in problem.initial:
-        if fact.value and fact.predicate.name in ("on_top", "inside", "located") and fact.arguments[0] in below:
+        if (
+            fact.value
+            and fact.predicate.name in ("on_top", "inside", "located")
+            and fact.arguments[0] in below
+        ):
             below[fact.arguments[0]] |= {fact.arguments[1]} & below.keys()
     ordered: list[str] = []
-    waiting = list(problem.objects)
+    shapes = scene.shapes
+    waiting = sorted(problem.objects, key=lambda entity: -shapes[entity].size[0] * shapes[entity].size[1])
     while waiting:
         ready = [entity for entity in waiting if below[entity] <= set(ordered)] or waiting
         ordered.append(ready[0])

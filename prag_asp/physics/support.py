@@ -1,6 +1,7 @@
 """Whether bodies stay where they are put: contacts from below, and the centre of mass of what rests on them.
 
-Bodies stand upright. Of a stack the centre of mass of everything that rests on a body is used, not only its own.
+Bodies stand upright. Of a stack the centre of mass of everything that rests on a body is used, not only its
+own.
 """
 
 from __future__ import annotations
@@ -37,10 +38,15 @@ class Contact:
 
 def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[Contact]:
     """Return what a body rests on: tops, floors of containers and the table that it touches from above."""
+    return _contacts(situation, entity, list(_tops(situation, others)))
+
+
+def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float]]) -> list[Contact]:
+    """Return what a body rests on, of surfaces with their heights in metres."""
     bottom = situation.bottom(entity)
     below: Outline = ()
     found = []
-    for support, height in _tops(situation, others):
+    for support, height in tops:
         if support != entity and abs(bottom - height) <= CONTACT:
             below = below or outline(situation.shape(entity), situation.pose(entity))
             region = below if support == TABLE and _on_table(situation, below) else ()
@@ -63,15 +69,18 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 
 
 def unsupported(situation: Situation, entities: Iterable[str], held: str | None) -> str | None:
-    """Return a body that would fall or tip over, None where all stay; a held body stays, and bears what is on it."""
+    """Return a body that would fall or tip over, None where all stay; a held body stays, and bears others."""
     bodies = list(entities)
     loose = [body for body in bodies if body != held and body not in situation.scene.fixed]
     high = [body for body in loose if not _low_on_table(situation, body)]
-    resting = {body: contacts(situation, body, bodies) for body in high}
+    tops = list(_tops(situation, bodies)) if high else []
+    resting = {body: _contacts(situation, body, tops) for body in high}
     bearing = {contact.support for touching in resting.values() for contact in touching}
-    resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
-    for body in resting:
-        if not resting[body] or inside_by(_base(resting[body]), _balance_point(situation, body, resting)) < -BALANCE:
+    resting.update(
+        {body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high}
+    )
+    for body, touching in resting.items():
+        if not touching or inside_by(_base(touching), _load(situation, body, resting)[1]) < -BALANCE:
             return body
     return None
 
@@ -82,9 +91,7 @@ def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str
     found = [entity]
     for current in found:
         found += [
-            other
-            for other in candidates
-            if other not in found and any(c.support == current for c in contacts(situation, other, [current]))
+            other for other in candidates if other not in found and _rests_on(situation, other, current)
         ]
     return found[1:]
 
@@ -93,11 +100,25 @@ def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, fl
     """Yield every surface that a body can rest on: its owner and its height in metres."""
     yield TABLE, 0.0
     for other in others:
-        shape = situation.shape(other)
-        if shape.kind == "container":
-            yield other, situation.bottom(other) + shape.wall
-        elif shape.kind != "sphere":
-            yield other, situation.top(other)
+        height = _surface(situation, other)
+        if height is not None:
+            yield other, height
+
+
+def _surface(situation: Situation, support: str) -> float | None:
+    """Return the height of a body's top or a container's floor in metres, None for a ball."""
+    shape = situation.shape(support)
+    if shape.kind == "container":
+        return situation.bottom(support) + shape.wall
+    return None if shape.kind == "sphere" else situation.top(support)
+
+
+def _rests_on(situation: Situation, body: str, support: str) -> bool:
+    """Tell whether a body touches another from above."""
+    height = _surface(situation, support)
+    if height is None or abs(situation.bottom(body) - height) > CONTACT:
+        return False
+    return bool(intersection(outline(situation.shape(body), situation.pose(body)), _top(situation, support)))
 
 
 def _top(situation: Situation, support: str) -> Outline:
@@ -135,21 +156,25 @@ def _base(touching: Iterable[Contact]) -> Outline:
     return hull([point for contact in touching for point in contact.region])
 
 
-def _balance_point(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> Point:
-    """Return the centre of mass of a body and of all that rests on it, seen from above.
+def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> tuple[float, Point]:
+    """Return the mass of a body and of all that it bears, and where this load acts, seen from above.
 
-    Of a body that bridges several supports each is taken to bear all of it.
+    What rests on one body alone loads it at its own centre of mass; what bridges several loads each with an
+    equal share, at the middle of their contact.
     """
-    pile = [body]
-    for current in pile:
-        pile += [
-            other
-            for other, touching in resting.items()
-            if other not in pile and any(contact.support == current for contact in touching)
-        ]
-    masses = [volume(situation.shape(member)) for member in pile]
-    places = [situation.pose(member).position for member in pile]
-    total = sum(masses)
-    x = sum(mass * place[0] for mass, place in zip(masses, places, strict=True)) / total
-    y = sum(mass * place[1] for mass, place in zip(masses, places, strict=True)) / total
-    return (x, y)
+    total = volume(situation.shape(body))
+    x, y = (total * value for value in situation.pose(body).position[:2])
+    for rider, touching in resting.items():
+        for contact in touching:
+            if contact.support == body:
+                mass, at = _load(situation, rider, resting)
+                if len(touching) > 1:
+                    mass /= len(touching)
+                    at = _middle(contact.region)
+                total, x, y = total + mass, x + mass * at[0], y + mass * at[1]
+    return total, (x / total, y / total)
+
+
+def _middle(region: Outline) -> Point:
+    """Return the mean of the corners of an outline."""
+    return sum(x for x, _ in region) / len(region), sum(y for _, y in region) / len(region)

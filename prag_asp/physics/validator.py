@@ -1,4 +1,4 @@
-"""Look for a witness of a task: restarts from new first states, samples at each action, cheap checks first."""
+"""Look for a witness of a task: restarts from new first states, samples of each action."""
 
 from __future__ import annotations
 
@@ -49,7 +49,13 @@ class Validator:
             witness = _attempt(seen, search, budget.samples, causes)
             if witness is not None:
                 return Verdict(
-                    "feasible", budget, seed, index, causes=_ordered(causes), restarts=restart + 1, witness=witness
+                    "feasible",
+                    budget,
+                    seed,
+                    index,
+                    causes=_ordered(causes),
+                    restarts=restart + 1,
+                    witness=witness,
                 )
         reason = causes.most_common(1)[0][0]
         return Verdict(
@@ -64,7 +70,9 @@ def open_validator(scene: Scene) -> Iterator[Validator]:
         yield Validator(simulator)
 
 
-def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
+def validate_task(
+    task: Task, scene: Scene, *, seed: int, index: int = 0, budget: Budget | None = None
+) -> Verdict:
     """Return the verdict on one task; open a validator to check many.
 
     Raises:

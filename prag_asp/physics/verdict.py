@@ -22,7 +22,9 @@ class Budget:
 
     def __post_init__(self) -> None:
         if self.restarts < 1 or self.samples < 1:
-            raise QueryError(f"a budget needs at least 1 restart and 1 sample; got {self.restarts} x {self.samples}")
+            raise QueryError(
+                f"a budget needs at least 1 restart and 1 sample; got {self.restarts} x {self.samples}"
+            )
 
     def __str__(self) -> str:
         return f"{self.restarts} x {self.samples}"
@@ -36,8 +38,8 @@ class Budget:
 class Moment:
     """One state of a witness.
 
-    `poses` are those of all objects, `joints` the seven joint angles in radians, `width` the opening in metres,
-    `grasp` the pose of the `held` object in the frame of the tool.
+    `poses` are those of all objects, `joints` the seven joint angles in radians, `width` the opening in
+    metres, `grasp` the pose of the `held` object in the frame of the tool.
     """
 
     poses: Mapping[str, Pose]
@@ -61,7 +63,8 @@ class Moment:
 class Waypoint:
     """A configuration that the arm passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, retreat or stay. `held` is what the gripper holds there.
+    `name` is approach (above the object), at, lift, carry, retreat or stay. `held` is what the gripper holds
+    there.
     """
 
     name: str
@@ -76,7 +79,7 @@ class Waypoint:
 
 @dataclass(frozen=True)
 class Witness:
-    """How a task can be done: a moment for every state, and for every action the waypoints from one to the next."""
+    """How a task can be done: a moment for every state, and waypoints from each to the next."""
 
     moments: tuple[Moment, ...]
     motions: tuple[tuple[Waypoint, ...], ...]
@@ -108,8 +111,8 @@ class Witness:
 class Verdict:
     """What physics says of a task, and how hard it looked.
 
-    `reason` says why a task is proved infeasible or could not be looked at; `causes` counts why attempts failed;
-    `restarts` is how many first states were tried. `seed` and `index` together repeat the search.
+    `reason` says why a task is proved infeasible or could not be looked at; `causes` counts why attempts
+    failed; `restarts` is how many first states were tried. `seed` and `index` together repeat the search.
     """
 
     status: Status
@@ -151,7 +154,7 @@ class Verdict:
                 raise ValueError(data["status"])
             return cls(
                 status=data["status"],
-                budget=Budget(**data["budget"]),
+                budget=Budget(data["budget"]["restarts"], data["budget"]["samples"]),
                 seed=int(data["seed"]),
                 index=int(data["index"]),
                 reason=str(data["reason"]),

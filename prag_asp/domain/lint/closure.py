@@ -40,7 +40,7 @@ def entailed(known: Iterable[Literal], graph: Graph) -> dict[Literal, Literal]:
 
 
 def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[Literal, Literal] | None:
-    """Return two literals (the same one twice, where it contradicts itself) whose consequences contradict each other.
+    """Return two literals whose consequences contradict each other: the same one twice, where its own do.
 
     With `given`, the first of them is one of its reasons.
     """
@@ -53,5 +53,5 @@ def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[Literal, L
 
 
 def spell(literal: Literal) -> str:
-    """Return a literal in words."""
-    return f"{literal[0]} {'true' if literal[1] else 'false'}"
+    """Return a literal as text: ``open(door) = true``."""
+    return f"{literal[0]} = {'true' if literal[1] else 'false'}"

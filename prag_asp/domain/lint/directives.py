@@ -36,7 +36,11 @@ TIMED = frozenset([("occurs", 2), ("holds", 3)])
 def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the statements that a domain may not hold and the program parts that nothing would ground."""
     reserved = names(
-        argument for each in statements if not each.own for atom in (*each.heads, *each.body) for argument in atom.arguments
+        argument
+        for each in statements
+        if not each.own
+        for atom in (*each.heads, *each.body)
+        for argument in atom.arguments
     )
     for statement in statements:
         if statement.own:
@@ -65,12 +69,14 @@ def _refused(statement: Statement) -> Iterator[Problem]:
             if node.ast_type == ASTType.TheoryAtom:
                 yield statement.problem(REFUSED[ASTType.TheoryAtom])
             elif node.ast_type == ASTType.Function and node.external:
-                yield statement.problem(f"@{node.name} calls a script: a domain runs no code; write plain rules")
+                yield statement.problem(
+                    f"@{node.name} calls a script: a domain runs no code; write plain rules"
+                )
 
 
 def _part_problems(statement: Statement) -> Iterator[Problem]:
     name, count = statement.part, len(statement.parameters)
-    if name == "base" and count == 0 or name in TIMED_PARTS and count == 1:
+    if (name == "base" and count == 0) or (name in TIMED_PARTS and count == 1):
         return
     written = f"#program {name}({','.join(statement.parameters)})" if count else f"#program {name}"
     known = {"base": "base", **{part: f"{part}(t)" for part in TIMED_PARTS}}
@@ -84,8 +90,8 @@ def _timed_problems(statement: Statement) -> Iterator[Problem]:
     for atom in statement.heads:
         if atom.signature in STATED:
             yield statement.problem(
-                f"{spelled(atom.signature)} is stated in #program {statement.part}({time}), but holds at every step; "
-                "move the rule above it, or below #program base."
+                f"{spelled(atom.signature)} is stated in #program {statement.part}({time}), but holds at "
+                "every step; move the rule above it, or below #program base."
             )
         elif not atom.arguments or atom.arguments[-1] != time:
             yield statement.problem(
@@ -98,7 +104,8 @@ def _base_problems(statement: Statement) -> Iterator[Problem]:
     for atom in (*statement.heads, *statement.body):
         if atom.signature in TIMED and (atom.name == "occurs" or atom.arguments[-1] == "t"):
             yield statement.problem(
-                f"{atom} speaks of a step, but stands in the base part; begin the rules of a step with #program step(t)."
+                f"{atom} speaks of a step, but stands in the base part; "
+                "begin the rules of a step with #program step(t)."
             )
             return
     for atom in statement.heads:

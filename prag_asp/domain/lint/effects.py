@@ -1,4 +1,4 @@
-"""What actions, the start, the invariants and the goal state, checked against the declared fluents and actions."""
+"""What is stated about actions, the start, the invariants and the goal, checked against what is declared."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ VALUES = {"postcondition": (*BOOLEAN, "unknown")}
 
 
 def effect_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the statements about undeclared fluents or actions, with other values, or with two values at once."""
+    """Yield what speaks of undeclared fluents or actions, has a wrong value, or has two values at once."""
+    if not facts.actions:
+        yield Problem(*origins.place("action"), "the domain has no action; state one with action(...)")
     findings = _Findings(origins, facts)
     for predicate, table in (("precondition", facts.preconditions), ("postcondition", facts.postconditions)):
         findings.undeclared_actions(predicate, table)
@@ -32,8 +34,6 @@ def effect_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
                 findings.declared(fluent, predicate, pair)
     yield from findings.problems()
     yield from _doubled(facts, origins)
-    if not facts.actions:
-        yield Problem(*origins.place("action"), "the domain has no action; state one with action(...)")
 
 
 @dataclass
@@ -57,7 +57,9 @@ class _Findings:
 
     def undeclared_actions(self, predicate: str, table: Iterable[Symbol]) -> None:
         """Find the actions of a table that are not declared."""
-        rows = {"precondition": self._facts.preconditions, "postcondition": self._facts.postconditions}[predicate]
+        rows = {"precondition": self._facts.preconditions, "postcondition": self._facts.postconditions}[
+            predicate
+        ]
         for action in table:
             if action not in self._actions:
                 fluent, value = rows[action][0]
@@ -73,7 +75,9 @@ class _Findings:
             if value not in allowed:
                 row = (*before, fluent, clingo.parse_term(value))
                 hint = f"use {', '.join(allowed[:-1])} or {allowed[-1]}"
-                self._add(("value", value), f"{predicate} of {fluent} has the value {value}", hint, predicate, row)
+                self._add(
+                    ("value", value), f"{predicate} of {fluent} has the value {value}", hint, predicate, row
+                )
 
     def declared(self, fluent: Symbol, predicate: str, row: Row) -> None:
         """Find a fluent that is not declared."""
@@ -87,7 +91,9 @@ class _Findings:
             hint = f"declared are such as {same}; mend its arguments, or declare {kind}({term})"
         else:
             hint = f"did you mean {near}?" if near else f"declare it with {kind}({term})"
-        self._add((kind, _name(term)), f"{predicate} of the undeclared {kind} {term}", hint, predicate, row)
+        self._add(
+            (kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row
+        )
 
     def _add(self, key: tuple[str, str], text: str, hint: str, predicate: str, row: Row) -> None:
         culprit = self._culprits.setdefault(key, _Culprit(text, hint))
@@ -112,10 +118,12 @@ def _doubled(facts: Facts, origins: Origins) -> Iterator[Problem]:
         for fluent, value in values:
             if first.setdefault(fluent, value) == value:
                 continue
-            places = [origins.place(predicate, fluent, clingo.Function(each)) for each in (first[fluent], value)]
+            places = [
+                origins.place(predicate, fluent, clingo.Function(each)) for each in (first[fluent], value)
+            ]
             earlier, later = sorted(places)
             yield Problem(
                 *later,
-                f"{predicate} gives {fluent} two values, {first[fluent]} and {value} (see {earlier.path.name}:{earlier.line}); "
-                "keep one",
+                f"{predicate} gives {fluent} two values, {first[fluent]} and {value} "
+                f"(see {earlier.path.name}:{earlier.line}); keep one",
             )

@@ -1,7 +1,8 @@
 """Actions that can never occur, a start that the invariants forbid, and a goal that no plan reaches.
 
-An action that is rejected where nothing is known but what never changes is rejected in every state, for what is
-unknown can be learned. The invariants tell which actions are suspect and why; the encodings have the last word.
+An action that is rejected where nothing is known but what never changes is rejected in every state, for
+what is unknown can be learned. The invariants tell which actions are suspect and why; the encodings have
+the last word.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
         pair = conflict(entailed(_literals(values), graph))
         if pair:
             place = max(_place(origins, predicate, literal) for literal in pair)
-            yield Problem(*place, f"{predicate} makes {_together(pair)}, but the invariants forbid it; change one")
+            yield Problem(
+                *place, f"{predicate} makes {_together(pair)}, but the invariants forbid it; change one"
+            )
 
 
 def occurrence_problems(
@@ -55,14 +58,19 @@ def occurrence_problems(
     if pair:
         yield Problem(
             *_place(origins, "goal", pair[1]),
-            f"the goal is never reached: it needs {spell(pair[1])}, but {spell(pair[0])} holds from the start "
+            f"the goal is never reached: it needs {spell(pair[1])}, but {spell(pair[0])} from the start "
             "and no action changes that; change the goal, or add an action",
         )
 
 
 def unchanging(control: clingo.Control, facts: Facts, statements: Iterable[Statement]) -> list[Literal]:
     """Return what is known at the start and what no action and no own rule changes."""
-    if any(atom.signature in STATE_PREDICATES for each in statements if each.own and each.timed for atom in each.heads):
+    if any(
+        atom.signature in STATE_PREDICATES
+        for each in statements
+        if each.own and each.timed
+        for atom in each.heads
+    ):
         return []
     changing = {fluent for values in facts.postconditions.values() for fluent, _ in values}
     start = clingo.Number(0)
@@ -78,7 +86,7 @@ def _reason(action: clingo.Symbol, facts: Facts, graph: Graph, fixed: Reasons) -
         return Reason("precondition", pair[1], f"it needs {_together(pair)}{_forbidden(pair)}")
     pair = conflict(needed, fixed)
     if pair:
-        text = f"it needs {spell(pair[1])}, but {spell(pair[0])} holds from the start and no action changes that"
+        text = f"it needs {spell(pair[1])}, but {spell(pair[0])} from the start and no action changes that"
         return Reason("precondition", pair[1], text)
     effects = facts.postconditions.get(action, ())
     changed = {fluent for fluent, _ in effects}
@@ -89,7 +97,8 @@ def _reason(action: clingo.Symbol, facts: Facts, graph: Graph, fixed: Reasons) -
     if pair:
         stated = pair[1] if pair[1] in made else pair[0]
         predicate = "postcondition" if stated in made else "precondition"
-        return Reason(predicate, stated, f"after it {_together(pair)}{_forbidden(pair)}")
+        verb = "it makes" if pair[0] in made and pair[1] in made else "after it,"
+        return Reason(predicate, stated, f"{verb} {_together(pair)}{_forbidden(pair)}")
     return None
 
 
@@ -116,13 +125,16 @@ def _rejections(
     alike: dict[tuple[str, Place], list[clingo.Symbol]] = {}
     for action in actions:
         reason = reasons[action]
-        alike.setdefault((action.name, _place(origins, reason.predicate, reason.literal, action)), []).append(action)
+        alike.setdefault((action.name, _place(origins, reason.predicate, reason.literal, action)), []).append(
+            action
+        )
     for (name, place), found in alike.items():
-        more = f", nor can {len(found) - 1} more actions {name}" if len(found) > 1 else ""
+        more = f" and {len(found) - 1} more like it" if len(found) > 1 else ""
+        pattern = f"{name}(...)" if found[0].arguments else name
         yield Problem(
             *place,
-            f"{found[0]} can never occur: {reasons[found[0]].text}{more}; "
-            f"change a condition, or leave it out in the body of the rule for action({name}{'(...)' if found[0].arguments else ''})",
+            f"{found[0]}{more} can never occur: {reasons[found[0]].text}; "
+            f"mend the conditions, or exclude it in the body of action({pattern})",
         )
 
 

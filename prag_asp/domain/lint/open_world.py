@@ -1,4 +1,4 @@
-"""Step rules that read a fluent whose value may be unknown: three-valued states are exact without such rules only."""
+"""Step rules that read a fluent whose value may be unknown: with them, three-valued states are not exact."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ READ, UNSURE = "_read", "_unsure"
 ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 
 
-def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
+def open_world_problems(
+    grounder: Grounder, facts: Facts, statements: Sequence[Statement]
+) -> Iterator[Problem]:
     """Yield the own rules of a step that read a fluent which may be unknown when they do."""
     readings = [
         (each, atom)
@@ -37,7 +39,8 @@ def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[S
     timed = {atom.signature for each in statements if each.timed for atom in each.heads}
     seen: set[tuple[Path, int]] = set()
     for number, (statement, atom) in enumerate(readings):
-        fluent = _read_fluent(grounder.control, number, statement, atom, timed, unsure)
+        conditions = list(_conditions(statement, timed))
+        fluent = _read_fluent(grounder.control, f"{READ}_{number}", atom, conditions, unsure)
         if fluent is None or (statement.path, statement.line) in seen:
             continue
         seen.add((statement.path, statement.line))
@@ -48,43 +51,42 @@ def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
     """Return the fluents that may be unknown, each with why and what to do."""
     known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature("holds", 3)}
     unsure = {
-        fluent: f"which is unknown at the start; state initially({fluent}, ...), or include rules/closed_world.lp"
+        fluent: "which is unknown at the start; "
+        f"state initially({fluent}, ...), or include rules/closed_world.lp"
         for fluent in facts.fluents
         if fluent not in known
     }
     for action, values in facts.postconditions.items():
         for fluent, value in values:
             if value == "unknown":
-                unsure.setdefault(fluent, f"which {action} may leave unknown; let the action make it true or false")
+                unsure.setdefault(
+                    fluent, f"which {action} may leave unknown; let the action make it true or false"
+                )
     return unsure
 
 
 def _read_fluent(
-    control: clingo.Control,
-    number: int,
-    statement: Statement,
-    atom: Atom,
-    timed: set[Signature],
-    unsure: Iterable[clingo.Symbol],
+    control: clingo.Control, part: str, atom: Atom, conditions: Sequence[str], unsure: Iterable[clingo.Symbol]
 ) -> clingo.Symbol | None:
     """Return the first fluent of `unsure` that a rule reads at an atom, None where it reads none of them."""
     numbers = itertools.count()
     fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
     facts = " ".join(f"{UNSURE}({each})." for each in unsure)
-    for attempt, conditions in enumerate((list(_conditions(statement, timed)), list[str]())):
-        part = f"{READ}_{number}_{attempt}"
-        rule = f"{part}({fluent}) :- {'; '.join([f'{UNSURE}({fluent})', f'fluent({fluent})', *conditions])}."
+    for name, restricting in ((part, conditions), (f"{part}_at_all", ())):
+        rule = f"{name}({fluent}) :- {'; '.join([f'{UNSURE}({fluent})', *restricting])}."
         try:
-            control.add(part, [], f"{facts}\n{rule}")
-            control.ground([(part, [])])
+            control.add(name, [], f"{facts}\n{rule}")
+            control.ground([(name, [])])
         except RuntimeError:
             continue
-        return min((each.symbol.arguments[0] for each in control.symbolic_atoms.by_signature(part, 1)), default=None)
+        return min(
+            (each.symbol.arguments[0] for each in control.symbolic_atoms.by_signature(name, 1)), default=None
+        )
     return None
 
 
 def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
-    """Yield the conditions of a rule that do not depend on the step, as they restrict the fluents it reads."""
+    """Yield the conditions of a rule that do not depend on the step: they restrict what it reads."""
     bound: set[str] = set()
     comparisons: list[str] = []
     for node, text in statement.literals:
@@ -107,6 +109,10 @@ def _timeless(atom: Atom, statement: Statement, timed: set[Signature]) -> str | 
     """Return an atom as a condition on the base part: what occurs is an action."""
     if atom.signature == ("occurs", 2):
         return f"action({atom.arguments[0]})"
-    if atom.signature in timed or atom.signature in READS or names(atom.arguments) & set(statement.parameters):
+    if (
+        atom.signature in timed
+        or atom.signature in READS
+        or names(atom.arguments) & set(statement.parameters)
+    ):
         return None
     return str(atom)

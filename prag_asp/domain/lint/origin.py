@@ -24,17 +24,19 @@ class Place(NamedTuple):
 
 
 class Origins:
-    """Where the base part states its atoms; the program is grounded once more when the first one is asked for."""
+    """Where the base part states its atoms; it is grounded once more when the first one is asked for."""
 
     def __init__(self, statements: Sequence[Statement]) -> None:
         self._statements = statements
 
     @cached_property
     def _traces(self) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
-        return _trace([each for each in self._statements if each.part == "base" and each.kind != ASTType.Program])
+        return _trace(
+            [each for each in self._statements if each.part == "base" and each.kind != ASTType.Program]
+        )
 
     def place(self, predicate: str, *arguments: clingo.Symbol) -> Place:
-        """Return the first rule, by files and lines, that states the atom; else the first that states the predicate."""
+        """Return the first rule that states the atom, or else the first that states the predicate."""
         traced = self._traces.get((predicate, arguments))
         if traced:
             return Place(traced[0].path, traced[0].line)
@@ -63,6 +65,6 @@ def _trace(base: Sequence[Statement]) -> dict[tuple[str, tuple[clingo.Symbol, ..
         return {}
     traces: dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]] = {}
     marks = (atom.symbol.arguments for atom in control.symbolic_atoms.by_signature(TRACE, 2))
-    for number, stated in sorted(((mark[0].number, mark[1]) for mark in marks), key=lambda mark: mark[0]):
-        traces.setdefault((stated.name, tuple(stated.arguments)), []).append(base[number])
+    for number, term in sorted(((mark[0].number, mark[1]) for mark in marks), key=lambda mark: mark[0]):
+        traces.setdefault((term.name, tuple(term.arguments)), []).append(base[number])
     return traces

@@ -19,9 +19,11 @@ from prag_asp.domain.lint.recursion import recursion_problems
 from prag_asp.domain.lint.statement import Statement
 from prag_asp.domain.lint.syntax import parse_sources
 from prag_asp.domain.lint.table import name_problems, table_problems
+from prag_asp.domain.lint.terms import choice_problems, term_problems
 from prag_asp.domain.lint.vocabulary import CONTRACT_FILE, vocabulary_problems
 from prag_asp.domain.settings import Settings, read_table, settings_of
 from prag_asp.domain.sources import Program, Source
+from prag_asp.errors import DomainError
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
@@ -33,25 +35,39 @@ def check(program: Program, folder: Path) -> tuple[Facts, Settings]:
         DomainError: something is wrong; the message has one line for each problem.
     """
     encodings = _encodings_folder(program)
-    owned = [(source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources]
+    owned = [
+        (source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources
+    ]
     statements, problems = parse_sources(owned)
     path = folder / "domain.toml"
     table = read_table(path)
     settings = settings_of(table, path)
     raise_problems([*problems, *table_problems(table, settings)])
     raise_problems(directive_problems(statements))
-    raise_problems([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
+    raise_problems(
+        [*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)]
+    )
     grounder = Grounder(_without_own_steps(program, owned))
     grounder.ground([("base", [])])
-    facts = read_facts(grounder.control)
-    _check_facts(grounder, facts, statements)
+    origins = Origins(statements)
+    facts = _facts(grounder, origins)
+    _check_facts(grounder, facts, statements, origins)
     raise_problems(name_problems(settings, facts))
     return facts, settings
 
 
-def _check_facts(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> None:
-    origins = Origins(statements)
-    raise_problems([*hierarchy_problems(grounder.control, origins), *effect_problems(facts, origins)])
+def _facts(grounder: Grounder, origins: Origins) -> Facts:
+    try:
+        return read_facts(grounder.control)
+    except DomainError:
+        raise_problems(choice_problems(grounder.control, origins))
+        raise
+
+
+def _check_facts(grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins) -> None:
+    raise_problems(term_problems(facts, origins))
+    raise_problems(hierarchy_problems(grounder.control, origins))
+    raise_problems(effect_problems(facts, origins))
     raise_problems(state_problems(facts, origins))
     if grounder.control.is_conflicting:
         raise_problems(_violations(origins))
@@ -68,10 +84,15 @@ def _encodings_folder(program: Program) -> Path:
 def _without_own_steps(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
     """Return the program with the step rules of the domain in parts of their own, each line where it was."""
     return Program(
-        tuple(Source(source.path, STEP_PART.sub(r"\1own_\2", source.text) if own else source.text) for source, own in owned)
+        tuple(
+            Source(source.path, STEP_PART.sub(r"\1own_\2", source.text) if own else source.text)
+            for source, own in owned
+        )
     )
 
 
 def _violations(origins: Origins) -> Iterator[Problem]:
     for statement in origins.violated():
-        yield statement.problem("what the base part states violates this constraint, so there is no plan; mend one of them")
+        yield statement.problem(
+            "what the base part states violates this constraint, so there is no plan; mend one of them"
+        )

@@ -21,7 +21,7 @@ PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\(
 
 @dataclass(frozen=True)
 class Atom:
-    """An atom of a rule: its predicate (with a leading ``-`` where strongly negated) and its arguments as text."""
+    """An atom of a rule: its predicate, ``-`` before it where strongly negated, and its arguments as text."""
 
     name: str
     arguments: tuple[str, ...]
@@ -130,7 +130,7 @@ def atoms(node: AST, text: str) -> Iterator[Atom]:
 
 
 def plain_atom(node: AST, text: str) -> Atom | None:
-    """Return the atom of a literal without strings and pools, told from its text: most are, and this is fast."""
+    """Return the atom of a literal without strings and pools from its text, which is fast; None of others."""
     match = PLAIN_ATOM.match(text)
     if not match or '"' in text or ";" in text:
         return None
@@ -187,7 +187,9 @@ def below(node: AST) -> Iterator[AST]:
 
 def names(texts: Iterable[str]) -> set[str]:
     """Return the names of the functions and constants in texts, strings aside."""
-    return {name for text in texts for name in NAME.findall(STRING.sub("", text) if '"' in text else text)} - {"not"}
+    return {
+        name for text in texts for name in NAME.findall(STRING.sub("", text) if '"' in text else text)
+    } - {"not"}
 
 
 def variables(text: str) -> set[str]:

@@ -10,10 +10,11 @@ from clingo.ast import AST, ASTType, parse_string
 from prag_asp.domain.lint.problem import Problem
 from prag_asp.domain.lint.statement import Statement
 from prag_asp.domain.sources import Source
+from prag_asp.domain.tokens import blanked, open_comment
 
 MESSAGE = re.compile(r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>.*)", re.S)
-STRING = re.compile(r'"(?:\\["\\n]|[^"\\\n])*"')
-COMMENT_EDGE = re.compile(r"%\*|\*%")
+TOKEN = re.compile(r"#?[\w']+|:-|\S")
+EXPECTED = re.compile(r"expecting (.*)")
 STAND_IN = "$"
 """A character that clingo reads in strings and comments only."""
 
@@ -31,7 +32,7 @@ def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statemen
 
 
 def _character_problem(source: Source) -> Problem | None:
-    """Return the first character that clingo cannot read where it stands; some of them would end the process."""
+    """Return the first character that clingo cannot read there; some of them would end the process."""
     if source.text.isascii() and "\0" not in source.text:
         return None
     for number, line in enumerate(blanked(source.text).split("\n"), 1):
@@ -46,42 +47,6 @@ def _character_problem(source: Source) -> Problem | None:
     return None
 
 
-def blanked(text: str) -> str:
-    """Return a logic program with its comments and strings blanked out, line by line as long as before."""
-    pieces: list[str] = []
-    position = 0
-    while position < len(text):
-        end = _token_end(text, position)
-        token = text[position:end]
-        pieces.append(re.sub(r"[^\n\0]", " ", token) if token[0] in '%"' and end > position + 1 else token)
-        position = end
-    return "".join(pieces)
-
-
-def _token_end(text: str, start: int) -> int:
-    """Return where the comment, the string or the piece of other text that begins at `start` ends."""
-    if text.startswith("%*", start):
-        return _comment_end(text, start)
-    if text[start] == "%":
-        end = text.find("\n", start)
-        return end if end >= 0 else len(text)
-    if text[start] == '"':
-        string = STRING.match(text, start)
-        return string.end() if string else start + 1
-    ends = [end for end in (text.find("%", start), text.find('"', start)) if end >= 0]
-    return min(ends, default=len(text))
-
-
-def _comment_end(text: str, start: int) -> int:
-    """Return the end of a block comment; clingo nests them."""
-    depth = 0
-    for edge in COMMENT_EDGE.finditer(text, start):
-        depth += 1 if edge[0] == "%*" else -1
-        if depth == 0:
-            return edge.end()
-    return len(text)
-
-
 def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | None:
     """Append the statements of a source; return its first syntax error, for the others follow from it."""
     messages: list[str] = []
@@ -89,7 +54,11 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
     text = source.text
     try:
         if not text.isascii():
-            parse_string(re.sub(r"[^\x00-\x7f]", STAND_IN, text), lambda _: None, logger=lambda _, said: messages.append(said))
+            parse_string(
+                re.sub(r"[^\x00-\x7f]", STAND_IN, text),
+                lambda _: None,
+                logger=lambda _, said: messages.append(said),
+            )
         parse_string(text, nodes.append, logger=lambda _, said: messages.append(said))
     except RuntimeError:
         return _syntax_problem(source, messages)
@@ -107,38 +76,33 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
 def _syntax_problem(source: Source, messages: list[str]) -> Problem:
     said = MESSAGE.match(messages[0]) if messages else None
     if not said:
-        return Problem(source.path, 1, f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; mend it")
+        return Problem(
+            source.path,
+            1,
+            f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; mend it",
+        )
     line, words = int(said["line"]), " ".join(said["words"].split())
-    last = source.text.rstrip().count("\n") + 1
     if "EOF" in words:
-        return _unfinished(source, min(line, last))
-    unexpected = re.search(r"unexpected (\S+)", words)
-    found = unexpected[1].removesuffix(",") if unexpected else ""
-    place = f"at column {said['column']}"
+        return _unfinished(source)
+    column = int(said["column"])
+    code = source.text.split("\n")[line - 1]
+    found = TOKEN.match(code.encode()[column - 1 :].decode(errors="replace"))
+    problem = f"unexpected {found[0] if found else 'end of line'} at column {column}"
     if "lexer error" in words:
-        todo = "close the string on the line it begins on" if found == '"' else "remove it"
-        return Problem(source.path, line, f"clingo cannot read {found!r} {place}; {todo}")
-    expecting = re.search(r"expecting (.*)", words)
-    todo = f"clingo expects {expecting[1]} there" if expecting else "mend the statement before it"
-    return Problem(source.path, line, f"unexpected {found} {place}; {todo}")
+        todo = "close the string on the line it begins on" if found and found[0] == '"' else "remove it"
+    elif not code.encode()[: column - 1].strip():
+        todo = "end the statement before it with a period"
+    else:
+        expected = EXPECTED.search(words)
+        todo = f"clingo expects {expected[1]} here" if expected else "mend the statement before it"
+    return Problem(source.path, line, f"{problem}; {todo}")
 
 
-def _unfinished(source: Source, line: int) -> Problem:
-    """Return the problem of a file that ends within a comment or a statement, at the place where that begins."""
-    text, position = source.text, 0
-    while position < len(text):
-        end = _token_end(text, position)
-        if text.startswith("%*", position) and (end == len(text) and not _closed(text[position:])):
-            return Problem(
-                source.path, text.count("\n", 0, position) + 1, "this comment never ends; close it with *%"
-            )
-        position = end
-    code = blanked(text).rstrip()
-    line = code.count("\n") + 1 if code else line
+def _unfinished(source: Source) -> Problem:
+    """Return the problem of a file that ends within a comment or a statement."""
+    comment = open_comment(source.text)
+    if comment is not None:
+        line = source.text.count("\n", 0, comment) + 1
+        return Problem(source.path, line, "this comment never ends; close it with *%")
+    line = blanked(source.text).rstrip().count("\n") + 1
     return Problem(source.path, line, "the file ends within a statement; end the statement with a period")
-
-
-def _closed(comment: str) -> bool:
-    """Return whether a text that begins a block comment ends it."""
-    edges = COMMENT_EDGE.findall(comment)
-    return edges.count("%*") <= edges.count("*%")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from string import Formatter
 from typing import Any
 
@@ -14,7 +13,6 @@ from prag_asp.domain.lint.problem import Problem, suggestion
 from prag_asp.domain.scene import scene_problems
 from prag_asp.domain.settings import KEYS, MAX_EXPONENT, Settings, weight_of
 
-SCENE_CHECKED = False
 TYPES: Mapping[str, tuple[type, str]] = {
     "title": (str, 'a string, such as "Blocks on a table"'),
     "description": (str, 'a string, such as "Blocks on a table"'),
@@ -42,14 +40,18 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
             )
     for key, value in _entries(table, "language"):
         if not isinstance(value, str):
-            yield Problem(path, settings.line_of("language", key), f"{key} is {_shown(value)}; make it a sentence in quotes")
+            yield Problem(
+                path,
+                settings.line_of("language", key),
+                f"{key} is {_shown(value)}; make it a sentence in quotes",
+            )
 
 
 def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     """Yield the weights, the sentences and the parts of the scene that do not fit what the logic declares."""
     yield from _weight_problems(settings, facts)
     yield from _language_problems(settings, facts)
-    if settings.scene and SCENE_CHECKED:
+    if settings.scene:
         yield from _scene_problems(settings, facts)
 
 
@@ -62,22 +64,30 @@ def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     actions = {action.name for action in facts.actions}
     entities = set(map(str, facts.entities))
-    known = Counter([*actions, *entities, *facts.parents])
+    known = Counter(
+        [*actions, *entities, *facts.parents, *(str(each) for each in facts.actions if each.arguments)]
+    )
     for key in settings.weights:
         line = settings.line_of("weights", key)
         parts = key.split(">")
         for part in parts:
             if len(parts) > 1 and part not in actions:
                 hint = suggestion(part, actions, f"actions are {', '.join(sorted(actions))}")
-                yield Problem(settings.path, line, f"weight of {key}: there is no action {part or '(empty)'}; {hint}")
+                yield Problem(
+                    settings.path, line, f"weight of {key}: there is no action {part or '(empty)'}; {hint}"
+                )
             elif part not in known:
                 hint = suggestion(part, known, "give the name of an action, a class or an entity")
-                yield Problem(settings.path, line, f"weight of {part}: no action, class or entity has that name; {hint}")
+                yield Problem(
+                    settings.path, line, f"weight of {part}: no action, class or entity has that name; {hint}"
+                )
             elif len(parts) == 1 and known[part] > 1:
-                text = f"weight of {part}: more than one of action, class and entity has that name; rename one in domain.lp"
-                yield Problem(settings.path, line, text)
+                text = f"weight of {part}: more than one of action, class and entity has that name"
+                yield Problem(settings.path, line, f"{text}; rename one in domain.lp")
         if len(parts) > 2:
-            yield Problem(settings.path, line, f"weight of {key}: more than two actions; write pairs such as grasp>move")
+            yield Problem(
+                settings.path, line, f"weight of {key}: more than two actions; write pairs such as grasp>move"
+            )
 
 
 def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
@@ -88,10 +98,14 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
         line = settings.line_of("language", name)
         if name not in arities:
             hint = suggestion(name, arities, "give the name of an action or a fluent")
-            yield Problem(settings.path, line, f"sentence of {name}: no action or fluent has that name; {hint}")
+            yield Problem(
+                settings.path, line, f"sentence of {name}: no action or fluent has that name; {hint}"
+            )
         elif not _is_template(sentence, arities[name]):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
-            yield Problem(settings.path, line, f"sentence of {name} has braces that name no argument; use {places}")
+            yield Problem(
+                settings.path, line, f"sentence of {name} has braces that name no argument; use {places}"
+            )
 
 
 def _is_template(sentence: str, arity: int) -> bool:
@@ -104,10 +118,18 @@ def _is_template(sentence: str, arity: int) -> bool:
 
 
 def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
+    """Yield the problems of the scene; one of a table follows from one within it."""
     entities = {str(entity): name for entity, name in facts.entities.items()}
     fluents = [Atom(fluent.name, tuple(map(str, fluent.arguments))) for fluent in facts.fluents]
+    reported: set[str] = set()
     for key, text in scene_problems(settings.scene, facts.parents, entities, fluents):
-        yield Problem(settings.path, settings.line_of(*key.split(".")), f"{key}: {text}")
+        if not any(f"{each}.".startswith(f"{key}.") for each in reported):
+            reported.add(key)
+            yield Problem(
+                settings.path,
+                settings.line_of(*key.split(".")),
+                f"{key}: {text}{'' if ';' in text else f'; set {key}'}",
+            )
 
 
 def _shown(value: object) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-
 from clingo.ast import ASTType
 
 from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled, suggestion
@@ -65,7 +64,7 @@ def _unread(signature: Signature, near: str | None, others: Sequence[int]) -> st
         return f"unknown predicate {spelled(signature)}; {signature[0]} takes {counts} arguments"
     if near:
         return f"unknown predicate {spelled(signature)}; did you mean {near}?"
-    return f"unknown predicate {spelled(signature)}: no rule reads it; read it in the body of a rule, or remove it"
+    return f"unknown predicate {spelled(signature)}; read it in the body of a rule, or remove it"
 
 
 def _undefined_atoms(
@@ -113,11 +112,13 @@ def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
                 for name in sorted(names(atom.arguments) - made - seen - set(statement.parameters)):
                     seen.add(name)
                     hint = suggestion(name, made, "declare it, or remove the rule")
-                    yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", atom.line)
+                    yield statement.problem(
+                        f"no entity, fluent or action has the name {name}; {hint}", atom.line
+                    )
 
 
 def _made_names(statements: Iterable[Statement]) -> set[str]:
-    """Return every name that a ground atom can hold: a head states it, or a comparison or an aggregate computes it."""
+    """Return every name that a ground atom can hold: stated by a head, or computed in a body."""
     made: set[str] = set()
     for statement in statements:
         if statement.kind == ASTType.Definition:

@@ -1,8 +1,9 @@
 """``left_of``, ``right_of``, ``in_front_of``, ``behind``: one body lies wholly to one side of another.
 
-The frame is the scene's. For the robot, which looks along +x, left is +y and in front (nearer to it) is -x. For a
-viewer who faces the robot, left is -y and in front (nearer to the viewer) is +x. The bounding boxes are at least
-`GAP` apart along the axis, and the centres at most `SPREAD` times as far apart across it as along it.
+The frame is the scene's. For the robot, which looks along +x, left is +y and in front (nearer to it) is -x.
+For a viewer who faces the robot, left is -y and in front (nearer to the viewer) is +x. The bounding boxes are
+at least `GAP` apart along the axis, and the centres at most `SPREAD` times as far apart across it as along
+it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 from functools import partial
 
 from prag_asp.physics.geometry import Vector
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, words
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
 from prag_asp.physics.situation import Situation
 
 GAP = 0.005
@@ -55,17 +56,12 @@ def _volume(name: str, situation: Situation, arguments: Arguments, half: Vector)
     return Volume((low[0], low[1], low[2]), (high[0], high[1], high[2]))
 
 
-def _sentence(name: str, arguments: Arguments) -> str:
-    """Return the predicate in plain words."""
-    return f"{words(arguments[0])} is {PHRASES[name]} {words(arguments[1])}"
-
-
 BESIDE = tuple(
     Predicate(
         name=name,
         distance=partial(_distance, name),
         volume=partial(_volume, name),
-        sentence=partial(_sentence, name),
+        sentence=states(f"{{0}} {{is}} {PHRASES[name]} {{1}}"),
         inverse=INVERSES[name],
     )
     for name in DIRECTIONS

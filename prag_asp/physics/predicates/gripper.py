@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from prag_asp.physics.geometry import Vector, rotate, width_along
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, words
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
 from prag_asp.physics.robot import ROBOTS, Robot
 from prag_asp.physics.situation import Situation
 
@@ -82,21 +82,21 @@ def _reachable_volume(situation: Situation, arguments: Arguments, half: Vector) 
     """Return the bounding box of the ring that the gripper reaches from above."""
     robot = _robot(situation)
     reach = robot.reach[1]
-    return Volume((-reach, -reach, half[2]), (reach, reach, robot.reach_height))
+    return Volume((-reach, -reach, -math.inf), (reach, reach, robot.reach_height))
 
 
 AT = Predicate(
     name="at",
     distance=_at_distance,
     volume=_at_volume,
-    sentence=lambda arguments: f"the gripper is at {words(arguments[1])}",
+    sentence=states("the gripper {is} at {1}"),
     of_gripper=True,
 )
 HOLDING = Predicate(
     name="holding",
     distance=_holding_distance,
     volume=_holding_volume,
-    sentence=lambda arguments: f"the gripper holds {words(arguments[1])}",
+    sentence=states("{1} {is} held by the gripper"),
     subject=1,
     of_gripper=True,
 )
@@ -104,13 +104,13 @@ GRIPPER_OPEN = Predicate(
     name="gripper_open",
     distance=_open_distance,
     volume=_open_volume,
-    sentence=lambda arguments: "the gripper is open",
+    sentence=states("the gripper {is} open"),
     of_gripper=True,
 )
 REACHABLE = Predicate(
     name="reachable",
     distance=_reachable_distance,
     volume=_reachable_volume,
-    sentence=lambda arguments: f"{words(arguments[1])} is within reach",
+    sentence=states("{1} {is} within reach"),
     subject=1,
 )

@@ -1,11 +1,11 @@
-"""``inside`` and ``located``: a body in the cavity of a container, for ``located`` also held right above it."""
+"""``inside`` and ``located``: a body in the cavity of a container, or (``located``) held right above."""
 
 from __future__ import annotations
 
 import math
 
 from prag_asp.physics.geometry import Vector, cavity, extents, multiply, to_local, yaw_of
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, words
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
 from prag_asp.physics.situation import Situation
 
 TOLERANCE = 0.002
@@ -20,7 +20,7 @@ def floor_height(situation: Situation, container: str) -> float:
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> float:
-    """Return how far the bounding box of a body in the container's axes sticks out of the cavity in metres."""
+    """Return how far the bounding box of a body, in the container's axes, sticks out of it in metres."""
     pose, outer = situation.pose(subject), situation.pose(container)
     x, y, z, w = outer.quaternion
     half = extents(situation.shape(subject), multiply((-x, -y, -z, w), pose.quaternion))
@@ -73,15 +73,12 @@ def _located_volume(situation: Situation, arguments: Arguments, half: Vector) ->
     return _room(situation, arguments[1], half, depth + HOVER - MARGIN)
 
 
-def _inside_sentence(arguments: Arguments) -> str:
-    """Return ``inside`` in plain words."""
-    return f"{words(arguments[0])} is inside {words(arguments[1])}"
-
-
-def _located_sentence(arguments: Arguments) -> str:
-    """Return ``located`` in plain words."""
-    return f"{words(arguments[0])} is in or above {words(arguments[1])}"
-
-
-INSIDE = Predicate(name="inside", distance=_inside_distance, volume=_inside_volume, sentence=_inside_sentence)
-LOCATED = Predicate(name="located", distance=_located_distance, volume=_located_volume, sentence=_located_sentence)
+INSIDE = Predicate(
+    name="inside", distance=_inside_distance, volume=_inside_volume, sentence=states("{0} {is} inside {1}")
+)
+LOCATED = Predicate(
+    name="located",
+    distance=_located_distance,
+    volume=_located_volume,
+    sentence=states("{0} {is} in or above {1}"),
+)

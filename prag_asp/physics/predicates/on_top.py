@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from prag_asp.physics.geometry import Vector, to_local
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, words
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
 from prag_asp.physics.situation import Situation
 
 TOLERANCE = 0.002
@@ -39,9 +39,4 @@ def _volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
     return Volume((x - dx, y - dy, z), (x + dx, y + dy, z))
 
 
-def _sentence(arguments: Arguments) -> str:
-    """Return the predicate in plain words."""
-    return f"{words(arguments[0])} is on {words(arguments[1])}"
-
-
-ON_TOP = Predicate(name="on_top", distance=_distance, volume=_volume, sentence=_sentence)
+ON_TOP = Predicate(name="on_top", distance=_distance, volume=_volume, sentence=states("{0} {is} on {1}"))

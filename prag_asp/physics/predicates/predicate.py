@@ -17,7 +17,8 @@ Arguments = tuple[str, ...]
 class Volume:
     """Where the subject of a predicate may be: a box for its centre, a range of yaws, a range of openings.
 
-    Metres and radians; the box is aligned with the world's axes and infinite where the predicate does not care.
+    The box bounds what is allowed, so a place drawn from it still has to pass the check. Metres and radians;
+    the box is aligned with the world's axes and infinite where the predicate does not care.
     """
 
     low: Vector = (-math.inf, -math.inf, -math.inf)
@@ -28,7 +29,10 @@ class Volume:
     @property
     def empty(self) -> bool:
         """Tell whether nothing is left."""
-        return any(low > high for low, high in zip(self.low, self.high, strict=True)) or self.width[0] > self.width[1]
+        return (
+            any(low > high for low, high in zip(self.low, self.high, strict=True))
+            or self.width[0] > self.width[1]
+        )
 
     def meet(self, other: Volume) -> Volume:
         """Return what both volumes allow; of two ranges of yaws the part of the first within the second."""
@@ -45,23 +49,31 @@ class Volume:
 class VolumeFunction(Protocol):
     """Gives the volume of a predicate's subject, whose world bounding box has the half sides `half`."""
 
-    def __call__(self, situation: Situation, arguments: Arguments, half: Vector) -> Volume: ...
+    def __call__(self, situation: Situation, arguments: Arguments, half: Vector) -> Volume:
+        """Return the volume."""
+
+
+class SentenceFunction(Protocol):
+    """Says in plain words that a predicate holds of some entities, or that it does not."""
+
+    def __call__(self, arguments: Arguments, value: bool = True) -> str:
+        """Return the sentence."""
 
 
 @dataclass(frozen=True, eq=False)
 class Predicate:
     """A spatial predicate.
 
-    `subject` is the position of the argument that moves when the predicate is made true; where `of_gripper` is true
-    the volume is the gripper's, otherwise that of the subject. `distance` is how far a situation is from satisfying
-    it, in metres or radians, and 0 exactly where it holds. `inverse` names the predicate that holds of the swapped
-    arguments whenever this one does.
+    `subject` is the position of the argument that moves when the predicate is made true; where `of_gripper`
+    is true the volume is the gripper's, otherwise that of the subject. `distance` is how far a situation is
+    from satisfying it, in metres or radians, and 0 exactly where it holds. `inverse` names the predicate that
+    holds of the swapped arguments whenever this one does.
     """
 
     name: str
     distance: Callable[[Situation, Arguments], float]
     volume: VolumeFunction
-    sentence: Callable[[Arguments], str]
+    sentence: SentenceFunction
     subject: int = 0
     of_gripper: bool = False
     inverse: str | None = None
@@ -74,6 +86,15 @@ class Predicate:
 def words(entity: str) -> str:
     """Return an entity's name as it reads in a sentence: ``apple_1`` is ``apple 1``."""
     return entity.replace("_", " ")
+
+
+def states(text: str) -> SentenceFunction:
+    """Return a sentence of the arguments ``{0}``, ``{1}`` and of ``{is}``: is, or is not where false."""
+
+    def sentence(arguments: Arguments, value: bool = True) -> str:
+        return text.format(*map(words, arguments), **{"is": "is" if value else "is not"})
+
+    return sentence
 
 
 def excess(*amounts: float) -> float:

@@ -1,4 +1,4 @@
-"""``rotated``: a body's x axis points along the heading that the scene gives to a rotation, from the world's x axis."""
+"""``rotated``: a body's x axis has the heading, from the world's x axis, that the scene gives a rotation."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.geometry import Vector, wrap, yaw_of
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, words
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
 from prag_asp.physics.situation import Situation
 
 TOLERANCE = math.radians(10)
@@ -36,9 +36,6 @@ def _volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
     return Volume(yaw=(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN))
 
 
-def _sentence(arguments: Arguments) -> str:
-    """Return the predicate in plain words."""
-    return f"{words(arguments[0])} is turned {words(arguments[1])}"
-
-
-ROTATED = Predicate(name="rotated", distance=_distance, volume=_volume, sentence=_sentence)
+ROTATED = Predicate(
+    name="rotated", distance=_distance, volume=_volume, sentence=states("{0} {is} turned {1}")
+)

@@ -1,0 +1,168 @@
+"""Validate many tasks, in order, in one process or in several: the verdicts are the same.
+
+Each task has its own generator of random numbers, seeded from the seed and its index. Workers are spawned,
+because PyBullet does not survive a fork; each keeps one simulator for all its tasks.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections import deque
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
+from dataclasses import dataclass
+from itertools import islice
+from multiprocessing import get_context
+
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import PragError, QueryError
+from prag_asp.physics.silence import STDOUT, silence
+from prag_asp.physics.validator import Validator, open_validator
+from prag_asp.physics.verdict import Budget, Verdict
+from prag_asp.space.task import Task
+
+CHUNK = 4
+CHUNKS_AHEAD = 3
+REPLACEMENTS = 5
+
+
+class WorkerError(PragError):
+    """The processes that validate tasks died again and again."""
+
+
+Chunk = tuple[int, tuple[Task, ...]]
+"""The index of the first task, and the tasks."""
+
+
+def validate_tasks(
+    tasks: Iterable[Task],
+    scene: Scene,
+    *,
+    seed: int,
+    workers: int = 1,
+    budget: Budget | None = None,
+) -> Iterator[Verdict]:
+    """Yield the verdict on each task, in the order of the tasks, which may be endless.
+
+    One worker runs in this process, more are spawned; the verdicts do not depend on it. Tasks of a worker
+    that was killed are done again in a new pool.
+
+    Raises:
+        QueryError: the number of workers is not positive.
+        SceneError: a task speaks about something for which the scene has no shape.
+        WorkerError: workers died more than `REPLACEMENTS` times in a row.
+    """
+    if workers < 1:
+        raise QueryError(f"validation needs at least 1 worker; got {workers}")
+    budget = budget or Budget()
+    if workers == 1:
+        return _in_process(tasks, scene, seed, budget)
+    return _in_pool(tasks, scene, seed, workers, budget)
+
+
+def _in_process(tasks: Iterable[Task], scene: Scene, seed: int, budget: Budget) -> Iterator[Verdict]:
+    """Yield verdicts found in this process."""
+    with open_validator(scene) as validator:
+        for index, task in enumerate(tasks):
+            yield validator.validate(task, seed=seed, index=index, budget=budget)
+
+
+def _in_pool(
+    tasks: Iterable[Task], scene: Scene, seed: int, workers: int, budget: Budget
+) -> Iterator[Verdict]:
+    """Yield verdicts found in spawned processes, a bounded number of tasks ahead."""
+    waiting: deque[tuple[Chunk, Future[list[Verdict]] | None]] = deque()
+    chunks = _chunks(tasks)
+    pool = _Pool(scene, workers, seed, budget)
+    failures = 0
+    try:
+        while True:
+            for chunk in islice(chunks, workers * CHUNKS_AHEAD - len(waiting)):
+                waiting.append((chunk, None))
+            if not waiting:
+                return
+            try:
+                for i, (chunk, future) in enumerate(waiting):
+                    if future is None:
+                        waiting[i] = (chunk, pool.submit(chunk))
+                first = waiting[0][1]
+                assert first is not None
+                verdicts = first.result()
+            except BrokenProcessPool as error:
+                failures += 1
+                if failures > REPLACEMENTS:
+                    index = waiting[0][0][0]
+                    raise WorkerError(
+                        f"workers died {failures} times in a row around task {index}; "
+                        "is there enough memory? Try fewer workers"
+                    ) from error
+                pool.close()
+                pool = _Pool(scene, workers, seed, budget)
+                waiting = deque((chunk, future if _done(future) else None) for chunk, future in waiting)
+                continue
+            failures = 0
+            waiting.popleft()
+            yield from verdicts
+    finally:
+        pool.close()
+
+
+def _chunks(tasks: Iterable[Task]) -> Iterator[Chunk]:
+    """Yield the tasks in groups, so that fewer messages go between processes."""
+    iterator, start = iter(tasks), 0
+    while group := tuple(islice(iterator, CHUNK)):
+        yield start, group
+        start += len(group)
+
+
+def _done(future: Future[list[Verdict]] | None) -> bool:
+    """Tell whether a chunk has its verdicts."""
+    return future is not None and future.done() and not future.cancelled() and future.exception() is None
+
+
+class _Pool:
+    """Spawned processes, each with a validator."""
+
+    def __init__(self, scene: Scene, workers: int, seed: int, budget: Budget):
+        self._settings = (seed, budget)
+        self._executor = ProcessPoolExecutor(
+            workers, mp_context=get_context("spawn"), initializer=_start_worker, initargs=(scene,)
+        )
+
+    def submit(self, chunk: Chunk) -> Future[list[Verdict]]:
+        """Hand a chunk to a worker."""
+        return self._executor.submit(_validate_chunk, chunk, *self._settings)
+
+    def close(self) -> None:
+        """End the workers and wait for them, dropping what they have not begun."""
+        self._executor.shutdown(wait=True, cancel_futures=True)
+
+
+@dataclass
+class _Worker:
+    """What a spawned process keeps between its tasks."""
+
+    validator: Validator
+    resources: ExitStack
+
+
+_worker: list[_Worker] = []
+
+
+def _start_worker(scene: Scene) -> None:
+    """Prepare a spawned process: no output, no reaction to Ctrl-C (its parent ends it), one validator."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    silence(STDOUT)
+    resources = ExitStack()
+    _worker.append(_Worker(resources.enter_context(open_validator(scene)), resources))
+
+
+def _validate_chunk(chunk: Chunk, seed: int, budget: Budget) -> list[Verdict]:
+    """Return the verdicts on some tasks, in a spawned process."""
+    start, tasks = chunk
+    validator = _worker[0].validator
+    return [
+        validator.validate(task, seed=seed, index=start + i, budget=budget) for i, task in enumerate(tasks)
+    ]

@@ -1,0 +1,193 @@
+"""Draw a witness: a film strip of the first state and the state after each action, with captions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from prag_asp.domain.atom import Atom
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import PragError, QueryError
+from prag_asp.physics.facts import Fact, facts
+from prag_asp.physics.predicates.predicate import words
+from prag_asp.physics.simulator import Simulator, open_simulator
+from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.space.task import Task
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+EYE, TARGET, FIELD_OF_VIEW = (1.38, 0.52, 0.94), (0.34, 0.0, 0.27), 45.0
+LIGHT, LIGHT_DISTANCE = (-0.3, 0.8, 1.8), 3.0
+SKY, GROUND = (247, 249, 252), (214, 221, 230)
+INK, QUIET, PAPER = (33, 37, 41), (108, 117, 125), (255, 255, 255)
+OVERSAMPLING = 2
+MARGIN, GUTTER = 14, 12
+TOLD_FIRST = (
+    "holding",
+    "on_top",
+    "inside",
+    "located",
+    "rotated",
+    "left_of",
+    "right_of",
+    "in_front_of",
+    "behind",
+    "at",
+)
+
+
+class PicturesMissingError(PragError):
+    """Pictures need Pillow, which is not installed."""
+
+
+def film_strip(
+    task: Task,
+    witness: Witness,
+    scene: Scene,
+    *,
+    frames: int = 5,
+    size: tuple[int, int] = (360, 320),
+    headings: Sequence[str] | None = None,
+) -> Image.Image:
+    """Return a picture of at most `frames` states of a witness side by side, the first and the last included.
+
+    `size` is that of one frame in pixels. Under each frame stand the action and what it made true, in plain
+    words; `headings` replace the words for the actions.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed.
+        QueryError: less than two frames are asked for, or the witness belongs to another task.
+    """
+    if frames < 2:
+        raise QueryError(f"a film strip needs at least 2 frames; got {frames}")
+    if len(witness.moments) != len(task.actions) + 1:
+        raise QueryError(
+            f"the witness has {len(witness.moments)} states, the task {len(task.actions)} actions"
+        )
+    if headings is not None and len(headings) != len(task.actions):
+        raise QueryError(f"{len(headings)} headings are given for {len(task.actions)} actions")
+    _pillow()
+    chosen = sorted({round(i * len(task.actions) / (frames - 1)) for i in range(frames)})
+    with open_simulator(scene, visual=True) as simulator:
+        pictures = [picture(simulator, witness.moments[k], size) for k in chosen]
+    captions = [_caption(task, scene, k, headings) for k in chosen]
+    return _strip(pictures, captions, size)
+
+
+def picture(simulator: Simulator, moment: Moment, size: tuple[int, int]) -> Image.Image:
+    """Return one state as a picture of `size` pixels; the simulator must have been opened with `visual`."""
+    image_type = _pillow()
+    simulator.place(moment.poses)
+    simulator.pose_arm(moment.joints, moment.width)
+    pixels = _render(simulator, (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING))
+    image: Image.Image = image_type.fromarray(pixels).resize(size, image_type.Resampling.LANCZOS)
+    return image
+
+
+def _pillow() -> Any:
+    """Return Pillow's module of images.
+
+    Raises:
+        PicturesMissingError: it is not installed.
+    """
+    try:
+        from PIL import Image  # noqa: PLC0415 - pictures are optional
+    except ImportError as error:
+        raise PicturesMissingError('pictures need Pillow: pip install "prag_asp[pictures]"') from error
+    return Image
+
+
+def _render(simulator: Simulator, size: tuple[int, int]) -> NDArray[np.uint8]:
+    """Return what the camera sees before a gradient, shape (height, width, 3)."""
+    width, height = size
+    view = pybullet.computeViewMatrix(EYE, TARGET, (0.0, 0.0, 1.0))
+    projection = pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, width / height, 0.1, 5.0)
+    result = pybullet.getCameraImage(
+        width,
+        height,
+        view,
+        projection,
+        lightDirection=LIGHT,
+        lightAmbientCoeff=0.62,
+        lightDiffuseCoeff=0.42,
+        lightSpecularCoeff=0.12,
+        lightDistance=LIGHT_DISTANCE,
+        shadow=True,
+        renderer=pybullet.ER_TINY_RENDERER,
+        physicsClientId=simulator.client,
+    )
+    # A PyBullet that was built without NumPy returns flat tuples.
+    colors: NDArray[np.uint8] = (
+        np.asarray(result[2], dtype=np.uint8).reshape(height, width, 4)[:, :, :3].copy()
+    )
+    nothing = np.asarray(result[4], dtype=np.int64).reshape(height, width) < 0
+    share = np.linspace(0.0, 1.0, height)[:, None]
+    rows = np.asarray(SKY) * (1 - share) + np.asarray(GROUND) * share
+    gradient = np.broadcast_to(rows[:, None, :], (height, width, 3)).astype(np.uint8)
+    colors[nothing] = gradient[nothing]
+    return colors
+
+
+def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str] | None) -> tuple[str, str]:
+    """Return the heading of a frame and what it shows, in plain words."""
+    if k == 0:
+        return "start", _told([fact for fact in facts(scene, task.initial) if fact.value])
+    made = [fact for fact in facts(scene, task.subgoals[k - 1]) if fact.value]
+    undone = [fact for fact in facts(scene, task.subgoals[k - 1]) if not fact.value]
+    heading = headings[k - 1] if headings is not None else _action_words(task.actions[k - 1], scene)
+    return f"{k}. {heading}", _told(made or undone[:1])
+
+
+def _action_words(action: Atom, scene: Scene) -> str:
+    """Return an action in plain words: its name and its arguments but the robot."""
+    robots = {entity for entity, shape in scene.shapes.items() if shape.kind == "robot"}
+    return " ".join(words(part) for part in (action.name, *action.arguments) if part not in robots)
+
+
+def _told(made: Sequence[Fact]) -> str:
+    """Return what is most worth telling of some facts."""
+    order = {name: position for position, name in enumerate(TOLD_FIRST)}
+    known = sorted(
+        (fact for fact in made if fact.predicate.name in order), key=lambda f: order[f.predicate.name]
+    )
+    told = known[:2] or list(made[:1])
+    return ", ".join(fact.sentence() for fact in told)
+
+
+def _strip(
+    pictures: Sequence[Image.Image], captions: Sequence[tuple[str, str]], size: tuple[int, int]
+) -> Image.Image:
+    """Return pictures side by side, each above its caption."""
+    from PIL import ImageDraw, ImageFont  # noqa: PLC0415 - pictures are optional
+
+    width, height = size
+    large, small = ImageFont.load_default(size=17), ImageFont.load_default(size=14)
+    wrapped = [_wrap(text, small, width) for _, text in captions]
+    room = 34 + 19 * max(len(lines) for lines in wrapped)
+    total = (len(pictures) * (width + GUTTER) - GUTTER + 2 * MARGIN, height + room + 2 * MARGIN)
+    strip: Image.Image = _pillow().new("RGB", total, PAPER)
+    pen = ImageDraw.Draw(strip)
+    for i, (image, (heading, _), lines) in enumerate(zip(pictures, captions, wrapped, strict=True)):
+        x = MARGIN + i * (width + GUTTER)
+        strip.paste(image, (x, MARGIN))
+        pen.text((x + 2, MARGIN + height + 8), heading, font=large, fill=INK)
+        for row, line in enumerate(lines):
+            pen.text((x + 2, MARGIN + height + 34 + 19 * row), line, font=small, fill=QUIET)
+    return strip
+
+
+def _wrap(text: str, font: Any, width: int) -> list[str]:
+    """Return a text in lines that fit a width in pixels."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and font.getlength(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines

@@ -1,0 +1,149 @@
+"""Domains with nothing wrong pass, whatever they use."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from prag_asp.domain.load import load_domain
+from prag_asp.domain.paths import shipped_domains
+from prag_asp.errors import DomainError
+
+SWITCH = """
+class(lamp).
+entity((lamp_1; lamp_2), lamp).
+fluent(lit(L)) :- is_a(L,lamp).
+action(press(L)) :- is_a(L,lamp).
+precondition(press(L), lit(L), false) :- action(press(L)).
+postcondition(press(L), lit(L), true) :- action(press(L)).
+action(release(L)) :- is_a(L,lamp).
+precondition(release(L), lit(L), true) :- action(release(L)).
+postcondition(release(L), lit(L), false) :- action(release(L)).
+"""
+
+
+def domain(folder: Path, text: str, settings: str | None = None) -> Path:
+    (folder / "domain.lp").write_text(text, encoding="utf-8")
+    if settings is not None:
+        (folder / "domain.toml").write_text(settings, encoding="utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("name", shipped_domains())
+def test_a_shipped_domain_passes(name: str) -> None:
+    assert load_domain(name).facts.actions
+
+
+@pytest.mark.parametrize("rules", [("closed_world",), ("no_undo",), ("at_most(press,2)", "no_undo")])
+def test_rules_can_be_added(tmp_path: Path, rules: tuple[str, ...]) -> None:
+    assert len(load_domain(domain(tmp_path, SWITCH), rules=rules).facts.actions) == 4
+
+
+def test_a_domain_may_be_made_of_several_files(tmp_path: Path) -> None:
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "scenes" / "hall.lp").write_text("entity(lamp_3, lamp).", encoding="utf-8")
+    facts = load_domain(domain(tmp_path, '#include "scenes/hall.lp".\n' + SWITCH)).facts
+    assert [str(entity) for entity in facts.entities] == ["lamp_1", "lamp_2", "lamp_3"]
+
+
+def test_files_may_include_each_other_in_a_circle(tmp_path: Path) -> None:
+    (tmp_path / "more.lp").write_text('#include "domain.lp".\nentity(lamp_3, lamp).', encoding="utf-8")
+    assert len(load_domain(domain(tmp_path, '#include "more.lp".\n' + SWITCH)).facts.entities) == 3
+
+
+def test_the_closed_world_makes_every_start_known(tmp_path: Path) -> None:
+    assert not load_domain(domain(tmp_path, SWITCH)).facts.closed
+    assert load_domain(domain(tmp_path, '#include "rules/closed_world.lp".\n' + SWITCH)).facts.closed
+
+
+def test_a_step_rule_may_read_what_is_known_at_the_start(tmp_path: Path) -> None:
+    known = "initially(lit(lamp_1), true).\n"
+    rule = "#program step(t).\n:- occurs(press(lamp_2),t), not holds(lit({}),true,t-1).\n"
+    load_domain(domain(tmp_path, SWITCH + known + rule.format("lamp_1")))
+    with pytest.raises(
+        DomainError, match=r"domain\.lp:13: .* reads lit\(lamp_2\), which is unknown at the start"
+    ):
+        load_domain(domain(tmp_path, SWITCH + known + rule.format("lamp_2")))
+
+
+def test_conditions_on_classes_restrict_what_a_step_rule_reads(tmp_path: Path) -> None:
+    more = "old(lamp_1).\ninitially(lit(L), true) :- old(L).\n#program step(t).\n"
+    load_domain(
+        domain(tmp_path, SWITCH + more + ":- occurs(press(_),t), old(L), not holds(lit(L),true,t-1).\n")
+    )
+    with pytest.raises(DomainError, match=r"domain\.lp:14: .* reads lit\(lamp_2\)"):
+        load_domain(
+            domain(tmp_path, SWITCH + more + ":- occurs(press(_),t), not old(L), holds(lit(L),true,t-1).\n")
+        )
+
+
+def test_a_step_may_carry_a_predicate_along(tmp_path: Path) -> None:
+    rule = """
+    #program step(t).
+    used(L,t) :- used(L,t-1).
+    used(L,t) :- occurs(press(L),t).
+    :- used(L,t-1), occurs(press(L),t).
+    """
+    load_domain(domain(tmp_path, SWITCH + rule))
+
+
+def test_helpers_constants_comments_and_shown_predicates_are_allowed(tmp_path: Path) -> None:
+    more = """
+    #const most = 2.
+    number(1..most). bright(L) :- is_a(L,lamp), number(_).
+    #show bright/1.   % größer %* no comment *%
+    %* a comment %* within *% a comment: ♥ *%
+    label("Büro; 50 %*").
+    #defined wet/1.
+    initially(lit(L), true) :- wet(L), label(_).
+    """
+    load_domain(domain(tmp_path, SWITCH + more))
+
+
+def test_an_action_that_can_occur_is_never_reported(tmp_path: Path) -> None:
+    more = """
+    fluent(warm(L)) :- is_a(L,lamp).
+    implies(warm(L), lit(L)) :- is_a(L,lamp).
+    postcondition(release(L), warm(L), false) :- is_a(L,lamp).
+    initially(warm(lamp_1), true).
+    action(touch(L)) :- is_a(L,lamp).
+    precondition(touch(L), warm(L), true) :- is_a(L,lamp).
+    """
+    load_domain(domain(tmp_path, SWITCH + more))
+
+
+def test_an_own_rule_that_changes_a_fluent_makes_its_actions_possible(tmp_path: Path) -> None:
+    more = """
+    fluent(dark).
+    initially(dark, false).
+    action(sleep).
+    precondition(sleep, dark, true).
+    """
+    with pytest.raises(DomainError, match="sleep can never occur: it needs dark = true, but dark = false"):
+        load_domain(domain(tmp_path, SWITCH + more))
+    own = """
+    #program step(t).
+    holds(dark,true,t) :- occurs(release(L),t).
+    changed(dark,t)    :- occurs(release(L),t).
+    """
+    load_domain(domain(tmp_path, SWITCH + more + own))
+
+
+def test_settings_are_read_without_rounding(tmp_path: Path) -> None:
+    weights = 'press = 0.1\n"press > release" = 1e-2\nlamp = 3\nlamp_1 = 0\n"press(lamp_2)" = 2\n'
+    text = f'title = "Lamps"\n[weights]\n{weights}[language]\npress = "press {{0}}"\n'
+    settings = load_domain(domain(tmp_path, SWITCH, text)).settings
+    assert settings.title == "Lamps"
+    assert settings.weights["press"] == Fraction(1, 10)
+    assert settings.weights["press>release"] == Fraction(1, 100)
+    assert settings.weights["lamp_1"] == 0
+    assert settings.language == {"press": "press {0}"}
+    assert settings.line_of("weights", "lamp") == 5
+
+
+def test_a_domain_needs_no_settings(tmp_path: Path) -> None:
+    settings = load_domain(domain(tmp_path, SWITCH)).settings
+    assert (settings.title, settings.weights, settings.scene) == ("", {}, {})
+    assert settings.line_of("weights", "press") == 1

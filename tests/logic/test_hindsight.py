@@ -1,0 +1,53 @@
+"""What a task tells of its states is true, and enough."""
+
+from __future__ import annotations
+
+import itertools
+
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from prag_asp import TaskSpace
+from prag_asp.logic.hindsight import solved_states
+from prag_asp.logic.model import Model
+from tests.brute_force import State, Toy, agrees, term
+from tests.domains import domain_of
+from tests.strategies import toys
+
+
+def trajectories(toy: Toy, plan: tuple[int, ...]) -> list[tuple[State, ...]]:
+    """Return all sequences of complete states that execute a plan and reach the goal."""
+    paths = [(state,) for state in toy.start()]
+    for k, i in enumerate(plan):
+        paths = [(*path, s) for path in paths for s in toy.after(frozenset({path[-1]}), plan[:k], i)]
+    return [path for path in paths if agrees(path[-1], toy.goal)]
+
+
+@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@given(toys(closed=False), st.data())
+def test_what_is_told_of_a_plan_holds_in_every_execution_and_suffices_for_one(toy: Toy, data: st.DataObject) -> None:
+    plans = list(itertools.islice(toy.plans(3), 200))
+    assume(plans)
+    plan = data.draw(st.sampled_from(plans))
+    space = TaskSpace(domain_of(toy.text(), "at_most"), 3)
+    (task,) = space.narrate(iter([tuple(term(toy, i) for i in plan)]))
+    told = [{int(f.name[1:]): value for f, value in state.items()} for state in (task.initial, *task.states)]
+    paths = trajectories(toy, plan)
+    assert all(agrees(path[k], told[k]) for path in paths for k in range(4))
+    everything = itertools.product((False, True), repeat=toy.fluents)
+    fitting = {s for s in everything if toy.allowed(s) and agrees(s, told[0])}
+    assert fitting == {path[0] for path in paths}
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@given(toys(closed=False), st.data())
+def test_solving_the_whole_plan_tells_the_same_as_evaluating_its_steps(toy: Toy, data: st.DataObject) -> None:
+    plans = list(itertools.islice(toy.plans(3), 200))
+    assume(plans)
+    plan = tuple(term(toy, i) for i in data.draw(st.sampled_from(plans)))
+    domain = domain_of(toy.text(), "at_most")
+    (task,) = TaskSpace(domain, 3).narrate(iter([plan]))
+    actions = {str(action): action for action in domain.facts.actions}
+    solved = solved_states(Model(domain).program, tuple(actions[text] for text in plan))
+    spelled = [{str(fluent): value for fluent, value in state.items()} for state in solved]
+    assert spelled == [{str(f): v for f, v in state.items()} for state in (task.initial, *task.states)]

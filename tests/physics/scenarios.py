@@ -1,0 +1,68 @@
+"""Hand-made tasks of the shipped domains, written from their rules."""
+
+from __future__ import annotations
+
+from prag_asp.domain.atom import Atom, parse_atom
+from prag_asp.space.task import Task
+
+CLASSES = {
+    "panda": "robot",
+    "table_1": "table",
+    "cube_1": "cube",
+    "cube_2": "cube",
+    "brick_1": "brick",
+    "brick_2": "brick",
+    "can_1": "can",
+    "tray_1": "tray",
+    "bin_1": "bin",
+    "apple_1": "apple",
+    "apple_2": "apple",
+    "box_1": "box",
+    "bowl_1": "bowl",
+    "crate_1": "crate",
+}
+
+
+def state(*fluents: str) -> dict[Atom, bool]:
+    """Return a state: fluents that hold, those that do not with a minus in front."""
+    return {parse_atom(fluent.lstrip("-")): not fluent.startswith("-") for fluent in fluents}
+
+
+def task(
+    initial: dict[Atom, bool], *steps: tuple[str, dict[Atom, bool]], forget: tuple[str, ...] = ()
+) -> Task:
+    """Return a task from its first state, and each action with what it makes known."""
+    actions, subgoals, states, known = [], [], [], dict(initial)
+    for text, subgoal in steps:
+        known = {f: v for f, v in known.items() if str(f) not in forget}
+        known.update(subgoal)
+        actions.append(parse_atom(text))
+        subgoals.append(subgoal)
+        states.append(dict(known))
+    named = {entity for s in [initial, *states] for fluent in s for entity in fluent.arguments}
+    named |= {entity for action in actions for entity in action.arguments}
+    entities = {entity: CLASSES[entity] for entity in sorted(named & CLASSES.keys())}
+    return Task("test", tuple(actions), entities, initial, tuple(states), tuple(subgoals), {})
+
+
+def stacking() -> Task:
+    """Pick a cube from the table and stack it on a brick."""
+    return task(
+        state("on_top(cube_1,table_1)", "-holding(panda,cube_1)", "reachable(panda,cube_1)"),
+        ("pick(panda,cube_1,table_1)", state("holding(panda,cube_1)", "-on_top(cube_1,table_1)")),
+        ("stack(panda,cube_1,brick_1)", state("-holding(panda,cube_1)", "on_top(cube_1,brick_1)")),
+    )
+
+
+def carrying() -> Task:
+    """Fetch an apple into the bowl, turn it, let it go and leave."""
+    gone = state("-at(panda,apple_1)", "open(panda)")
+    return task(
+        gone,
+        ("approach(panda,apple_1)", state("at(panda,apple_1)")),
+        ("grasp(panda,apple_1)", state("holding(panda,apple_1)", "-open(panda)")),
+        ("move(panda,apple_1,bowl_1)", state("located(apple_1,bowl_1)", "-located(apple_1,crate_1)")),
+        ("rotate(panda,apple_1,straight)", state("rotated(apple_1,straight)")),
+        ("drop(panda,apple_1)", state("-holding(panda,apple_1)", "open(panda)")),
+        ("withdraw(panda,apple_1)", state("-at(panda,apple_1)")),
+    )

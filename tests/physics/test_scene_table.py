@@ -1,0 +1,156 @@
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+
+import pytest
+
+from prag_asp.domain.atom import Atom, parse_atom
+from prag_asp.domain.scene import PREDICATE_ROLES, Shape, ancestors, parse_scene, scene_problems
+from prag_asp.errors import SceneError
+from prag_asp.physics import PREDICATES
+from tests.physics.random_tasks import Rules, shipped_scene
+
+CLASSES = {"robot": (), "movable": (), "cube": ("movable",), "ball": ("movable",), "tray": ()}
+ENTITIES = {"panda": "robot", "cube_1": "cube", "ball_1": "ball", "tray_1": "tray"}
+CUBE = {"kind": "box", "size": [0.05, 0.05, 0.05]}
+FINE = {"shapes": {"robot": {"kind": "robot"}, "movable": CUBE}}
+
+
+def test_a_shape_is_inherited_from_the_nearest_ancestor():
+    table = {"shapes": {"movable": CUBE, "ball": {"kind": "sphere", "radius": 0.03}}}
+    scene = parse_scene(table, CLASSES, ENTITIES)
+    assert scene.shapes["cube_1"] == Shape("box", (0.05, 0.05, 0.05))
+    assert scene.shapes["ball_1"] == Shape("sphere", (0.06, 0.06, 0.06))
+    assert "tray_1" not in scene.shapes
+
+
+def test_ancestors_end_in_a_cycle_of_classes():
+    assert ancestors("a", {"a": ("b",), "b": ("a", "c")}) == ["a", "b", "c"]
+
+
+def test_degrees_become_radians_and_fluents_get_their_meaning():
+    table = {
+        **FINE,
+        "rotations": {"quarter": 90},
+        "fixed": {"cube_1": [0.5, 0.1, 180]},
+        "predicates": {"open": "gripper_open"},
+    }
+    scene = parse_scene(table, CLASSES, ENTITIES)
+    assert scene.rotations["quarter"] == pytest.approx(math.pi / 2)
+    assert scene.fixed["cube_1"] == pytest.approx((0.5, 0.1, math.pi))
+    assert scene.meaning(Atom("open", ("panda",))) == "gripper_open"
+    assert scene.meaning(Atom("on_top", ("a", "b"))) == "on_top"
+    assert scene.meaning(Atom("painted", ("a",))) is None
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (
+            {"shapes": {"cube": {"kind": "box", "size": [0.05]}}},
+            "scene.shapes.cube.size: needs three positive lengths",
+        ),
+        (
+            {"shapes": {"cube": {"kind": "box", "size": [0.05, -1, 0.05]}}},
+            "scene.shapes.cube.size: needs three",
+        ),
+        (
+            {"shapes": {"cube": {"kind": "box", "size": [0.05, float("nan"), 1]}}},
+            "scene.shapes.cube.size: needs",
+        ),
+        ({"shapes": {"cube": {"kind": "box", "size": ["a", 1, 1]}}}, "scene.shapes.cube.size: needs"),
+        ({"shapes": {"cube": {"kind": "box"}}}, "scene.shapes.cube.size: needs three positive lengths"),
+        (
+            {"shapes": {"cube": {"kind": "bx"}}},
+            "scene.shapes.cube.kind: unknown shape 'bx'; did you mean box?",
+        ),
+        ({"shapes": {"cube": {"kind": 3}}}, "scene.shapes.cube.kind: unknown shape 3"),
+        ({"shapes": {"cube": 3}}, "scene.shapes.cube: needs a table"),
+        ({"shapes": {"cub": CUBE}}, "scene.shapes.cub: unknown class; did you mean cube?"),
+        (
+            {"shapes": {"cube": {**CUBE, "sise": 1}}},
+            "scene.shapes.cube.sise: unknown key; did you mean size?",
+        ),
+        (
+            {"shapes": {"ball": {"kind": "sphere", "radius": 0}}},
+            "scene.shapes.ball.radius: needs a positive length",
+        ),
+        (
+            {"shapes": {"tray": {"kind": "container", "size": [0.1, 0.1, 0.1], "wall": 0.05}}},
+            "scene.shapes.tray.wall",
+        ),
+        ({"shape": {}}, "scene.shape: unknown key; did you mean shapes?"),
+        ({"shapes": []}, "scene.shapes: needs a table"),
+        ({"robot": "kuka"}, "scene.robot: needs one of panda; got 'kuka'"),
+        ({"frame": "left"}, "scene.frame: needs one of robot, viewer"),
+        ({"workspace": {"x": [0.7, 0.3]}}, "scene.workspace.x: needs a low and a high end"),
+        ({"workspace": {"z": [0, 1]}}, "scene.workspace.z: unknown key"),
+        ({"table": {"size": [1]}}, "scene.table.size: needs two positive lengths"),
+        ({"table": {"centre": "here"}}, "scene.table.centre: needs x and y"),
+        (
+            {**FINE, "colors": {"cube": "red"}},
+            "scene.colors.cube: needs a colour like \"#e4572e\"; got 'red'",
+        ),
+        ({**FINE, "colors": {"cub": "#ffffff"}}, "scene.colors.cub: unknown entity or class"),
+        ({**FINE, "fixed": {"cube_1": [0.5]}}, "scene.fixed.cube_1: needs x and y in metres"),
+        ({**FINE, "fixed": {"cube_9": [0.5, 0]}}, "scene.fixed.cube_9: unknown entity; did you mean cube_1?"),
+        (
+            {**FINE, "fixed": {"panda": [0.5, 0]}},
+            "scene.fixed.panda: needs an entity with the shape of an object",
+        ),
+        (
+            {**FINE, "predicates": {"on": "ontop"}},
+            "scene.predicates.on: unknown spatial predicate 'ontop'; did you mean on_top?",
+        ),
+        ({**FINE, "rotations": {"straight": "0"}}, "scene.rotations.straight: needs a yaw in degrees"),
+    ],
+)
+def test_a_malformed_table_is_refused_with_its_key(table, message):
+    with pytest.raises(SceneError) as caught:
+        parse_scene(table, CLASSES, ENTITIES)
+    assert message in str(caught.value)
+
+
+def test_the_linter_gets_every_problem_at_once():
+    table = {"shapes": {"robot": {"kind": "robot"}, "cube": {"kind": "bx"}}, "frame": "left"}
+    fluents = [
+        parse_atom("on_top(ball_1,tray_1)"),
+        parse_atom("rotated(ball_1,up)"),
+        parse_atom("holding(ball_1)"),
+    ]
+    keys = [problem.key for problem in scene_problems(table, CLASSES, ENTITIES, fluents)]
+    assert keys == [
+        "scene.shapes.cube.kind",
+        "scene.frame",
+        "scene.shapes.ball",
+        "scene.shapes.tray",
+        "scene.shapes.ball",
+        "scene.rotations.up",
+        "scene.predicates.holding",
+    ]
+
+
+@pytest.mark.parametrize("name", ["tabletop", "prag"])
+def test_the_shipped_scenes_have_everything_that_their_fluents_speak_about(name):
+    rules = Rules(name)
+    scene = shipped_scene(name)
+    assert {scene.meaning(fluent) for fluent in rules.fluents} - {None}
+    from tests.physics.random_tasks import scene_table
+
+    assert scene_problems(scene_table(name), rules.classes, rules.entities, rules.fluents) == []
+
+
+def test_the_light_list_of_predicates_names_those_that_exist():
+    assert set(PREDICATE_ROLES) == set(PREDICATES)
+
+
+def test_reading_a_scene_loads_no_simulator():
+    code = "import sys, prag_asp.domain.scene; assert not {'pybullet', 'numpy', 'frankik'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_physics_loads_no_logic_programming():
+    code = "import sys, prag_asp.physics; assert 'clingo' not in sys.modules and 'PIL' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)

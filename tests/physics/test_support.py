@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.physics.geometry import Pose, hull, inside_by, intersection, rectangle, yaw_quaternion
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.support import riders, unsupported
+
+PLANK = Shape("box", (0.2, 0.05, 0.02))
+CUBE = Shape("box", (0.05, 0.05, 0.05))
+SHAPES = {
+    "a": CUBE,
+    "b": CUBE,
+    "c": CUBE,
+    "plank": PLANK,
+    "ball": Shape("sphere", (0.06,) * 3),
+    "bowl": Shape("container", (0.2, 0.2, 0.06), 0.006),
+}
+
+
+def _situation(**places: tuple[float, float, float]) -> Situation:
+    poses = {name: Pose(place) for name, place in places.items()}
+    return Situation(Scene(shapes=SHAPES), poses, Pose((0.0, 0.0, 1.0)), 0.08)
+
+
+@pytest.mark.parametrize(
+    ("places", "falls"),
+    [
+        ({"a": (0.5, 0, 0.025)}, None),
+        ({"a": (0.5, 0, 0.03)}, "a"),
+        ({"a": (0.5, 0, 0.02)}, "a"),
+        ({"a": (5.0, 0, 0.025)}, "a"),
+        ({"a": (0.5, 0, 0.025), "b": (0.52, 0, 0.075)}, None),
+        ({"a": (0.5, 0, 0.025), "b": (0.53, 0, 0.075)}, "b"),
+        ({"a": (0.5, 0, 0.025), "ball": (0.5, 0.01, 0.08)}, None),
+        ({"ball": (0.5, 0, 0.03), "a": (0.5, 0, 0.085)}, "a"),
+        ({"bowl": (0.5, 0, 0.03), "a": (0.5, 0, 0.031)}, None),
+        ({"bowl": (0.5, 0, 0.03), "a": (0.5, 0, 0.085)}, "a"),
+        ({"a": (0.42, 0, 0.025), "b": (0.58, 0, 0.025), "plank": (0.5, 0, 0.06)}, None),
+    ],
+)
+def test_a_body_stays_where_something_bears_its_centre_of_mass(places, falls):
+    assert unsupported(_situation(**places), list(places), None) == falls
+
+
+def test_each_cube_of_a_leaning_stack_is_borne_but_the_stack_falls():
+    places = {"a": (0.5, 0, 0.025), "b": (0.52, 0, 0.075), "c": (0.54, 0, 0.125)}
+    assert unsupported(_situation(a=places["a"], b=places["b"]), ["a", "b"], None) is None
+    assert unsupported(_situation(**places), list(places), None) == "b"
+
+
+def test_a_weight_on_the_overhang_tips_a_plank_and_a_counterweight_holds_it():
+    plank = {"a": (0.5, 0, 0.025), "plank": (0.52, 0, 0.06)}
+    loaded = {**plank, "b": (0.6, 0, 0.095)}
+    balanced = {**loaded, "c": (0.44, 0, 0.095)}
+    assert unsupported(_situation(**plank), list(plank), None) is None
+    assert unsupported(_situation(**loaded), list(loaded), None) == "plank"
+    assert unsupported(_situation(**balanced), list(balanced), None) is None
+
+
+def test_a_held_body_does_not_fall():
+    assert unsupported(_situation(a=(0.5, 0, 0.3)), ["a"], "a") is None
+
+
+def test_what_rests_on_a_moved_body_or_in_it_rides_along():
+    situation = _situation(bowl=(0.5, 0, 0.03), a=(0.5, 0, 0.031), b=(0.5, 0, 0.081), c=(0.7, 0, 0.025))
+    assert riders(situation, "bowl", ["a", "b", "c"]) == ["a", "b"]
+    assert riders(situation, "a", ["bowl", "b", "c"]) == ["b"]
+
+
+def test_two_squares_an_eighth_turn_apart_share_an_octagon():
+    square, turned = rectangle(0, 0, 1, 1, 0), rectangle(0, 0, 1, 1, math.pi / 4)
+    shared = intersection(square, turned)
+    assert len(hull(list(shared))) == 8
+    assert inside_by(shared, (0.0, 0.0)) == pytest.approx(1.0)
+    assert inside_by(shared, (1.1, 0.0)) == pytest.approx(-0.1)
+    assert intersection(square, rectangle(3, 0, 1, 1, 0)) == ()
+
+
+def test_the_outline_of_a_turned_body_bears_what_its_bounding_box_would_not():
+    poses = {"plank": Pose((0.5, 0, 0.01), yaw_quaternion(math.pi / 4)), "a": Pose((0.55, 0.05, 0.045))}
+    situation = Situation(Scene(shapes=SHAPES), poses, Pose((0.0, 0.0, 1.0)), 0.08)
+    assert unsupported(situation, list(poses), None) is None
+    moved = situation.with_pose("a", Pose((0.55, -0.05, 0.045)))
+    assert unsupported(moved, list(poses), None) == "a"

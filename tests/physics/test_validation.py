@@ -1,0 +1,253 @@
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import replace
+from itertools import islice
+
+import pytest
+
+from prag_asp.domain.scene import Shape
+from prag_asp.errors import QueryError, SceneError
+from prag_asp.physics import CAUSES, Budget, Verdict, Witness, check_witness, open_validator, validate_task
+from prag_asp.physics.geometry import Pose
+from prag_asp.physics.kinematics import inverse, tool_pose
+from prag_asp.physics.robot import PANDA
+from prag_asp.physics.simulator import open_simulator
+from tests.physics.random_tasks import random_tasks
+from tests.physics.scenarios import carrying, stacking, state, task
+
+
+def test_a_cube_can_be_stacked_on_a_brick(tabletop, tabletop_validator):
+    verdict = tabletop_validator.validate(stacking(), seed=1)
+    assert verdict.feasible
+    assert verdict.witness.moments[1].held == "cube_1"
+    names = [[waypoint.name for waypoint in motion] for motion in verdict.witness.motions]
+    assert names == [["approach", "at", "at", "lift"], ["approach", "at", "at", "retreat"]]
+    assert check_witness(stacking(), verdict.witness, tabletop) == []
+
+
+def test_an_apple_can_be_carried_turned_and_dropped(prag, prag_validator):
+    verdict = prag_validator.validate(carrying(), seed=1)
+    assert verdict.feasible
+    assert check_witness(carrying(), verdict.witness, prag) == []
+    heights = [moment.poses["apple_1"].position[2] for moment in verdict.witness.moments]
+    assert heights[2] == pytest.approx(0.034) and heights[3] > 0.1
+    assert heights[5] == heights[6] == pytest.approx(0.04)
+
+
+def test_only_what_an_action_changes_moves(tabletop_validator):
+    verdict = tabletop_validator.validate(stacking(), seed=2)
+    first, second, third = verdict.witness.moments
+    assert first.poses["brick_1"] == second.poses["brick_1"] == third.poses["brick_1"]
+    assert first.poses["cube_1"] != second.poses["cube_1"] != third.poses["cube_1"]
+
+
+def test_a_held_object_at_the_start_is_in_the_gripper(prag, prag_validator):
+    dropping = task(
+        state("holding(panda,can_1)", "at(panda,can_1)", "-open(panda)"),
+        ("drop(panda,can_1)", state("-holding(panda,can_1)", "open(panda)")),
+    )
+    verdict = prag_validator.validate(dropping, seed=1)
+    assert verdict.feasible and verdict.witness.moments[0].held == "can_1"
+    assert verdict.witness.moments[0].poses == verdict.witness.moments[1].poses
+    assert check_witness(dropping, verdict.witness, prag) == []
+
+
+def test_what_stands_on_a_carried_object_is_carried_along(tabletop, tabletop_validator):
+    lifting = task(
+        state("on_top(cube_1,brick_1)", "on_top(brick_1,table_1)"),
+        ("pick(panda,brick_1,table_1)", state("holding(panda,brick_1)", "-on_top(brick_1,table_1)")),
+    )
+    verdicts = [tabletop_validator.validate(lifting, seed=seed) for seed in range(3)]
+    # The palm has no room between the fingers and a cube on the brick: the search says so, and counts it.
+    assert {verdict.status for verdict in verdicts} == {"not_found"}
+    assert set(verdicts[0].causes) == {"the arm collides"}
+
+
+@pytest.mark.parametrize(
+    ("shapes", "initial", "step", "reason"),
+    [
+        (
+            {"cube_1": Shape("box", (0.09, 0.09, 0.09))},
+            ["-holding(panda,cube_1)"],
+            ("pick(panda,cube_1,table_1)", ["holding(panda,cube_1)"]),
+            "cube_1 is 90 mm wide, the gripper opens 80 mm",
+        ),
+        (
+            {"brick_1": Shape("box", (0.4, 0.07, 0.3))},
+            [],
+            ("insert(panda,brick_1,bin_1)", ["inside(brick_1,bin_1)"]),
+            None,
+        ),
+        (
+            {"brick_1": Shape("box", (0.4, 0.3, 0.3))},
+            [],
+            ("insert(panda,brick_1,bin_1)", ["inside(brick_1,bin_1)"]),
+            "brick_1 is larger than the cavity of bin_1",
+        ),
+        ({}, [], ("insert(panda,cube_1,brick_1)", ["inside(cube_1,brick_1)"]), "brick_1 is not a container"),
+        (
+            {},
+            ["left_of(cube_1,cube_2)", "left_of(cube_2,can_1)"],
+            ("x(panda)", ["right_of(cube_1,can_1)"]),
+            "the relations along y form a circle",
+        ),
+        (
+            {},
+            ["behind(cube_1,cube_2)"],
+            ("x(panda)", ["in_front_of(cube_1,cube_2)"]),
+            "along x form a circle",
+        ),
+        ({}, ["on_top(cube_1,cube_2)"], ("x(panda)", ["on_top(cube_2,cube_1)"]), "along z form a circle"),
+        (
+            {"cube_2": Shape("sphere", (0.05,) * 3)},
+            [],
+            ("x(panda)", ["on_top(cube_1,cube_2)"]),
+            "which is a ball",
+        ),
+        (
+            {},
+            ["holding(panda,cube_1)"],
+            ("x(panda)", ["holding(panda,cube_2)"]),
+            "cube_2 while the gripper holds",
+        ),
+        ({}, [], ("x(panda)", ["left_of(tray_1,bin_1)"]), "cannot hold, for nothing of it can move"),
+    ],
+)
+def test_impossible_tasks_are_proved_infeasible_and_others_never(tabletop, shapes, initial, step, reason):
+    scene = replace(tabletop, shapes={**tabletop.shapes, **shapes})
+    verdict = validate_task(
+        task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(2, 2)
+    )
+    if reason is None:
+        assert verdict.status == "not_found"
+    else:
+        assert (verdict.status, verdict.witness) == ("infeasible", None)
+        assert reason in verdict.reason
+
+
+@pytest.mark.parametrize(
+    ("initial", "step", "cause"),
+    [
+        ([], ("pick(panda,cube_1,table_1)", ["holding(panda,cube_1)"]), "no arm configuration at the object"),
+        (
+            ["left_of(cube_1,tray_1)", "right_of(cube_1,bin_1)"],
+            ("x(panda)", ["on_top(cube_1,table_1)"]),
+            "no room where the relations want the object",
+        ),
+        (
+            [
+                "inside(brick_1,bin_1)",
+                "inside(brick_2,bin_1)",
+                "inside(cube_1,bin_1)",
+                "inside(cube_2,bin_1)",
+            ],
+            ("x(panda)", ["inside(can_1,bin_1)"]),
+            "objects collide",
+        ),
+    ],
+)
+def test_what_is_not_found_says_why(tabletop, initial, step, cause):
+    scene = replace(
+        tabletop,
+        frame="robot",
+        shapes={**tabletop.shapes, "bin_1": Shape("container", (0.17, 0.17, 0.06), 0.006)},
+        fixed={**tabletop.fixed, "cube_1": (0.9, 0.3, 0.0)} if not initial else tabletop.fixed,
+    )
+    verdict = validate_task(
+        task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(3, 5)
+    )
+    assert verdict.status == "not_found"
+    assert verdict.reason == cause and verdict.causes[cause] > 0
+    assert set(verdict.causes) <= set(CAUSES)
+
+
+@pytest.mark.parametrize("name", ["tabletop", "prag"])
+def test_random_tasks_of_the_shipped_domains_have_witnesses_that_pass(request, name):
+    scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
+    outcomes: Counter[str] = Counter()
+    for length in (3, 6):
+        for index, made in enumerate(islice(random_tasks(name, length, 11), 15)):
+            verdict = validator.validate(made, seed=4, index=index)
+            outcomes[verdict.status] += 1
+            assert verdict.status != "infeasible"
+            if verdict.feasible:
+                assert check_witness(made, verdict.witness, scene) == []
+    assert outcomes["feasible"] >= 27
+
+
+def test_a_verdict_depends_on_the_seed_and_the_index_alone(tabletop, tabletop_validator):
+    made = stacking()
+    first = tabletop_validator.validate(made, seed=5, index=3)
+    tabletop_validator.validate(made, seed=6, index=3)
+    assert tabletop_validator.validate(made, seed=5, index=3) == first
+    assert validate_task(made, tabletop, seed=5, index=3) == first
+    assert tabletop_validator.validate(made, seed=5, index=4).witness != first.witness
+
+
+def test_a_verdict_comes_back_from_json_as_it_was(tabletop_validator):
+    verdict = tabletop_validator.validate(stacking(), seed=1)
+    assert Verdict.from_json(json.loads(json.dumps(verdict.to_json()))) == verdict
+
+
+def test_broken_json_of_a_verdict_is_refused(tabletop_validator):
+    data = tabletop_validator.validate(stacking(), seed=1).to_json()
+    for broken in (
+        {**data, "status": "maybe"},
+        {**data, "witness": {"moments": 3}},
+        {**data, "budget": {}},
+        {},
+    ):
+        with pytest.raises(QueryError):
+            Verdict.from_json(broken)
+    with pytest.raises(QueryError):
+        Witness.from_json({"moments": [{"poses": {"a": [[1, 2], [3]]}}], "motions": []})
+
+
+def test_a_budget_of_nothing_is_refused():
+    with pytest.raises(QueryError, match="at least 1 restart"):
+        Budget(0, 3)
+
+
+def test_a_task_about_a_body_without_a_shape_is_an_error(tabletop):
+    unknown = task(state("on_top(apple_1,table_1)"), ("x(panda)", state("-on_top(apple_1,table_1)")))
+    with (
+        open_validator(tabletop) as validator,
+        pytest.raises(SceneError, match=r"apple_1, which has no entry under \[scene.shapes\]"),
+    ):
+        validator.validate(unknown, seed=0)
+
+
+def test_inverse_kinematics_is_exact_and_within_limits_or_empty():
+    down = (1.0, 0.0, 0.0, 0.0)
+    solutions = inverse(PANDA, Pose((0.5, 0.2, 0.1), down))
+    assert solutions
+    for joints in solutions:
+        assert PANDA.within_limits(joints)
+        assert tool_pose(joints).position == pytest.approx((0.5, 0.2, 0.1), abs=1e-5)
+    assert inverse(PANDA, Pose((0.95, 0.0, 0.1), down)) == []
+
+
+def test_poses_that_are_not_finite_never_reach_the_simulator(simulator):
+    nan = float("nan")
+    for pose in (
+        Pose((nan, 0.0, 0.0)),
+        Pose((0.5, 0.0, 0.0), (0.0, 0.0, 0.0, nan)),
+        Pose((0.5, 0, 0), (0, 0, 0, 2.0)),
+    ):
+        with pytest.raises(SceneError, match="not a finite position"):
+            simulator.place({"cube_1": pose})
+    with pytest.raises(SceneError, match="cannot take the joint angles"):
+        simulator.pose_arm((nan,) * 7, 0.04)
+    with pytest.raises(SceneError, match="ghost has no body"):
+        simulator.place({"ghost": Pose((0.5, 0.0, 0.0))})
+
+
+def test_simulators_are_closed(tabletop):
+    import pybullet
+
+    with open_simulator(tabletop) as opened:
+        client = opened.client
+        assert pybullet.isConnected(client)
+    assert not pybullet.isConnected(client)

@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from itertools import count, islice
+from pathlib import Path
+
+import pytest
+
+from prag_asp.errors import PragError, QueryError, SceneError
+from prag_asp.physics import Budget, WorkerError, validate_tasks
+from tests.physics.random_tasks import random_tasks
+from tests.physics.scenarios import stacking, state, task
+
+ROOT = Path(__file__).parents[2]
+
+
+def _workers() -> list[int]:
+    return [child.pid for child in multiprocessing.active_children() if child.pid is not None]
+
+
+def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tabletop):
+    tasks = list(islice(random_tasks("tabletop", 4, 3), 24))
+    alone = list(validate_tasks(tasks, tabletop, seed=7, workers=1))
+    together = list(validate_tasks(tasks, tabletop, seed=7, workers=2))
+    assert [v.to_json() for v in alone] == [v.to_json() for v in together]
+    assert [v.index for v in alone] == list(range(24))
+    assert not _workers()
+
+
+def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop):
+    read = count()
+
+    def endless():
+        while True:
+            next(read)
+            yield stacking()
+
+    for workers in (1, 2):
+        verdicts = validate_tasks(endless(), tabletop, seed=1, workers=workers, budget=Budget(2, 3))
+        assert len(list(islice(verdicts, 6))) == 6
+        verdicts.close()
+    assert next(read) < 60
+    assert not _workers()
+
+
+def test_a_killed_worker_costs_nothing_but_time(tabletop):
+    tasks = list(islice(random_tasks("tabletop", 3, 5), 30))
+    expected = [v.to_json() for v in validate_tasks(tasks, tabletop, seed=2)]
+    verdicts = validate_tasks(tasks, tabletop, seed=2, workers=2)
+    found = [next(verdicts).to_json()]
+    os.kill(_workers()[0], signal.SIGKILL)
+    found += [verdict.to_json() for verdict in verdicts]
+    assert found == expected
+
+
+def test_workers_that_always_die_end_in_a_clear_error(tabletop, monkeypatch):
+    from prag_asp.physics import pool
+
+    monkeypatch.setattr(pool, "_start_worker", os._exit)
+    monkeypatch.setattr(pool, "REPLACEMENTS", 1)
+    with pytest.raises(WorkerError, match="workers died 2 times in a row around task 0"):
+        list(validate_tasks([stacking()], tabletop, seed=0, workers=2))
+    assert issubclass(WorkerError, PragError)
+
+
+def test_an_error_of_a_task_reaches_the_caller_from_a_worker(tabletop):
+    unknown = task(state("on_top(apple_1,table_1)"), ("x(panda)", state("-on_top(apple_1,table_1)")))
+    for workers in (1, 2):
+        with pytest.raises(SceneError, match="apple_1"):
+            list(validate_tasks([unknown], tabletop, seed=0, workers=workers))
+
+
+def test_no_workers_are_refused(tabletop):
+    with pytest.raises(QueryError, match="at least 1 worker"):
+        validate_tasks([], tabletop, seed=0, workers=0)
+
+
+def test_nothing_of_the_simulator_reaches_standard_output():
+    code = """
+if __name__ == "__main__":
+    from prag_asp.physics import validate_tasks
+    from tests.physics.random_tasks import shipped_scene
+    from tests.physics.scenarios import stacking
+    for workers in (1, 2):
+        verdicts = validate_tasks([stacking()] * 5, shipped_scene("tabletop"), seed=0, workers=workers)
+        assert all(verdict.feasible for verdict in verdicts)
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, check=True)
+    assert done.stdout == b""
+
+
+def test_an_interrupt_ends_all_processes(tmp_path):
+    script = tmp_path / "endless.py"
+    script.write_text(
+        "import itertools, sys\n"
+        f"sys.path.insert(0, {str(ROOT)!r})\n"
+        "from prag_asp.physics import validate_tasks\n"
+        "from tests.physics.random_tasks import shipped_scene\n"
+        "from tests.physics.scenarios import stacking\n"
+        "if __name__ == '__main__':\n"
+        "    scene = shipped_scene('tabletop')\n"
+        "    for verdict in validate_tasks(itertools.repeat(stacking()), scene, seed=0, workers=2):\n"
+        "        print(verdict.index, flush=True)\n"
+    )
+    running = subprocess.Popen(
+        [sys.executable, str(script)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    assert running.stdout is not None
+    with running.stdout:
+        running.stdout.readline()
+        os.killpg(running.pid, signal.SIGINT)
+        running.stdout.read()
+    assert running.wait(timeout=20) != 0
+    deadline = time.monotonic() + 5
+    while _group_alive(running.pid) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not _group_alive(running.pid)
+
+
+def _group_alive(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True

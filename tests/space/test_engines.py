@@ -1,0 +1,98 @@
+"""What the automaton cannot express it refuses, with the reason, and clingo takes over."""
+
+from __future__ import annotations
+
+import pytest
+
+from prag_asp import EngineError, QueryError, TaskSpace
+from tests.domains import domain_of
+
+TWO = """
+fluent(f). action(a). action(b). postcondition(a,f,true). postcondition(b,f,false). initially(f,false).
+#program step(t).
+"""
+
+BEYOND = [
+    (":- occurs(A,t), occurs(A,t-2), t > 2.", "other than t and t-1", 4),
+    (":- occurs(a,t), t > 2.", "number of the step", 4),
+    (":- occurs(a,t), t \\ 2 = 0.", "number of the step", 4),
+    ("{ coin(t) }. :- not coin(t), occurs(a,t).", "chooses more than its action: coin", 8),
+    ("seen(t) :- holds(f,true,T), T < t. :- seen(t), occurs(b,t).", "other than t and t-1", 4),
+    ("x(t) :- not y(t). y(t) :- not x(t). :- y(t), occurs(b,t).", "negation", 8),
+    ("x(t) ; y(t). :- y(t), occurs(b,t).", "disjunction", 8),
+]
+
+
+@pytest.mark.parametrize(("rules", "reason", "plans"), BEYOND)
+def test_a_step_that_is_no_function_is_refused_by_the_automaton_and_counted_by_clingo(
+    rules: str, reason: str, plans: int
+) -> None:
+    domain = domain_of(TWO + rules)
+    with pytest.raises(EngineError, match=reason):
+        TaskSpace(domain, 3, engine="automaton").count("plan")
+    auto, clingo = (TaskSpace(domain, 3, engine=engine) for engine in ("auto", "clingo"))
+    assert auto.count("plan") == clingo.count("plan") == len(list(auto.words("plan")))
+    assert auto.count("plan") == plans
+    task = next(iter(auto))
+    assert task in auto and len(task.states) == 3
+
+
+def test_a_rule_across_three_steps_is_kept() -> None:
+    words = list(TaskSpace(domain_of(TWO + BEYOND[0][0]), 3).words("plan"))
+    assert words == [("a", "a", "b"), ("a", "b", "b"), ("b", "a", "a"), ("b", "b", "a")]
+
+
+CARRIED = [
+    ("parity(0).", "parity(1-P,t) :- parity(P,t-1).", ":- parity(1,t-1), occurs(a,t)."),
+    ("", "armed(t) :- occurs(a,t). armed(t) :- armed(t-1), not occurs(b,t).", ":- armed(t-1), occurs(a,t)."),
+    ("", "n(1,t) :- occurs(a,t), not n(1,t-1). n(2,t) :- n(1,t-1). n(2,t) :- n(2,t-1).", ":- n(2,t), occurs(a,t)."),
+    ("", "", ":- #sum { 2 : occurs(a,t-1); 1 : holds(f,true,t); 1 : occurs(b,t) } > 2."),
+    ("", "more(t) :- 1 { holds(F,true,t-1) : fluent(F) } 1.", ":- more(t), occurs(a,t)."),
+]
+
+
+@pytest.mark.parametrize(("base", "define", "test"), CARRIED)
+def test_an_author_extends_the_state_by_writing_a_rule(base: str, define: str, test: str) -> None:
+    text = TWO + define + test + "\n#program base.\n" + base.replace("parity(0)", "parity(0,0)")
+    domain = domain_of(text)
+    automaton, clingo = (TaskSpace(domain, 0, engine=engine) for engine in ("automaton", "clingo"))
+    for length in range(7):
+        for level in ("plan", "skeleton"):
+            assert automaton.at(length).count(level) == clingo.at(length).count(level)
+    assert automaton.at(6).count("plan") < 2**6
+
+
+def test_a_rule_that_limits_which_actions_may_occur_is_evaluated() -> None:
+    domain = domain_of(
+        "fluent(f). action(a). action(b). postcondition(a,f,true). initially(f,false). postcondition(b,f,false)."
+        "#program step(t). occurs(a,t) :- holds(f,false,t-1)."
+    )
+    for length in range(5):
+        counts = {TaskSpace(domain, length, engine=e).count("plan") for e in ("automaton", "clingo")}
+        assert len(counts) == 1
+
+
+def test_a_start_that_contradicts_itself_has_no_plans_of_any_length() -> None:
+    domain = domain_of(TWO + "#program base. initially(f,true). implies(f,g). fluent(g). initially(g,false).")
+    for engine in ("automaton", "clingo"):
+        assert [TaskSpace(domain, n, engine=engine).count("plan") for n in (0, 1, 3)] == [0, 0, 0]
+
+
+def test_a_domain_without_actions_has_the_empty_plan_alone() -> None:
+    for engine in ("automaton", "clingo"):
+        space = TaskSpace(domain_of("fluent(f)."), 0, engine=engine)
+        assert [space.at(n).count(by) for n in (0, 1, 5) for by in ("plan", "task", "skeleton")] == [1, 1, 1] + [0] * 6
+        assert list(space.words("plan")) == [()]
+
+
+def test_an_unknown_engine_and_a_negative_length_are_refused() -> None:
+    with pytest.raises(QueryError, match="no engine 'magic'; there are auto, automaton, clingo"):
+        TaskSpace(domain_of(TWO), 1, engine="magic").count()
+    with pytest.raises(QueryError, match="at least 0"):
+        TaskSpace(domain_of(TWO), -1)
+
+
+def test_progress_says_why_clingo_took_over() -> None:
+    told: list[str] = []
+    TaskSpace(domain_of(TWO + BEYOND[1][0]), 2, progress=told.append).count("plan")
+    assert any("because" in words and "number of the step" in words for words in told)

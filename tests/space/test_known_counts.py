@@ -1,0 +1,96 @@
+"""Every engine meets the known counts of every shipped domain."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.domain.paths import shipped_domains
+from prag_asp.domain.settings import read_table
+
+ENUMERABLE = 10_000
+"""Above it, counting by enumeration takes too long for a test."""
+
+
+def known_counts() -> list[tuple[str, str, int, tuple[str, ...], int]]:
+    rows = []
+    for domain, folder in shipped_domains().items():
+        table: dict[str, Any] = read_table(folder / "counts.toml")
+        for level in ("plan", "task", "skeleton"):
+            rows += [(domain, level, int(n), (), count) for n, count in table[level].items()]
+        for name, counts in table.get("skeleton_prefix", {}).items():
+            rows += [(domain, "skeleton", int(n), (name,), count) for n, count in counts.items()]
+    return rows
+
+
+COUNTS = known_counts()
+
+
+@pytest.fixture(scope="module")
+def spaces() -> dict[tuple[str, str], TaskSpace]:
+    return {
+        (domain, engine): TaskSpace(load_domain(domain), 0, engine=engine)
+        for domain in shipped_domains()
+        for engine in ("automaton", "clingo")
+    }
+
+
+@pytest.mark.parametrize(("domain", "level", "length", "prefix", "count"), COUNTS)
+def test_the_automaton_meets_the_known_count(
+    spaces: dict[tuple[str, str], TaskSpace], domain: str, level: Any, length: int, prefix: tuple[str, ...], count: int
+) -> None:
+    assert spaces[domain, "automaton"].at(length).count(level, prefix) == count
+
+
+@pytest.mark.parametrize(
+    ("domain", "level", "length", "prefix", "count"), [row for row in COUNTS if row[4] <= ENUMERABLE]
+)
+def test_clingo_meets_the_known_count(
+    spaces: dict[tuple[str, str], TaskSpace], domain: str, level: Any, length: int, prefix: tuple[str, ...], count: int
+) -> None:
+    assert spaces[domain, "clingo"].at(length).count(level, prefix) == count
+
+
+def test_every_shipped_domain_has_known_counts() -> None:
+    assert {row[0] for row in COUNTS} == set(shipped_domains()) >= {"prag", "tabletop", "blocks", "hanoi"}
+
+
+def test_a_count_of_a_thousand_actions_is_exact() -> None:
+    count = TaskSpace(load_domain("prag"), 1000).count("skeleton")
+    assert len(str(count)) == 629
+    assert count % (10**9 + 7) == 450993787
+
+
+def test_plans_of_hanoi_are_walks_in_the_hanoi_graph() -> None:
+    """Counted here by hand: a state is the peg of each disc, and a disc moves if no smaller one is on its pegs."""
+    space = TaskSpace(load_domain("hanoi"), 0)
+    walks = {(0, 0, 0): 1}
+    for length in range(30):
+        assert space.at(length).count("plan") == sum(walks.values())
+        following: dict[tuple[int, ...], int] = {}
+        for state, number in walks.items():
+            for disc in range(3):
+                for peg in {0, 1, 2} - {state[disc]}:
+                    if not {state[disc], peg} & set(state[:disc]):
+                        after = (*state[:disc], peg, *state[disc + 1 :])
+                        following[after] = following.get(after, 0) + number
+        walks = following
+
+
+def test_the_closed_domain_of_the_measurements_has_the_measured_counts(tmp_path: Path) -> None:
+    """3 objects, 2 locations, all at the first one; several counters agreed on these numbers."""
+    text = (load_domain("prag").folder / "domain.lp").read_text()
+    text = text.replace("entity((apple_1; apple_2), apple).", "entity((apple_1; apple_2; apple_3), apple).")
+    text = text.replace("entity(box_1, box).", "").replace("entity(can_1, can).", "")
+    text = text.replace("class(box, graspable).", "").replace("class(can, graspable).", "")
+    start = '\n#include "rules/closed_world.lp".\ninitially(open(panda), true).\n'
+    start += "initially(located(O,bowl_1), true) :- is_a(O,graspable).\n"
+    start += "initially(rotated(O,straight), true) :- is_a(O,graspable).\n"
+    (tmp_path / "domain.lp").write_text(text + start)
+    space = TaskSpace(load_domain(tmp_path), 0)
+    assert space.at(7).count("plan") == 125_568
+    assert space.at(15).count("skeleton") == 191_264_896
+    assert len(str(space.at(30).count("plan"))) == 27

@@ -1,0 +1,143 @@
+"""Tasks are plans up to renaming of interchangeable entities, which are found and never assumed."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.logic.model import Model
+from tests.brute_force import Action, Toy, spelled
+from tests.domains import domain_of
+
+THINGS = ("x1", "x2", "x3")
+PROPERTIES = ("p", "q")
+Plan = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Schema:
+    """A domain over three things of one class, whose schematic actions are grounded here, and then perturbed."""
+
+    toy: Toy
+    names: tuple[str, ...]
+    fluents: tuple[str, ...]
+
+    def text(self) -> str:
+        lines = ["class(thing).", *(f"entity({x},thing)." for x in THINGS)]
+        lines += [f"fluent({f})." for f in self.fluents] + [f"action({a})." for a in self.names]
+        for name, action in zip(self.names, self.toy.actions, strict=True):
+            lines += [f"precondition({name},{self.fluents[f]},{spelled(v)})." for f, v in action.before.items()]
+            lines += [f"postcondition({name},{self.fluents[f]},{spelled(v)})." for f, v in action.after.items()]
+        lines += [f"initially({self.fluents[f]},{spelled(v)})." for f, v in self.toy.initially.items()]
+        lines += [f"exclusive({self.fluents[f]},{self.fluents[g]})." for f, g in self.toy.exclusive]
+        lines += [f"goal({self.fluents[f]},{spelled(v)})." for f, v in self.toy.goal.items()]
+        return "\n".join(lines)
+
+    def plans(self, length: int) -> set[Plan]:
+        return {tuple(self.names[i] for i in plan) for plan in self.toy.plans(length)}
+
+
+@st.composite
+def schemas(draw: st.DrawFn) -> Schema:
+    fluents = [f"{p}({x})" for p in PROPERTIES for x in THINGS] + ["g"]
+    values = st.dictionaries(st.sampled_from(["p(A)", "q(A)", "p(B)", "g"]), st.booleans(), max_size=2)
+    names, actions = [], []
+    for schema in ("one", "two")[: draw(st.integers(1, 2))]:
+        before, after = draw(values), draw(values)
+        for a, b in itertools.permutations(THINGS, 2):
+            if schema == "one" and any("B" in f for f in (*before, *after)):
+                before = {f: v for f, v in before.items() if "B" not in f}
+                after = {f: v for f, v in after.items() if "B" not in f}
+            name = f"one({a})" if schema == "one" else f"two({a},{b})"
+            if name not in names:
+                names.append(name)
+                ground = [
+                    {fluents.index(f.replace("A", a).replace("B", b)): v for f, v in each.items()}
+                    for each in (before, after)
+                ]
+                actions.append(Action(schema, dict(ground[0]), dict(ground[1])))
+    number = st.integers(0, len(fluents) - 1)
+    exclusive = [(0, 1), (1, 2), (0, 2)] if draw(st.booleans()) else []
+    if draw(st.booleans()):
+        exclusive.append((draw(number), draw(number)))
+    initially = draw(st.one_of(st.just({}), st.dictionaries(number, st.booleans(), max_size=2)))
+    goal = draw(st.one_of(st.just({}), st.dictionaries(number, st.booleans(), max_size=1)))
+    return Schema(Toy(len(fluents), tuple(actions), initially, tuple(exclusive), (), goal), tuple(names), tuple(fluents))
+
+
+def renamed(plan: Plan, names: dict[str, str]) -> Plan:
+    return tuple("".join(names.get(f"x{c}", f"x{c}") if c.isdigit() else c for c in a.replace("x", "")) for a in plan)
+
+
+def orbit(plan: Plan, groups: Iterable[tuple[str, ...]]) -> frozenset[Plan]:
+    plans = {plan}
+    for group in groups:
+        for order in itertools.permutations(group):
+            plans |= {renamed(each, dict(zip(group, order, strict=True))) for each in plans}
+    return frozenset(plans)
+
+
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(schemas())
+def test_tasks_are_the_orbits_of_plans_in_both_engines(schema: Schema) -> None:
+    domain = domain_of(schema.text())
+    groups = [tuple(map(str, group)) for group in Model(domain).groups(3)]
+    for length in (1, 2, 3):
+        plans = schema.plans(length)
+        assert {other for plan in plans for other in orbit(plan, groups)} == plans
+        expected = {orbit(plan, groups) for plan in plans}
+        for engine in ("automaton", "clingo"):
+            space = TaskSpace(domain, length, engine=engine)
+            assert space.count("task") == len(expected)
+            assert {orbit(word, groups) for word in space.words("task")} == expected
+
+
+def groups_of(text: str) -> list[list[str]]:
+    return [list(map(str, group)) for group in Model(domain_of(text)).groups(2)]
+
+
+SYMMETRIC = """
+class(c). entity((x1;x2;x3), c). fluent(on(X)) :- entity(X,c). action(flip(X)) :- entity(X,c).
+precondition(flip(X),on(X),false) :- entity(X,c). postcondition(flip(X),on(X),true) :- entity(X,c).
+"""
+
+
+def test_entities_that_differ_in_name_alone_are_interchangeable() -> None:
+    assert groups_of(SYMMETRIC) == [["x1", "x2", "x3"]]
+
+
+@pytest.mark.parametrize(
+    ("more", "groups"),
+    [
+        ("initially(on(x2),true).", [["x1", "x3"]]),
+        ("goal(on(x1),true).", [["x2", "x3"]]),
+        ("exclusive(on(x1),on(x2)).", [["x1", "x2"]]),
+        ("exclusive(on(x1),on(x2)). exclusive(on(x2),on(x1)).", [["x1", "x2"]]),
+        ("exclusive(on(X),on(Y)) :- entity(X,c), entity(Y,c), X < Y.", [["x1", "x2", "x3"]]),
+        ("implies(on(x1),on(x2)).", []),
+        ("#program step(t). :- occurs(flip(x3),t), occurs(flip(x1),t-1).", []),
+        ("#program step(t). :- occurs(flip(x3),t), 1 { occurs(flip(x1),t-1); occurs(flip(x2),t-1) }.", [["x1", "x2"]]),
+        ("#program check(t). :- not holds(on(x3),true,t).", [["x1", "x2"]]),
+    ],
+)
+def test_what_tells_entities_apart_is_found_on_the_ground_program(more: str, groups: list[list[str]]) -> None:
+    assert groups_of(SYMMETRIC + more) == groups
+
+
+def test_the_rules_of_a_step_that_reaches_further_back_are_compared_as_well() -> None:
+    text = SYMMETRIC + "#program step(t). :- occurs(flip(x1),t), t > 2, occurs(flip(x1),t-2)."
+    assert [list(map(str, g)) for g in Model(domain_of(text)).groups(3)] == [["x2", "x3"]]
+
+
+def test_a_skeleton_exists_for_tasks_wherever_it_exists_for_plans() -> None:
+    space = TaskSpace(load_domain("prag"), 3)
+    names = {tuple(a.partition("(")[0] for a in plan) for plan in space.words("plan")}
+    assert names == {tuple(a.partition("(")[0] for a in task) for task in space.words("task")}
+    assert names == set(space.words("skeleton"))
