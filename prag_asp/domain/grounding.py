@@ -67,6 +67,7 @@ def located(program: Program, message: str) -> str:
     path, line = program.locate(int(place["line"]))
     unsafe = sorted({"_" if name.startswith("#") else name for name in UNSAFE.findall(message)})
     if unsafe:
-        return f"{path}:{line}: unsafe variable {', '.join(unsafe)}; bind it in the body by an atom without `not`"
+        told = f"{path}:{line}: unsafe variable {', '.join(unsafe)}"
+        return f"{told}; bind it in the body by an atom without `not`"
     words = " ".join(POSITION.sub("", message).split())
     return f"{path}:{line}: {words}"

@@ -56,7 +56,7 @@ def read_sources(path: Path, encodings: Path, *, own: Path | None = None) -> tup
     An include is looked up beside the including file, then in the folder of encodings.
 
     Raises:
-        DomainError: a file cannot be read, or an include leads out of the domain's folder `own` and the encodings.
+        DomainError: a file cannot be read, or an include leads out of the folder `own` and the encodings.
     """
     found: dict[Path, Source] = {}
     _read(path, encodings, own or path.parent, found, ())
@@ -103,7 +103,8 @@ def read_text(path: Path) -> str:
         line = error.object[: error.start].count(b"\n") + 1
         raise DomainError(f"{path}:{line}: not UTF-8 text; save the file as UTF-8") from None
     except OSError as error:
-        raise DomainError(f"{path}:1: cannot be read: {error.strerror}; check the path and its permissions") from None
+        told = f"{path}:1: cannot be read: {error.strerror}"
+        raise DomainError(f"{told}; check the path and its permissions") from None
 
 
 def core_sources(encodings: Path) -> tuple[Source, ...]:

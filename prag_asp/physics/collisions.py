@@ -76,9 +76,14 @@ def arm_collision(
         for link, gap in simulator.arm_contacts(simulator.table):
             if gap < COLLISION and link > BASE_LINK:
                 return ArmCollision("the table", link > robot.flange_link)
-    for entity, pose in poses.items():
-        body = _corners(pose.position, extents(simulator.scene.shapes[entity], pose.quaternion))
-        if not any(boxes_touch(body, link_box) for link_box in links):
+    bodies = {
+        entity: _corners(pose.position, extents(simulator.scene.shapes[entity], pose.quaternion))
+        for entity, pose in poses.items()
+    }
+    highest = max((high[2] for _, high in bodies.values()), default=0.0)
+    low_links = [corners for corners in links if corners[0][2] <= highest]
+    for entity, body in bodies.items():
+        if not any(boxes_touch(body, link_box) for link_box in low_links):
             continue
         for link, gap in simulator.arm_contacts(simulator.body(entity)):
             if gap < COLLISION and not (entity == touched and link in robot.finger_links):

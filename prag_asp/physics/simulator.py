@@ -136,11 +136,16 @@ class Simulator:
         return low, high
 
     def flange(self) -> Pose:
-        """Return the pose of the flange as the simulator's own kinematics has it."""
+        """Return the pose of the flange as the simulator's own kinematics has it.
+
+        Its quaternion is off unit length by up to 1e-7, for the URDF's angles are rounded; it is made one.
+        """
         state = pybullet.getLinkState(
             self.arm, self.robot.flange_link, computeForwardKinematics=True, physicsClientId=self.client
         )
-        return Pose(tuple(state[4]), tuple(state[5]))
+        length = math.hypot(*state[5])
+        x, y, z, w = (part / length for part in state[5])
+        return Pose(tuple(state[4]), (x, y, z, w))
 
     def read(self, entity: str) -> Pose:
         """Return where the simulator has an object.

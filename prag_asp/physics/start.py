@@ -7,11 +7,12 @@ from dataclasses import replace
 
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.actions import take_place, verify_objects
+from prag_asp.physics.arm import Configuration, collide
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import Pose, yaw_quaternion
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.placement import any_support, draw_pose, known_support
-from prag_asp.physics.search import RELATION, Failure, Search, Snapshot
+from prag_asp.physics.search import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
 from prag_asp.physics.situation import Situation
 
 
@@ -36,6 +37,8 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
     place = problem.held or _visited(problem.initial)
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=problem.held is not None)
+    elif collide(search, home, Configuration(situation.poses, situation.width, None)) is not None:
+        raise Failure(ARM_COLLIDES)
     elif any(fact.predicate.name == "gripper_open" and not fact.value for fact in problem.initial):
         snapshot = replace(snapshot, situation=replace(situation, width=0.0))
     if not all(fact.satisfied(snapshot.situation) for fact in problem.initial):

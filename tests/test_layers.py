@@ -1,0 +1,66 @@
+"""The structure of the package: imports go down, heavy packages wait, and the public names are these."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import prag_asp
+
+PACKAGE = Path(prag_asp.__file__).parent
+LAYERS = ("errors", "domain", "logic", "space", "physics", "dataset", "rl", "analysis", "cli")
+PUBLIC = {
+    "Atom", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError", "Task",
+    "TaskSpace", "load_domain", "parse_atom",
+}  # fmt: skip
+
+
+def layer_of(module: str) -> int:
+    return LAYERS.index(module.split(".")[1])
+
+
+def test_a_package_imports_only_what_stands_above_it_in_the_layout() -> None:
+    checked = 0
+    for path in PACKAGE.rglob("*.py"):
+        module = "prag_asp." + ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        if module == "prag_asp.__init__":
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
+            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            for name in names:
+                if name.startswith("prag_asp."):
+                    checked += 1
+                    assert layer_of(name) <= layer_of(module), f"{module} imports {name}"
+    assert checked > 100
+
+
+def test_physics_knows_of_task_spaces_only_the_task() -> None:
+    for path in (PACKAGE / "physics").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("prag_asp.space"):
+                assert node.module == "prag_asp.space.task"
+
+
+def loaded_by(*arguments: str) -> set[str]:
+    code = "import sys; from prag_asp.cli import cli; cli.main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
+    run = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
+    return {name.partition(".")[0] for name in run.stderr.split()}
+
+
+def test_counting_loads_neither_the_simulator_nor_data_packages() -> None:
+    loaded = loaded_by("count", "prag", "--length", "3")
+    assert "clingo" in loaded
+    assert not loaded & {"pybullet", "frankik", "pyarrow", "rich", "PIL", "multiprocessing"}
+
+
+def test_asking_for_help_loads_no_solver() -> None:
+    assert not loaded_by("--help") & {"clingo", "numpy", "pybullet"}
+
+
+def test_the_public_names_are_these_and_all_exist() -> None:
+    assert set(prag_asp.__all__) == PUBLIC
+    assert all(getattr(prag_asp, name).__module__.startswith("prag_asp.") for name in PUBLIC)
+    assert set(dir(prag_asp)) == PUBLIC
