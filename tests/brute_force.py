@@ -50,8 +50,7 @@ class Toy:
         lines.append("#program step(t).")
         lines += [f":- occurs({term(self, i)},t-1), occurs({term(self, j)},t)." for i, j in self.never_after]
         lines += [
-            f":- occurs({term(self, i)},t), holds(f{f},true,t-1), not holds(f{g},true,t-1)."
-            for i, f, g in self.blocked
+            f":- occurs({term(self, i)},t), holds(f{f},true,t-1), not holds(f{g},true,t-1)." for i, f, g in self.blocked
         ]
         return "\n".join(lines) + "\n"
 

@@ -92,9 +92,7 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
 def _unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
     for atom in control.symbolic_atoms.by_signature(predicate, arity):
         if not atom.is_fact:
-            raise DomainError(
-                f"{atom.symbol} depends on a choice; what a domain states must follow from facts"
-            )
+            raise DomainError(f"{atom.symbol} depends on a choice; what a domain states must follow from facts")
         yield atom.symbol.arguments
 
 

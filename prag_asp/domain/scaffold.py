@@ -105,9 +105,7 @@ def write_new_domain(name: str, parent: Path) -> Path:
     """
     folder = parent / name
     if not NAME.fullmatch(Path(name).name) or name.endswith(("/", "\\")):
-        raise DomainError(
-            f"{name!r} cannot name a domain; begin with a letter and go on with letters, digits, - and _"
-        )
+        raise DomainError(f"{name!r} cannot name a domain; begin with a letter and go on with letters, digits, - and _")
     if folder.name in shipped_domains():
         raise DomainError(f"{folder.name}: a shipped domain has this name; choose another")
     try:
@@ -115,9 +113,7 @@ def write_new_domain(name: str, parent: Path) -> Path:
         for file, text in (("domain.lp", LOGIC), ("domain.toml", SETTINGS)):
             (folder / file).write_text(text.format(name=folder.name), encoding="utf-8")
     except FileExistsError as error:
-        raise DomainError(
-            f"{error.filename}: exists already; choose another name, or remove it first"
-        ) from None
+        raise DomainError(f"{error.filename}: exists already; choose another name, or remove it first") from None
     except OSError as error:
         raise DomainError(
             f"{folder}: cannot be written: {error.strerror}; choose a folder that you may write to"

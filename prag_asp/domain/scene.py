@@ -112,9 +112,7 @@ class Scene:
         return name if name in PREDICATE_ROLES else None
 
 
-def parse_scene(
-    table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]
-) -> Scene:
+def parse_scene(table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]) -> Scene:
     """Return the scene that the ``[scene]`` table describes, shapes looked up for every entity.
 
     `classes` maps each class to its parents, `entities` each entity to its class.
@@ -304,9 +302,7 @@ class _Reader:
                 continue
             count = TRIPLE if name == "size" else 1
             given = value.get(name)
-            found[name] = (
-                self.lengths(f"{key}.{name}", given if count > 1 else [given], count) or (0.0,) * count
-            )
+            found[name] = self.lengths(f"{key}.{name}", given if count > 1 else [given], count) or (0.0,) * count
         if "size" in found:
             return (found["size"][0], found["size"][1], found["size"][2])
         diameter = 2 * found["radius"][0] if "radius" in found else 0.0
@@ -372,9 +368,7 @@ class _Reader:
             position += own is None
         return colors
 
-    def fixed(
-        self, value: Mapping[str, Any], shapes: Mapping[str, Shape]
-    ) -> dict[str, tuple[float, float, float]]:
+    def fixed(self, value: Mapping[str, Any], shapes: Mapping[str, Shape]) -> dict[str, tuple[float, float, float]]:
         """Return x, y in metres and yaw in radians of the entities that never move."""
         fixed = {}
         for entity, place in value.items():

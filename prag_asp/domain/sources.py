@@ -16,7 +16,6 @@ KEYWORD = re.compile(r"#include\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 
-
 @dataclass(frozen=True)
 class Source:
     """One file of a logic program, its includes blanked out."""

@@ -25,7 +25,8 @@ class Cone:
 def find_cone(step: NormalStep, labels: Iterable[int] = ()) -> Cone:
     """Return the cone of influence of the constraints of a step, its final check and the atoms `labels`."""
     actions = set(step.occurs.values())
-    direct, candidates = [], []
+    direct: list[Body] = []
+    candidates: list[Body] = []
     for body in step.constraints:
         (direct if any(abs(literal) in actions for literal in body.literals) else candidates).append(body)
     leaves = _leaves(step)

@@ -98,9 +98,7 @@ class _Recorder(clingo.Observer):
         if body or choice or not head or self.part != "base":
             self.rules.setdefault(self.part, []).append(Rule(tuple(head), tuple(body), choice))
 
-    def weight_rule(
-        self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]
-    ) -> None:
+    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]) -> None:
         literals, weights = tuple(each[0] for each in body), tuple(each[1] for each in body)
         found = Rule(tuple(head), literals, choice, lower_bound, weights)
         self.rules.setdefault(self.part, []).append(found)

@@ -60,11 +60,15 @@ class Hindsight:
         found = [_known(last, ground.now, size)]
         bodies, strata = self._parts["hindsight"]
         for columns in reversed(history):
-            columns.update((atom, last[atom]) for symbol, atom in ground.now.items() if symbol.name == "state" and atom in last)
+            columns.update(
+                (atom, last[atom]) for symbol, atom in ground.now.items() if symbol.name == "state" and atom in last
+            )
             for atom in bodies:
                 columns.pop(atom, None)
             self._evaluate(strata, bodies, columns, size)
-            last = {ground.now[s]: columns[atom] for s, atom in ground.before.items() if s in ground.now and atom in columns}
+            last = {
+                ground.now[s]: columns[atom] for s, atom in ground.before.items() if s in ground.now and atom in columns
+            }
             found.append(_known(last, ground.now, size))
         return [[state[plan] for state in reversed(found)] for plan in range(size)]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import clingo
@@ -27,7 +28,7 @@ def canonical_program(domain: Domain, groups: Iterable[tuple[clingo.Symbol, ...]
     rules = read_sources(domain.encodings / "rules" / "canonical_names.lp", domain.encodings)
     known = {source.path.resolve() for source in domain.program.sources}
     program = Program((*domain.program.sources, *(rule for rule in rules if rule.path.resolve() not in known)))
-    pairs = [f"successor({d},{e})." for group in groups for d, e in zip(group, group[1:], strict=False)]
+    pairs = [f"successor({d},{e})." for group in groups for d, e in pairwise(group)]
     return with_facts(program, [*_naming_facts(domain.facts), *pairs])
 
 

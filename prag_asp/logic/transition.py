@@ -182,7 +182,9 @@ class Transition:
                 sources = sources[kept]
                 columns = {atom: value[kept] for atom, value in columns.items()}
         return Successors(
-            sources, _override(after[:, sources], self._now, columns), _override(labels[:, sources], self._label_atoms, columns)
+            sources,
+            _override(after[:, sources], self._now, columns),
+            _override(labels[:, sources], self._label_atoms, columns),
         )
 
 
@@ -246,9 +248,7 @@ def _compile(transition: Transition, action: int) -> _Move:
     )  # fmt: skip
 
 
-def _needed(
-    strata: Sequence[Stratum], bodies: Mapping[int, tuple[Body, ...]], roots: set[int]
-) -> tuple[Stratum, ...]:
+def _needed(strata: Sequence[Stratum], bodies: Mapping[int, tuple[Body, ...]], roots: set[int]) -> tuple[Stratum, ...]:
     """Return the strata that the atoms `roots` still depend on after simplification."""
     needed = set(roots)
     found = []

@@ -1,0 +1,1 @@
+"""Task spaces: counted, enumerated, drawn."""

@@ -20,7 +20,6 @@ Word = tuple[int, ...]
 """Letters of an automaton, by number."""
 
 
-
 @dataclass(frozen=True)
 class Automaton:
     """A deterministic automaton whose words are the paths from state 0 to an accepting state.
@@ -147,7 +146,7 @@ def words(completions: Completions, length: int, prefix: Sequence[Callable[[int]
             continue
         letter, target = int(automaton.letters[edge]), int(automaton.targets[edge])
         left = length - len(word) - 1
-        if len(word) < len(prefix) and not prefix[len(word)](letter) or not completions.row(left)[target]:
+        if (len(word) < len(prefix) and not prefix[len(word)](letter)) or not completions.row(left)[target]:
             continue
         if left == 0:
             yield (*word, letter)

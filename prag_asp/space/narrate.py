@@ -64,7 +64,11 @@ class Narrator:
         facts = self.model.domain.facts
         told = [{self._atom(fluent): state[fluent] for fluent in sorted(state, key=self._rank)} for state in states]
         subgoals = [
-            {self._atom(fluent): value == "true" for fluent, value in facts.postconditions.get(action, ()) if value != "unknown"}
+            {
+                self._atom(fluent): value == "true"
+                for fluent, value in facts.postconditions.get(action, ())
+                if value != "unknown"
+            }
             for action in plan
         ]
         named = [*plan, *(fluent for state in states for fluent in state)]

@@ -75,5 +75,9 @@ def _determinised(
         offsets.append(len(letters))
     ends = np.array([bool(accepting[list(subset)].any()) for subset in subsets])
     return Automaton(
-        np.array(offsets, dtype=np.int64), np.array(letters, dtype=np.int64), np.array(targets, dtype=np.int64), ends, horizon=horizon
+        np.array(offsets, dtype=np.int64),
+        np.array(letters, dtype=np.int64),
+        np.array(targets, dtype=np.int64),
+        ends,
+        horizon=horizon,
     )

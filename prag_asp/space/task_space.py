@@ -13,7 +13,7 @@ from prag_asp.domain.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
-from prag_asp.space.engines import LEVELS, Engine, Level, select
+from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
@@ -98,16 +98,18 @@ class TaskSpace:
         drawn = self.draw(seed=seed, weights=weights, by=by)
         return [next(drawn) for _ in range(count)]
 
-    def draw(
-        self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"
-    ) -> Iterator[Task]:
+    def draw(self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task") -> Iterator[Task]:
         """Yield tasks drawn as by `sample`, without end."""
+        draws = self.draw_words(seed=seed, weights=weights, by=by)
+        return self._shared.narrator.tasks((draw.word, _log(draw.probability)) for draw in draws)
+
+    def draw_words(
+        self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"
+    ) -> Iterator[Draw]:
+        """Yield plans drawn as by `sample`, as texts of actions with their exact probability, without end."""
         if by == "skeleton":
             raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
-        found = self.weights(weights)
-        draws = self._engine(by).draws(self.length, random.Random(seed), found)
-        words = ((draw.word, _log(draw.probability)) for draw in draws)
-        return self._shared.narrator.tasks(words)
+        return self._engine(by).draws(self.length, random.Random(seed), self.weights(weights))
 
     def weights(self, weights: Mapping[str, Number] | None = None) -> Weights:
         """Return weights as the engines take them; None are those of the domain.
@@ -154,5 +156,3 @@ def _checked(length: int) -> int:
 
 def _log(probability: Fraction) -> float:
     return log(probability.numerator) - log(probability.denominator)
-
-

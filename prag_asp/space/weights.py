@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
+from itertools import pairwise
 from math import lcm, prod
 
 import clingo
@@ -46,7 +47,7 @@ class Weights:
         """Return the weight of a whole plan."""
         weight = prod(map(self.of_action, plan), start=Fraction(1))
         names = [action_name(action) for action in plan]
-        for pair in zip(names, names[1:], strict=False):
+        for pair in pairwise(names):
             weight *= self.pairs.get(pair, Fraction(1))
         used = {entity for action in plan for entity in mentioned_entities(action, self.entities)}
         return prod((self.entities[entity] for entity in used), start=weight)
@@ -132,7 +133,9 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
         named = {str(entity) for entity in group}
         for action in weights.actions:
             if named & {str(entity) for entity in mentioned_entities(action, set(group))}:
-                raise QueryError(f"{action} names one of the interchangeable {', '.join(sorted(named))}; draw plans instead")
+                raise QueryError(
+                    f"{action} names one of the interchangeable {', '.join(sorted(named))}; draw plans instead"
+                )
 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
@@ -146,9 +149,7 @@ def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
     return facts, [*labels, *(clingo.Function("first_use", [entity]) for entity in sorted(weights.entities))]
 
 
-def weigh(
-    automaton: Automaton, labels: NDArray[np.bool_], transition: Transition, weights: Weights
-) -> Automaton:
+def weigh(automaton: Automaton, labels: NDArray[np.bool_], transition: Transition, weights: Weights) -> Automaton:
     """Return the automaton with a whole number on each edge: its weight, scaled up by one factor for all edges."""
     by_letter = [weights.of_action(action) for action in transition.actions]
     by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
@@ -157,12 +158,10 @@ def weigh(
         np.concatenate([automaton.letters[:, None], labels.astype(np.int64)], axis=1), axis=0, return_inverse=True
     )
     kinds, inverse = rows[0], rows[1].reshape(-1)
-    fractions = [
-        prod((by_label[i] for i in np.flatnonzero(kind[1:])), start=by_letter[int(kind[0])]) for kind in kinds
-    ]
+    fractions = [prod((by_label[i] for i in np.flatnonzero(kind[1:])), start=by_letter[int(kind[0])]) for kind in kinds]
     scale = lcm(*(fraction.denominator for fraction in fractions)) if fractions else 1
     whole = np.array([int(fraction * scale) for fraction in fractions], dtype=object)
-    edges = whole[inverse] if len(fractions) else np.zeros(0, dtype=object)
+    edges = whole[inverse] if fractions else np.zeros(0, dtype=object)
     return Automaton(
         automaton.offsets, automaton.letters, automaton.targets, automaton.accepting, edges, automaton.horizon
     )

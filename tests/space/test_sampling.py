@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, pairwise
 
 import pytest
 
@@ -37,7 +37,7 @@ def expected_weight(plan: tuple[str, ...], weights: dict[str, Number]) -> Fracti
         "panda": {"gripper"},
     }  # fmt: skip
     used = {entity for action in plan for entity in classes if entity in action}
-    keys = [*names, *plan, *(f"{a}>{b}" for a, b in zip(names, names[1:], strict=False)), *used]
+    keys = [*names, *plan, *(f"{a}>{b}" for a, b in pairwise(names)), *used]
     keys += [name for entity in used for name in classes[entity]]
     return math.prod((Fraction(weights[key]) for key in keys if key in weights), start=Fraction(1))
 
@@ -50,8 +50,8 @@ def test_draws_follow_the_weights(kind: str, by: str, engine: str) -> None:
     space = TaskSpace(DOMAIN, 2, engine=engine)
     plans = list(space.words(by))  # type: ignore[arg-type]
     total = sum(expected_weight(plan, weights) for plan in plans)
-    tasks = space.sample(DRAWS, seed=11, weights=weights, by=by)  # type: ignore[arg-type]
-    seen = Counter(tuple(map(str, task.actions)) for task in tasks)
+    draws = list(islice(space.draw_words(seed=11, weights=weights, by=by), DRAWS))  # type: ignore[arg-type]
+    seen = Counter(draw.word for draw in draws)
     assert set(seen) <= {plan for plan in plans if expected_weight(plan, weights)}
     statistic, cells = 0.0, 0
     for plan in plans:
@@ -61,9 +61,7 @@ def test_draws_follow_the_weights(kind: str, by: str, engine: str) -> None:
             cells += 1
     freedom = cells - 1
     assert abs(statistic - freedom) < 4.5 * math.sqrt(2 * freedom)
-    for task in tasks[:50]:
-        share = expected_weight(tuple(map(str, task.actions)), weights) / total
-        assert task.log_probability == pytest.approx(math.log(share))
+    assert all(draw.probability == expected_weight(draw.word, weights) / total for draw in draws[:50])
 
 
 def test_the_same_seed_draws_the_same_tasks_and_another_seed_others() -> None:
@@ -76,20 +74,25 @@ def test_draws_are_exact_where_counts_outgrow_every_machine_word() -> None:
     space = TaskSpace(DOMAIN, 200)
     total = space.count("plan")
     assert total > 10**130
-    seen = Counter(task.actions[0].name for task in space.sample(2000, seed=3, weights={}, by="plan"))
+    draws = islice(space.draw_words(seed=3, weights={}, by="plan"), 2000)
+    seen = Counter(draw.word[0].partition("(")[0] for draw in draws)
     for name in ("approach", "grasp", "move", "rotate"):
-        share = space.count("plan", [name]) / total
-        assert abs(seen[name] - 2000 * share) < 4.5 * math.sqrt(2000 * share)
+        share = Fraction(space.count("plan", [name]), total)
+        assert abs(seen[name] - 2000 * share) < 4.5 * math.sqrt(float(2000 * share))
 
 
 def test_both_engines_state_the_same_probability_for_the_same_plan() -> None:
     spaces = [TaskSpace(DOMAIN, 2, engine=engine) for engine in ("automaton", "clingo")]
-    told = [
-        {t.actions: t.log_probability for t in islice(s.draw(seed=5, weights=KINDS["all kinds"]), 3000)} for s in spaces
-    ]
+    draws = [islice(s.draw_words(seed=5, weights=KINDS["all kinds"]), 3000) for s in spaces]
+    told = [{draw.word: draw.probability for draw in drawn} for drawn in draws]
     common = told[0].keys() & told[1].keys()
     assert len(common) > 100
-    assert all(told[0][plan] == pytest.approx(told[1][plan]) for plan in common)
+    assert all(told[0][plan] == told[1][plan] for plan in common)
+
+
+def test_a_task_carries_the_logarithm_of_its_probability() -> None:
+    (task,) = TaskSpace(DOMAIN, 1).sample(1, seed=0, weights={})
+    assert task.log_probability == pytest.approx(-math.log(36))
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,9 @@ def schemas(draw: st.DrawFn) -> Schema:
         exclusive.append((draw(number), draw(number)))
     initially = draw(st.one_of(st.just({}), st.dictionaries(number, st.booleans(), max_size=2)))
     goal = draw(st.one_of(st.just({}), st.dictionaries(number, st.booleans(), max_size=1)))
-    return Schema(Toy(len(fluents), tuple(actions), initially, tuple(exclusive), (), goal), tuple(names), tuple(fluents))
+    return Schema(
+        Toy(len(fluents), tuple(actions), initially, tuple(exclusive), (), goal), tuple(names), tuple(fluents)
+    )
 
 
 def renamed(plan: Plan, names: dict[str, str]) -> Plan:

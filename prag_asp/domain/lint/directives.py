@@ -69,9 +69,7 @@ def _refused(statement: Statement) -> Iterator[Problem]:
             if node.ast_type == ASTType.TheoryAtom:
                 yield statement.problem(REFUSED[ASTType.TheoryAtom])
             elif node.ast_type == ASTType.Function and node.external:
-                yield statement.problem(
-                    f"@{node.name} calls a script: a domain runs no code; write plain rules"
-                )
+                yield statement.problem(f"@{node.name} calls a script: a domain runs no code; write plain rules")
 
 
 def _part_problems(statement: Statement) -> Iterator[Problem]:

@@ -57,9 +57,7 @@ class _Findings:
 
     def undeclared_actions(self, predicate: str, table: Iterable[Symbol]) -> None:
         """Find the actions of a table that are not declared."""
-        rows = {"precondition": self._facts.preconditions, "postcondition": self._facts.postconditions}[
-            predicate
-        ]
+        rows = {"precondition": self._facts.preconditions, "postcondition": self._facts.postconditions}[predicate]
         for action in table:
             if action not in self._actions:
                 fluent, value = rows[action][0]
@@ -75,9 +73,7 @@ class _Findings:
             if value not in allowed:
                 row = (*before, fluent, clingo.parse_term(value))
                 hint = f"use {', '.join(allowed[:-1])} or {allowed[-1]}"
-                self._add(
-                    ("value", value), f"{predicate} of {fluent} has the value {value}", hint, predicate, row
-                )
+                self._add(("value", value), f"{predicate} of {fluent} has the value {value}", hint, predicate, row)
 
     def declared(self, fluent: Symbol, predicate: str, row: Row) -> None:
         """Find a fluent that is not declared."""
@@ -91,9 +87,7 @@ class _Findings:
             hint = f"declared are such as {same}; mend its arguments, or declare {kind}({term})"
         else:
             hint = f"did you mean {near}?" if near else f"declare it with {kind}({term})"
-        self._add(
-            (kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row
-        )
+        self._add((kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row)
 
     def _add(self, key: tuple[str, str], text: str, hint: str, predicate: str, row: Row) -> None:
         culprit = self._culprits.setdefault(key, _Culprit(text, hint))
@@ -118,9 +112,7 @@ def _doubled(facts: Facts, origins: Origins) -> Iterator[Problem]:
         for fluent, value in values:
             if first.setdefault(fluent, value) == value:
                 continue
-            places = [
-                origins.place(predicate, fluent, clingo.Function(each)) for each in (first[fluent], value)
-            ]
+            places = [origins.place(predicate, fluent, clingo.Function(each)) for each in (first[fluent], value)]
             earlier, later = sorted(places)
             yield Problem(
                 *later,

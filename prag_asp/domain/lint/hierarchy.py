@@ -23,15 +23,11 @@ def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Pr
         parents.setdefault(child, []).append(parent)
         if parent not in declared:
             hint = suggestion(str(parent), map(str, declared), f"declare class({parent})")
-            yield Problem(
-                *origins.place("class", child, parent), f"unknown class {parent} above {child}; {hint}"
-            )
+            yield Problem(*origins.place("class", child, parent), f"unknown class {parent} above {child}; {hint}")
     cycle = _cycle(parents)
     if cycle:
         place = origins.place("class", cycle[0], cycle[1])
-        yield Problem(
-            *place, f"classes form a cycle, {' < '.join(map(str, cycle))}; remove one of these class/2 facts"
-        )
+        yield Problem(*place, f"classes form a cycle, {' < '.join(map(str, cycle))}; remove one of these class/2 facts")
         return
     entities = [(entity, name) for entity, name in rows(control, "entity", 2)]
     wrong = list(_entity_problems(entities, declared, origins))

@@ -40,9 +40,7 @@ def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
         pair = conflict(entailed(_literals(values), graph))
         if pair:
             place = max(_place(origins, predicate, literal) for literal in pair)
-            yield Problem(
-                *place, f"{predicate} makes {_together(pair)}, but the invariants forbid it; change one"
-            )
+            yield Problem(*place, f"{predicate} makes {_together(pair)}, but the invariants forbid it; change one")
 
 
 def occurrence_problems(
@@ -65,12 +63,7 @@ def occurrence_problems(
 
 def unchanging(control: clingo.Control, facts: Facts, statements: Iterable[Statement]) -> list[Literal]:
     """Return what is known at the start and what no action and no own rule changes."""
-    if any(
-        atom.signature in STATE_PREDICATES
-        for each in statements
-        if each.own and each.timed
-        for atom in each.heads
-    ):
+    if any(atom.signature in STATE_PREDICATES for each in statements if each.own and each.timed for atom in each.heads):
         return []
     changing = {fluent for values in facts.postconditions.values() for fluent, _ in values}
     start = clingo.Number(0)
@@ -125,9 +118,7 @@ def _rejections(
     alike: dict[tuple[str, Place], list[clingo.Symbol]] = {}
     for action in actions:
         reason = reasons[action]
-        alike.setdefault((action.name, _place(origins, reason.predicate, reason.literal, action)), []).append(
-            action
-        )
+        alike.setdefault((action.name, _place(origins, reason.predicate, reason.literal, action)), []).append(action)
     for (name, place), found in alike.items():
         more = f" and {len(found) - 1} more like it" if len(found) > 1 else ""
         pattern = f"{name}(...)" if found[0].arguments else name

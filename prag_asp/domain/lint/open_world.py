@@ -20,9 +20,7 @@ READ, UNSURE = "_read", "_unsure"
 ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 
 
-def open_world_problems(
-    grounder: Grounder, facts: Facts, statements: Sequence[Statement]
-) -> Iterator[Problem]:
+def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the own rules of a step that read a fluent which may be unknown when they do."""
     readings = [
         (each, atom)
@@ -51,17 +49,14 @@ def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
     """Return the fluents that may be unknown, each with why and what to do."""
     known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature("holds", 3)}
     unsure = {
-        fluent: "which is unknown at the start; "
-        f"state initially({fluent}, ...), or include rules/closed_world.lp"
+        fluent: f"which is unknown at the start; state initially({fluent}, ...), or include rules/closed_world.lp"
         for fluent in facts.fluents
         if fluent not in known
     }
     for action, values in facts.postconditions.items():
         for fluent, value in values:
             if value == "unknown":
-                unsure.setdefault(
-                    fluent, f"which {action} may leave unknown; let the action make it true or false"
-                )
+                unsure.setdefault(fluent, f"which {action} may leave unknown; let the action make it true or false")
     return unsure
 
 
@@ -79,9 +74,7 @@ def _read_fluent(
             control.ground([(name, [])])
         except RuntimeError:
             continue
-        return min(
-            (each.symbol.arguments[0] for each in control.symbolic_atoms.by_signature(name, 1)), default=None
-        )
+        return min((each.symbol.arguments[0] for each in control.symbolic_atoms.by_signature(name, 1)), default=None)
     return None
 
 
@@ -109,10 +102,6 @@ def _timeless(atom: Atom, statement: Statement, timed: set[Signature]) -> str | 
     """Return an atom as a condition on the base part: what occurs is an action."""
     if atom.signature == ("occurs", 2):
         return f"action({atom.arguments[0]})"
-    if (
-        atom.signature in timed
-        or atom.signature in READS
-        or names(atom.arguments) & set(statement.parameters)
-    ):
+    if atom.signature in timed or atom.signature in READS or names(atom.arguments) & set(statement.parameters):
         return None
     return str(atom)

@@ -31,9 +31,7 @@ class Origins:
 
     @cached_property
     def _traces(self) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
-        return _trace(
-            [each for each in self._statements if each.part == "base" and each.kind != ASTType.Program]
-        )
+        return _trace([each for each in self._statements if each.part == "base" and each.kind != ASTType.Program])
 
     def place(self, predicate: str, *arguments: clingo.Symbol) -> Place:
         """Return the first rule that states the atom, or else the first that states the predicate."""

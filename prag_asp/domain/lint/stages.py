@@ -35,18 +35,14 @@ def check(program: Program, folder: Path) -> tuple[Facts, Settings]:
         DomainError: something is wrong; the message has one line for each problem.
     """
     encodings = _encodings_folder(program)
-    owned = [
-        (source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources
-    ]
+    owned = [(source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources]
     statements, problems = parse_sources(owned)
     path = folder / "domain.toml"
     table = read_table(path)
     settings = settings_of(table, path)
     raise_problems([*problems, *table_problems(table, settings)])
     raise_problems(directive_problems(statements))
-    raise_problems(
-        [*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)]
-    )
+    raise_problems([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
     grounder = Grounder(_without_own_steps(program, owned))
     grounder.ground([("base", [])])
     origins = Origins(statements)

@@ -187,9 +187,7 @@ def below(node: AST) -> Iterator[AST]:
 
 def names(texts: Iterable[str]) -> set[str]:
     """Return the names of the functions and constants in texts, strings aside."""
-    return {
-        name for text in texts for name in NAME.findall(STRING.sub("", text) if '"' in text else text)
-    } - {"not"}
+    return {name for text in texts for name in NAME.findall(STRING.sub("", text) if '"' in text else text)} - {"not"}
 
 
 def variables(text: str) -> set[str]:

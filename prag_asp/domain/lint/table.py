@@ -64,18 +64,14 @@ def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     actions = {action.name for action in facts.actions}
     entities = set(map(str, facts.entities))
-    known = Counter(
-        [*actions, *entities, *facts.parents, *(str(each) for each in facts.actions if each.arguments)]
-    )
+    known = Counter([*actions, *entities, *facts.parents, *(str(each) for each in facts.actions if each.arguments)])
     for key in settings.weights:
         line = settings.line_of("weights", key)
         parts = key.split(">")
         for part in parts:
             if len(parts) > 1 and part not in actions:
                 hint = suggestion(part, actions, f"actions are {', '.join(sorted(actions))}")
-                yield Problem(
-                    settings.path, line, f"weight of {key}: there is no action {part or '(empty)'}; {hint}"
-                )
+                yield Problem(settings.path, line, f"weight of {key}: there is no action {part or '(empty)'}; {hint}")
             elif part not in known:
                 hint = suggestion(part, known, "give the name of an action, a class or an entity")
                 yield Problem(
@@ -98,14 +94,10 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
         line = settings.line_of("language", name)
         if name not in arities:
             hint = suggestion(name, arities, "give the name of an action or a fluent")
-            yield Problem(
-                settings.path, line, f"sentence of {name}: no action or fluent has that name; {hint}"
-            )
+            yield Problem(settings.path, line, f"sentence of {name}: no action or fluent has that name; {hint}")
         elif not _is_template(sentence, arities[name]):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
-            yield Problem(
-                settings.path, line, f"sentence of {name} has braces that name no argument; use {places}"
-            )
+            yield Problem(settings.path, line, f"sentence of {name} has braces that name no argument; use {places}")
 
 
 def _is_template(sentence: str, arity: int) -> bool:

@@ -36,9 +36,7 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 def choice_problems(control: clingo.Control, origins: Origins) -> Iterator[Problem]:
     """Yield the first declaration of each predicate that some answer sets of the base part lack."""
     for name, arity in sorted(STATED):
-        uncertain = [
-            each.symbol for each in control.symbolic_atoms.by_signature(name, arity) if not each.is_fact
-        ]
+        uncertain = [each.symbol for each in control.symbolic_atoms.by_signature(name, arity) if not each.is_fact]
         if uncertain:
             atom = min(uncertain)
             yield Problem(

@@ -40,9 +40,7 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
     return signatures
 
 
-def _unread_heads(
-    statements: Iterable[Statement], contract: set[Signature]
-) -> dict[Signature, tuple[Statement, Atom]]:
+def _unread_heads(statements: Iterable[Statement], contract: set[Signature]) -> dict[Signature, tuple[Statement, Atom]]:
     """Return the own heads outside of the contract that no body reads, where they first stand."""
     read = set(contract)
     for statement in statements:
@@ -112,9 +110,7 @@ def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
                 for name in sorted(names(atom.arguments) - made - seen - set(statement.parameters)):
                     seen.add(name)
                     hint = suggestion(name, made, "declare it, or remove the rule")
-                    yield statement.problem(
-                        f"no entity, fluent or action has the name {name}; {hint}", atom.line
-                    )
+                    yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", atom.line)
 
 
 def _made_names(statements: Iterable[Statement]) -> set[str]:

@@ -129,16 +129,12 @@ class _Unrolled:
 
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
-        return self._solve(assumptions, 1) > 0
+        self._limit(1)
+        return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
 
     def count(self, assumptions: Sequence[int]) -> int:
         """Return the number of projected answer sets that satisfy the literals."""
-        return self._solve(assumptions, 0)
-
-    def _solve(self, assumptions: Sequence[int], limit: int) -> int:
-        solving = self._control.configuration.solve
-        assert isinstance(solving, clingo.Configuration)
-        solving.models = str(limit)
+        self._limit(0)
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
@@ -149,3 +145,8 @@ class _Unrolled:
             handle.get()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
         return int(self._control.statistics["summary"]["models"]["enumerated"])
+
+    def _limit(self, models: int) -> None:
+        solving = self._control.configuration.solve
+        assert isinstance(solving, clingo.Configuration)
+        solving.models = str(models)

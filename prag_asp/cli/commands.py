@@ -1,0 +1,204 @@
+"""The commands of ``prag-asp``: parse, call, print."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import Any
+
+import click
+
+from prag_asp.cli import options
+from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.terminal import FAILED, Command, progress, writer
+from prag_asp.errors import OutputError, QueryError
+
+DRAWS_FOR_EACH = 1000
+"""Draws after which `sample` gives up, for each task wanted."""
+
+
+@click.group(cls=Command, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="prag_asp")
+def cli() -> None:
+    """Robot manipulation tasks from logic programs: counted exactly, drawn exactly, checked by physics.
+
+    DOMAIN is a shipped domain (see `prag-asp domains`) or a folder with a domain.lp.
+    """
+
+
+@cli.command()
+def domains() -> None:
+    """List the shipped domains."""
+    from prag_asp.domain.paths import shipped_domains
+    from prag_asp.domain.settings import read_table
+
+    folders = shipped_domains()
+    width = max(map(len, folders), default=0)
+    for name, folder in folders.items():
+        click.echo(f"{name:<{width}}  {read_table(folder / 'domain.toml').get('description', '')}")
+
+
+@cli.command()
+@asks(options.DOMAIN)
+def check(*, asked: Asked) -> None:
+    """Check a domain and say what it declares."""
+    domain = asked.domain()
+    facts = domain.facts
+    world = "closed" if facts.closed else "open"
+    scene = "with a scene" if domain.settings.scene else "no scene"
+    click.echo(
+        f"{domain.name}: ok; {world} world, {len(facts.entities)} entities, {len(facts.fluents)} fluents, "
+        f"{len(facts.actions)} actions, {scene}"
+    )
+
+
+@cli.command()
+@click.argument("name", metavar="NAME")
+def new(name: str) -> None:
+    """Write a small commented domain into the new folder NAME, to start from."""
+    from pathlib import Path
+
+    from prag_asp.domain.scaffold import write_new_domain
+
+    folder = write_new_domain(name, Path())
+    click.echo(f"wrote {folder}; try: prag-asp check {folder}", err=True)
+
+
+@cli.command()
+@asks(options.SPACE)
+@options.by_level
+@options.prefix
+@click.option("--upto", is_flag=True, help="Print a table for the lengths 1 to N.")
+def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool) -> None:
+    """Print the exact number of tasks of length N."""
+    first = _split(prefix)
+    with progress() as tell:
+        space = asked.space(tell)
+        if not upto:
+            click.echo(space.count(by, first))
+            return
+        width = max(len(str(asked.length)), len("length"))
+        click.echo(f"{'length':>{width}}  {by}s")
+        for length in range(1, asked.length + 1):
+            click.echo(f"{length:>{width}}  {space.at(length).count(by, first)}")
+
+
+@cli.command()
+@asks(options.SPACE)
+@options.by_level
+@options.prefix
+@click.option("--limit", type=click.IntRange(min=0), metavar="K", help="Stop after K lines.")
+@options.form
+@options.output
+def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, form: str, output: str | None) -> None:
+    """Print all tasks of length N, each once, in rank order."""
+    if form == "jsonl" and by == "skeleton":
+        raise QueryError("skeletons have no JSON form; choose --format text, or --by task")
+    from prag_asp.dataset.jsonl import Record, write_line
+
+    first = _split(prefix)
+    with progress() as tell:
+        space = asked.space(tell)
+        words = islice(space.words(by, first), limit)
+        with writer(output) as write:
+            if form == "text":
+                for word in words:
+                    write(" ".join(word))
+            else:
+                for task in space.narrate(words):
+                    write(write_line(Record(task)))
+
+
+@cli.command()
+@asks(options.SPACE)
+@click.option("--count", "wanted", type=click.IntRange(min=0), default=10, show_default=True, help="How many tasks.")
+@options.seed
+@click.option(
+    "--weight", "weights", metavar="KEY=W", multiple=True, help="Such as grasp=2, 'grasp>move=0.5', apple=1/3."
+)
+@click.option("--uniform", is_flag=True, help="Leave out the weights of domain.toml.")
+@click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
+@click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
+@options.workers
+@click.option("--max-draws", type=click.IntRange(min=1), metavar="K", help="Give up after K draws.  [1000 a task]")
+@options.form
+@options.output
+def sample(
+    *,
+    asked: Asked,
+    wanted: int,
+    seed: int,
+    weights: tuple[str, ...],
+    uniform: bool,
+    by: Any,
+    physics: bool | None,
+    workers: int,
+    max_draws: int | None,
+    form: str,
+    output: str | None,
+) -> None:
+    """Draw tasks of length N, each with a probability proportional to its weight, exactly."""
+    from prag_asp.dataset.jsonl import Record, write_line
+
+    def line(record: Record) -> str:
+        return write_line(record) if form == "jsonl" else str(record.task)
+
+    given = options.parse_weight_options(weights)
+    with progress() as tell:
+        space = asked.space(tell)
+        own = {} if uniform else dict(space.domain.settings.weights)
+        drawn = space.draw(seed=seed, weights={**own, **given}, by=by) if wanted else iter(())
+        if physics is False or (physics is None and not space.domain.settings.scene):
+            with writer(output) as write:
+                for task in islice(drawn, wanted):
+                    write(line(Record(task)))
+            return
+        from prag_asp.cli.physics import Tally, feasible
+
+        tally, limit = Tally(), max_draws or DRAWS_FOR_EACH * wanted
+        scene = options.scene_of(space.domain)
+        try:
+            with writer(output) as write:
+                for record in islice(feasible(islice(drawn, limit), scene, seed, workers, tally), wanted):
+                    write(line(record))
+                    tell(str(tally))
+        finally:
+            click.echo(str(tally), err=True)
+    if tally.passed < wanted:
+        raise OutputError(f"only {tally.passed} of {wanted} tasks were found in {limit} draws; raise --max-draws")
+
+
+@cli.command()
+@click.argument("file", metavar="TASKS.jsonl")
+@click.option("--domain", "name", metavar="DOMAIN", help="Domain of the tasks.  [default: the one that they name]")
+@options.seed
+@options.workers
+@click.option("--witness-only", is_flag=True, help="Check the witnesses in the file, and look for no new ones.")
+def validate(*, file: str, name: str | None, seed: int, workers: int, witness_only: bool) -> None:
+    """Check tasks of a file again: that their plans are valid, and that a robot can do them.
+
+    Prints a line for each task: its number, its verdict and the reason.
+    """
+    from prag_asp.dataset.jsonl import read_lines
+
+    with click.open_file(file, encoding="utf-8") as lines:
+        records = list(read_lines(lines, file))
+    if not records:
+        raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+    from prag_asp.cli.physics import check_again
+
+    passed = 0
+    with progress() as tell:
+        results = check_again(records, name, seed=seed, workers=workers, witness_only=witness_only)
+        for number, (status, reason) in zip(range(1, len(records) + 1), results, strict=True):
+            passed += status == "feasible"
+            click.echo(f"{number}\t{status}\t{reason}".rstrip())
+            tell(f"{number} of {len(records)} tasks")
+    click.echo(f"{passed} of {len(records)} tasks passed", err=True)
+    if passed < len(records):
+        raise click.exceptions.Exit(FAILED)
+
+
+def _split(prefix: str | None) -> list[str]:
+    from prag_asp.domain.atom import split_terms
+
+    return split_terms(prefix) if prefix else []

@@ -1,0 +1,119 @@
+"""Options that several commands share, gathered into one value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import wraps
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from prag_asp.errors import QueryError
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.domain.scene import Scene
+    from prag_asp.space.task_space import TaskSpace
+
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The domain and the task space that a command line asks for."""
+
+    name: str
+    rules: tuple[str, ...] = ()
+    encodings: str | None = None
+    length: int = 0
+    engine: str = "auto"
+
+    def domain(self) -> Domain:
+        """Load the domain."""
+        from prag_asp.domain.load import load_domain
+
+        return load_domain(self.name, rules=self.rules, encodings=self.encodings)
+
+    def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
+        """Return the task space, which tells its progress to `tell`."""
+        from prag_asp.space.task_space import TaskSpace
+
+        return TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell)
+
+
+DOMAIN = (
+    click.argument("name", metavar="DOMAIN"),
+    click.option(
+        "--rule", "rules", metavar="RULE", multiple=True, help="Rule to add, such as no_undo or 'at_most(grasp,2)'."
+    ),
+    click.option("--encodings", metavar="DIR", help="Folder of encodings to use in place of the shipped ones."),
+)
+SPACE = (
+    *DOMAIN,
+    click.option("-n", "--length", type=int, required=True, metavar="N", help="Number of actions of a task."),
+    click.option("--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton or clingo."),
+)
+
+by_level = click.option(
+    "--by",
+    type=click.Choice(["plan", "task", "skeleton"]),
+    default="task",
+    show_default=True,
+    help="Plans; tasks, which are plans up to renaming of interchangeable entities; or sequences of action names.",
+)
+prefix = click.option("--prefix", metavar="A,B,...", help="Begin with these actions, or names of actions.")
+output = click.option("-o", "--output", metavar="FILE", help="Write to FILE in place of stdout.")
+form = click.option(
+    "--format", "form", type=click.Choice(["text", "jsonl"]), default="text", show_default=True, help="Form of a task."
+)
+seed = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same bytes.")
+workers = click.option(
+    "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics."
+)
+
+
+def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Function], Function]:
+    """Give a command these options, as one value `asked`."""
+
+    def decorate(function: Function) -> Function:
+        @wraps(function)
+        def command(**values: Any) -> Any:
+            own = {key: values.pop(key) for key in Asked.__dataclass_fields__ if key in values}
+            return function(asked=Asked(**own), **values)
+
+        decorated: Function = command
+        for option in reversed(options):
+            decorated = option(decorated)
+        return decorated
+
+    return decorate
+
+
+def scene_of(domain: Domain) -> Scene:
+    """Return the scene of a domain.
+
+    Raises:
+        QueryError: the domain has none.
+    """
+    from prag_asp.domain.scene import parse_scene
+
+    if not domain.settings.scene:
+        raise QueryError(f"{domain.name} has no [scene] in its domain.toml; add one, or draw with --no-physics")
+    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
+    return parse_scene(domain.settings.scene, domain.facts.parents, entities)
+
+
+def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
+    """Return the weights that options of the form KEY=WEIGHT state.
+
+    Raises:
+        QueryError: an option is of another form.
+    """
+    found = {}
+    for option in options:
+        key, equals, weight = option.rpartition("=")
+        if not equals or not key:
+            raise QueryError(f"--weight {option}: write KEY=WEIGHT, such as grasp=2 or 'grasp>move=0.5'")
+        found[key.strip()] = weight.strip()
+    return found

@@ -1,0 +1,81 @@
+"""Physics on a stream of tasks: which pass, and a tally of why the rest fail."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from itertools import groupby, tee
+from typing import TYPE_CHECKING
+
+from prag_asp.cli.options import Asked, scene_of
+from prag_asp.dataset.jsonl import Record
+from prag_asp.physics import Verdict, Witness, check_witness, validate_tasks
+
+if TYPE_CHECKING:
+    from prag_asp.domain.scene import Scene
+    from prag_asp.space.task import Task
+
+
+class Tally:
+    """How many tasks were drawn, how many passed, and why the rest failed."""
+
+    def __init__(self) -> None:
+        self.drawn, self.passed, self.budget = 0, 0, ""
+        self._reasons: Counter[str] = Counter()
+
+    def add(self, verdict: Verdict) -> None:
+        """Count a verdict."""
+        self.drawn += 1
+        self.passed += verdict.feasible
+        self.budget = str(verdict.budget)
+        if not verdict.feasible:
+            kind = "proved infeasible" if verdict.status == "infeasible" else "not found"
+            self._reasons[f"{kind}: {verdict.reason}"] += 1
+
+    def __str__(self) -> str:
+        share = f" ({100 * self.passed / self.drawn:.1f} %, budget {self.budget})" if self.drawn else ""
+        reasons = "".join(f"\n  {number} {reason}" for reason, number in self._reasons.most_common())
+        return f"{self.drawn} drawn, {self.passed} passed{share}{reasons}"
+
+
+def feasible(tasks: Iterator[Task], scene: Scene, seed: int, workers: int, tally: Tally) -> Iterator[Record]:
+    """Yield the feasible tasks with verdict and witness, and count all of them."""
+    asked, kept = tee(tasks)
+    with closing(validate_tasks(asked, scene, seed=seed, workers=workers)) as verdicts:
+        for task, verdict in zip(kept, verdicts, strict=False):
+            tally.add(verdict)
+            if verdict.feasible:
+                told = verdict.to_json()
+                witness = told.pop("witness")
+                yield Record(task, told, witness)
+
+
+def check_again(
+    records: Sequence[Record], name: str | None, *, seed: int, workers: int, witness_only: bool
+) -> Iterator[tuple[str, str]]:
+    """Yield for each record its verdict and the reason: whether its plan is valid, and whether physics agrees.
+
+    `name` is the domain of all records; without it, each names its own.
+    """
+    for own, group in groupby(records, key=lambda record: record.task.domain):
+        space = Asked(name or own).space()
+        scene = scene_of(space.domain)
+        found = [(record, record.task in space.at(len(record.task))) for record in group]
+        asked = (record.task for record, valid in found if valid and not witness_only)
+        with closing(validate_tasks(asked, scene, seed=seed, workers=workers)) as verdicts:
+            for record, valid in found:
+                if not valid:
+                    yield "invalid", "the plan does not belong to the domain"
+                elif witness_only:
+                    yield _check_witness(record, scene)
+                else:
+                    verdict = next(verdicts)
+                    yield verdict.status, verdict.reason
+
+
+def _check_witness(record: Record, scene: Scene) -> tuple[str, str]:
+    if record.witness is None:
+        return "not_found", "the file has no witness for it"
+    problems = check_witness(record.task, Witness.from_json(record.witness), scene)
+    return ("witness_fails", problems[0]) if problems else ("feasible", "")

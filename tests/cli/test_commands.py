@@ -1,0 +1,214 @@
+"""The command line on good input and on bad."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.dataset.jsonl import read_lines
+from prag_asp.domain.scene import parse_scene
+from prag_asp.physics import Witness, check_witness
+
+PRAG = [sys.executable, "-c", "from prag_asp.cli import main; main()"]
+
+
+def run(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*PRAG, *arguments], capture_output=True, text=True, cwd=cwd, timeout=300, check=False)
+
+
+def ok(*arguments: str, cwd: Path | None = None) -> str:
+    done = run(*arguments, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_count_prints_the_integer_alone() -> None:
+    assert ok("count", "prag", "--length", "15", "--by", "skeleton", "--prefix", "approach") == "191264896\n"
+    assert ok("count", "prag", "-n", "15", "--by", "skeleton") == "4266036480\n"
+
+
+def test_a_count_of_thousands_of_digits_is_printed_whole() -> None:
+    text = ok("count", "prag", "--length", "7000", "--by", "skeleton").strip()
+    assert len(text) > 4300 and text.isdigit()
+
+
+def test_upto_prints_a_table() -> None:
+    assert ok("count", "prag", "-n", "3", "--by", "skeleton", "--upto").split() == [
+        "length", "skeletons", "1", "8", "2", "30", "3", "124",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "auto"])
+def test_engines_and_prefixes_with_actions_agree(engine: str) -> None:
+    # Two steps are left: drop, then 2 ways on; or 3 x 2 ways to carry and 2 to turn, each with 9 ways on.
+    prefix = "approach(panda, can_1),grasp"
+    assert ok("count", "prag", "-n", "4", "--by", "plan", "--prefix", prefix, "--engine", engine) == "74\n"
+
+
+def test_rules_are_added_by_name_and_with_arguments() -> None:
+    plain = int(ok("count", "prag", "-n", "4"))
+    assert int(ok("count", "prag", "-n", "4", "--rule", "no_undo")) < plain
+    assert int(ok("count", "prag", "-n", "4", "--rule", "at_most(move,0)")) < plain
+
+
+def test_enumerate_prints_each_task_once_in_order() -> None:
+    lines = ok("enumerate", "prag", "-n", "2").splitlines()
+    assert len(lines) == len(set(lines)) == 265
+    assert ok("enumerate", "prag", "-n", "2", "--limit", "3").splitlines() == lines[:3]
+    assert ok("enumerate", "prag", "-n", "2", "--engine", "clingo").splitlines() == lines
+    assert len(ok("enumerate", "prag", "-n", "2", "--by", "skeleton").splitlines()) == 30
+
+
+def test_enumerate_writes_tasks_as_json() -> None:
+    (line,) = ok("enumerate", "hanoi", "-n", "2", "--limit", "1", "--format", "jsonl").splitlines()
+    task = json.loads(line)
+    assert task["actions"] == ["move(disc(1),left,middle)", "move(disc(1),middle,left)"]
+    assert task["entities"]["disc(1)"] == "disc"
+    assert task["states"][1] == task["initial"]
+
+
+def test_sample_gives_the_same_bytes_with_one_worker_and_with_two(tmp_path: Path) -> None:
+    arguments = ["sample", "tabletop", "--length", "4", "--count", "12", "--seed", "7", "--format", "jsonl"]
+    one, two = (run(*arguments, "--workers", workers) for workers in "12")
+    assert one.returncode == two.returncode == 0
+    assert one.stdout == two.stdout
+    assert one.stderr == two.stderr
+    assert "12 passed" in one.stderr and "budget" in one.stderr
+    domain = load_domain("tabletop")
+    scene = parse_scene(domain.settings.scene, domain.facts.parents, {str(e): c for e, c in domain.facts.entities.items()})
+    space = TaskSpace(domain, 4, engine="clingo")
+    records = list(read_lines(one.stdout.splitlines(), "stdout"))
+    assert len(records) == 12
+    for record in records:
+        assert record.task in space
+        assert record.verdict is not None and record.verdict["status"] == "feasible"
+        assert record.witness is not None
+        assert check_witness(record.task, Witness.from_json(record.witness), scene) == []
+    file = tmp_path / "tasks.jsonl"
+    file.write_text(one.stdout)
+    assert ok("validate", str(file), "--witness-only", cwd=tmp_path).count("feasible") == 12
+    assert ok("validate", str(file), "--workers", "2", cwd=tmp_path).count("feasible") == 12
+
+
+def test_validate_finds_an_invalid_plan_and_a_wrong_witness(tmp_path: Path) -> None:
+    lines = ok("sample", "tabletop", "-n", "2", "--count", "3", "--format", "jsonl").splitlines()
+    tasks = [json.loads(line) for line in lines]
+    tasks[0]["actions"].reverse()
+    for moment in tasks[1]["witness"]["moments"]:
+        for pose in moment["poses"].values():
+            pose[0][2] += 0.5
+    tasks[2]["witness"] = None
+    file = tmp_path / "tasks.jsonl"
+    file.write_text("\n".join(map(json.dumps, tasks)))
+    done = run("validate", str(file), "--witness-only")
+    assert done.returncode == 1
+    assert [line.split("\t")[1] for line in done.stdout.splitlines()] == ["invalid", "witness_fails", "not_found"]
+    assert "0 of 3 tasks passed" in done.stderr
+
+
+def test_sample_without_physics_follows_weights_and_seed() -> None:
+    arguments = ["sample", "prag", "-n", "6", "--no-physics", "--count", "20", "--weight", "rotate=0"]
+    text = ok(*arguments)
+    assert "rotate" not in text and len(text.splitlines()) == 20
+    assert ok(*arguments) == text != ok(*arguments, "--seed", "1")
+
+
+def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) -> None:
+    assert run("new", "mine", cwd=tmp_path).returncode == 0
+    assert ok("check", "mine", cwd=tmp_path).startswith("mine: ok")
+    counts = {ok("count", "mine", "-n", "4", "--engine", engine, cwd=tmp_path) for engine in ("automaton", "clingo")}
+    assert len(counts) == 1 and int(counts.pop()) > 0
+    assert len(ok("sample", "mine", "-n", "4", "--count", "5", cwd=tmp_path).splitlines()) == 5
+    again = run("new", "mine", cwd=tmp_path)
+    assert again.returncode == 2 and len(again.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["count", "tabeltop", "-n", "3"], "did you mean tabletop?"),
+        (["count", "prag", "-n", "-1"], "at least 0"),
+        (["count", "prag", "-n", "3", "--prefix", "aproach"], "did you mean approach?"),
+        (["count", "prag", "-n", "3", "--prefix", "approach(panda"], "not a list of terms"),
+        (["count", "prag", "-n", "3", "--by", "skeleton", "--prefix", "grasp(panda,can_1)"], "single action"),
+        (["count", "prag", "-n", "3", "--engine", "sat"], "no engine 'sat'"),
+        (["count", "prag", "-n", "3", "--rule", "no_redo"], "no such rule"),
+        (["count", "prag", "-n", "3", "--encodings", "/nowhere"], "no encodings"),
+        (["count", "prag", "-n", "3", "--by", "world"], "Invalid value for '--by'"),
+        (["count", "prag"], "Missing option"),
+        (["sample", "prag", "-n", "3", "--weight", "grasp"], "KEY=WEIGHT"),
+        (["sample", "prag", "-n", "3", "--weight", "gras=2"], "did you mean grasp?"),
+        (["sample", "prag", "-n", "3", "--weight", "grasp=-2"], "below 0"),
+        (["sample", "prag", "-n", "3", "--weight", "apple_1=2"], "interchangeable"),
+        (["sample", "blocks", "-n", "3", "--physics"], "no [scene]"),
+        (["enumerate", "prag", "-n", "3", "--by", "skeleton", "--format", "jsonl"], "no JSON form"),
+        (["validate", "/nowhere.jsonl"], "No such file"),
+        (["new", "9 lives"], "9 lives"),
+    ],
+)
+def test_bad_input_is_answered_by_a_line_and_exit_code_2(arguments: list[str], words: str, tmp_path: Path) -> None:
+    done = run(*arguments, cwd=tmp_path)
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr and done.stdout == ""
+    assert done.returncode == (1 if arguments[0] == "validate" else 2)
+
+
+def test_a_file_that_holds_no_tasks_is_named_with_its_line(tmp_path: Path) -> None:
+    file = tmp_path / "tasks.jsonl"
+    for text, words in (("", "no tasks in it"), ("{}\n", ":1: not a task"), ("\n[1]\n", ":2: not a task")):
+        file.write_text(text)
+        done = run("validate", str(file))
+        assert done.returncode == 2 and words in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    done = run("sample", "prag", "-n", "2", "--no-physics", "-o", str(tmp_path / "missing" / "x.jsonl"))
+    assert done.returncode == 1 and "cannot be written" in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_ends_with_one_line() -> None:
+    done = run("enumerate", "prag", "-n", "4", "-o", "/dev/full")
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "No space left" in done.stderr
+    with open("/dev/full", "w") as full:
+        code = subprocess.run([*PRAG, "enumerate", "prag", "-n", "4"], stdout=full, stderr=subprocess.PIPE, check=False)
+    assert code.returncode == 1 and b"Traceback" not in code.stderr and b"No space left" in code.stderr
+
+
+def test_a_closed_pipe_ends_quietly() -> None:
+    reader = subprocess.Popen(
+        ["sh", "-c", f"{' '.join(map(repr, PRAG))} enumerate prag -n 6 | head -n 2"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    out, err = reader.communicate(timeout=120)
+    assert len(out.splitlines()) == 2 and err == ""
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["enumerate", "prag", "-n", "9", "-o", "out.txt"],
+        ["count", "tabletop", "-n", "6", "--engine", "clingo"],
+        ["sample", "tabletop", "-n", "6", "--count", "100000", "--workers", "2", "-o", "out.txt"],
+    ],
+)
+def test_an_interruption_ends_quickly_and_keeps_whole_lines(arguments: list[str], tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [*PRAG, *arguments], stderr=subprocess.PIPE, text=True, cwd=tmp_path, start_new_session=True
+    )
+    time.sleep(6)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "interrupted" in err and "Traceback" not in err
+    out = tmp_path / "out.txt"
+    if out.exists():
+        assert out.read_text().endswith("\n")
