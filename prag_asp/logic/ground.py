@@ -61,7 +61,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """
     seeds = _seeds(facts, reads)
     while True:
-        ground = _ground_once(program, seeds, reads)
+        ground = _ground_once(program, seeds, facts, reads)
         made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
         if made | ground.initial <= seeds:
             return ground
@@ -107,13 +107,15 @@ class _Recorder(clingo.Observer):
         self.obstacles.append("the program uses a theory")
 
 
-def _ground_once(program: Program, seeds: set[clingo.Symbol], reads: StepReads) -> GroundStep:
+def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads) -> GroundStep:
     grounder, recorder = _start(program)
     recorder.part = "before"
-    lines = [f"#external {clingo.Function(s.name, [*s.arguments, BEFORE])}." for s in sorted(seeds)]
-    grounder.control.add("before", [], "\n".join(lines))
+    # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
+    told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
+    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told]
+    grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
     grounder.ground([("before", [])])
-    for part in ("step", "check", "ending", "hindsight"):
+    for part in ("step", "hindsight", "check", "ending"):
         recorder.part = part
         grounder.ground([(part, [NOW])])
     return _recorded(grounder, recorder, reads)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
 
 import clingo
+import numpy as np
 
 from prag_asp.domain.atom import Atom, parse_atom
+from prag_asp.domain.facts import Assignment
 from prag_asp.errors import EngineError
-from prag_asp.logic.hindsight import Hindsight, Known, Plan, solved_states
+from prag_asp.logic.hindsight import TRUE, UNKNOWN, Hindsight, Plan, Told, solved_states
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import mentioned_entities
 from prag_asp.space.task import Task
@@ -26,81 +28,84 @@ class Narrator:
 
     model: Model
 
-    @cached_property
-    def _hindsight(self) -> Hindsight | None:
-        try:
-            return Hindsight(self.model.step)
-        except EngineError:
-            return None
-
-    @cached_property
-    def _atoms(self) -> dict[clingo.Symbol, Atom]:
-        return {}
-
-    @cached_property
-    def _entities(self) -> Mapping[str, str]:
-        return {str(entity): name for entity, name in self.model.domain.facts.entities.items()}
-
     def tasks(self, words: Iterable[tuple[Sequence[str], float | None]]) -> Iterator[Task]:
         """Yield the task of each plan, given as the texts of its actions and the log-probability of its draw.
 
         Batches grow from one plan, so that the first task comes at once.
         """
-        actions = {str(action): action for action in self.model.domain.facts.actions}
         waiting = iter(words)
         size = 1
         while batch := list(islice(waiting, size)):
-            plans = [tuple(actions[text] for text in word) for word, _ in batch]
-            for plan, states, (_, probability) in zip(plans, self._states(plans), batch, strict=True):
-                yield self._task(plan, states, probability)
+            told = self._told([tuple(self._actions[text] for text in word) for word, _ in batch])
+            for column, (word, log_probability) in enumerate(batch):
+                yield self._task(word, told[:, :, column], log_probability)
             size = min(2 * size, BATCH)
 
-    def _states(self, plans: Sequence[Plan]) -> list[list[Known]]:
-        if self._hindsight is None:
-            return [solved_states(self.model.program, plan) for plan in plans]
-        return self._hindsight.states(plans)
+    @cached_property
+    def _hindsight(self) -> Hindsight | None:
+        try:
+            return Hindsight(self.model.step, self.model.domain.facts.fluents)
+        except EngineError:
+            return None
 
-    def _task(self, plan: Plan, states: Sequence[Known], log_probability: float | None) -> Task:
-        facts = self.model.domain.facts
-        told = [{self._atom(fluent): state[fluent] for fluent in sorted(state, key=self._rank)} for state in states]
-        subgoals = [
-            {
-                self._atom(fluent): value == "true"
-                for fluent, value in facts.postconditions.get(action, ())
-                if value != "unknown"
-            }
-            for action in plan
-        ]
-        named = [*plan, *(fluent for state in states for fluent in state)]
-        used = {entity for symbol in named for entity in self._named(symbol)}
+    @cached_property
+    def _actions(self) -> dict[str, clingo.Symbol]:
+        return {str(action): action for action in self.model.domain.facts.actions}
+
+    @cached_property
+    def _fluents(self) -> list[Atom]:
+        return [parse_atom(str(fluent)) for fluent in self.model.domain.facts.fluents]
+
+    @cached_property
+    def _named_by_fluent(self) -> list[frozenset[str]]:
+        return [self._named(fluent) for fluent in self.model.domain.facts.fluents]
+
+    @cached_property
+    def _of_action(self) -> dict[str, tuple[Atom, dict[Atom, bool], frozenset[str]]]:
+        """For each action: its atom, its known effects, and the entities that it names."""
+        effects = self.model.domain.facts.postconditions
+        return {
+            text: (parse_atom(text), _values(effects.get(action, ())), self._named(action))
+            for text, action in self._actions.items()
+        }
+
+    @cached_property
+    def _goal(self) -> dict[Atom, bool]:
+        return _values(self.model.domain.facts.goal)
+
+    @cached_property
+    def _entities(self) -> dict[str, str]:
+        return {str(entity): name for entity, name in self.model.domain.facts.entities.items()}
+
+    def _named(self, symbol: clingo.Symbol) -> frozenset[str]:
+        return frozenset(map(str, mentioned_entities(symbol, self.model.domain.facts.entities)))
+
+    def _told(self, plans: Sequence[Plan]) -> Told:
+        if self._hindsight is not None:
+            return self._hindsight.states(plans)
+        fluents = self.model.domain.facts.fluents
+        return np.concatenate([solved_states(self.model.program, plan, fluents) for plan in plans], axis=2)
+
+    def _task(self, word: Sequence[str], told: Told, log_probability: float | None) -> Task:
+        states = []
+        for row in told:
+            known = np.flatnonzero(row != UNKNOWN)
+            values = (row[known] == TRUE).tolist()
+            states.append({self._fluents[i]: value for i, value in zip(known.tolist(), values, strict=True)})
+        actions = [self._of_action[text] for text in word]
+        mentioned = np.flatnonzero((told != UNKNOWN).any(axis=0)).tolist()
+        used = frozenset().union(*(named for _, _, named in actions), *(self._named_by_fluent[i] for i in mentioned))
         return Task(
             domain=self.model.domain.name,
-            actions=tuple(map(self._atom, plan)),
-            entities={str(entity): self._entities[str(entity)] for entity in sorted(used)},
-            initial=told[0],
-            states=tuple(told[1:]),
-            subgoals=tuple(subgoals),
-            goal={self._atom(fluent): value == "true" for fluent, value in facts.goal} or dict(told[-1]),
+            actions=tuple(atom for atom, _, _ in actions),
+            entities={entity: name for entity, name in self._entities.items() if entity in used},
+            initial=states[0],
+            states=tuple(states[1:]),
+            subgoals=tuple(dict(effect) for _, effect, _ in actions),
+            goal=dict(self._goal) or dict(states[-1]),
             log_probability=log_probability,
         )
 
-    @cached_property
-    def _rank_of(self) -> Mapping[clingo.Symbol, int]:
-        return {fluent: rank for rank, fluent in enumerate(self.model.domain.facts.fluents)}
 
-    def _rank(self, fluent: clingo.Symbol) -> int:
-        return self._rank_of.get(fluent, len(self._rank_of))
-
-    @cached_property
-    def _names(self) -> dict[clingo.Symbol, tuple[clingo.Symbol, ...]]:
-        return {}
-
-    def _named(self, symbol: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
-        if symbol not in self._names:
-            self._names[symbol] = tuple(mentioned_entities(symbol, self.model.domain.facts.entities))
-        return self._names[symbol]
-
-    def _atom(self, symbol: clingo.Symbol) -> Atom:
-        if symbol not in self._atoms:
-            self._atoms[symbol] = parse_atom(str(symbol))
-        return self._atoms[symbol]
+def _values(values: Assignment) -> dict[Atom, bool]:
+    return {parse_atom(str(fluent)): value == "true" for fluent, value in values if value != "unknown"}

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import subprocess
 import sys
 import time
@@ -13,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from prag_asp import TaskSpace, load_domain
+from prag_asp.cli.options import scene_of
 from prag_asp.dataset.jsonl import read_lines
-from prag_asp.domain.scene import parse_scene
 from prag_asp.physics import Witness, check_witness
+from tests.processes import interrupt, interruptible
 
 PRAG = [sys.executable, "-c", "from prag_asp.cli import main; main()"]
 
@@ -83,7 +82,7 @@ def test_sample_gives_the_same_bytes_with_one_worker_and_with_two(tmp_path: Path
     assert one.stderr == two.stderr
     assert "12 passed" in one.stderr and "budget" in one.stderr
     domain = load_domain("tabletop")
-    scene = parse_scene(domain.settings.scene, domain.facts.parents, {str(e): c for e, c in domain.facts.entities.items()})
+    scene = scene_of(domain)
     space = TaskSpace(domain, 4, engine="clingo")
     records = list(read_lines(one.stdout.splitlines(), "stdout"))
     assert len(records) == 12
@@ -178,7 +177,7 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
 def test_a_full_disk_ends_with_one_line() -> None:
     done = run("enumerate", "prag", "-n", "4", "-o", "/dev/full")
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "No space left" in done.stderr
-    with open("/dev/full", "w") as full:
+    with Path("/dev/full").open("w") as full:
         code = subprocess.run([*PRAG, "enumerate", "prag", "-n", "4"], stdout=full, stderr=subprocess.PIPE, check=False)
     assert code.returncode == 1 and b"Traceback" not in code.stderr and b"No space left" in code.stderr
 
@@ -201,12 +200,9 @@ def test_a_closed_pipe_ends_quietly() -> None:
     ],
 )
 def test_an_interruption_ends_quickly_and_keeps_whole_lines(arguments: list[str], tmp_path: Path) -> None:
-    process = subprocess.Popen(
-        [*PRAG, *arguments], stderr=subprocess.PIPE, text=True, cwd=tmp_path, start_new_session=True
-    )
-    time.sleep(6)
-    os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=30)
+    with interruptible([*PRAG, *arguments], tmp_path) as process:
+        time.sleep(6)
+        err = interrupt(process)
     assert process.returncode == 130
     assert "interrupted" in err and "Traceback" not in err
     out = tmp_path / "out.txt"

@@ -7,10 +7,10 @@ import itertools
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from prag_asp import TaskSpace
+from prag_asp import Atom, TaskSpace
 from prag_asp.logic.hindsight import solved_states
 from prag_asp.logic.model import Model
-from tests.brute_force import State, Toy, agrees, term
+from tests.brute_force import Action, State, Toy, agrees, term
 from tests.domains import domain_of
 from tests.strategies import toys
 
@@ -23,7 +23,7 @@ def trajectories(toy: Toy, plan: tuple[int, ...]) -> list[tuple[State, ...]]:
     return [path for path in paths if agrees(path[-1], toy.goal)]
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_what_is_told_of_a_plan_holds_in_every_execution_and_suffices_for_one(toy: Toy, data: st.DataObject) -> None:
     plans = list(itertools.islice(toy.plans(3), 200))
@@ -48,6 +48,16 @@ def test_solving_the_whole_plan_tells_the_same_as_evaluating_its_steps(toy: Toy,
     domain = domain_of(toy.text(), "at_most")
     (task,) = TaskSpace(domain, 3).narrate(iter([plan]))
     actions = {str(action): action for action in domain.facts.actions}
-    solved = solved_states(Model(domain).program, tuple(actions[text] for text in plan))
-    spelled = [{str(fluent): value for fluent, value in state.items()} for state in solved]
+    fluents = domain.facts.fluents
+    solved = solved_states(Model(domain).program, tuple(actions[text] for text in plan), fluents)[:, :, 0]
+    spelled = [{str(f): value == 1 for f, value in zip(fluents, row, strict=True) if value >= 0} for row in solved]
     assert spelled == [{str(f): v for f, v in state.items()} for state in (task.initial, *task.states)]
+
+
+def test_a_goal_says_nothing_of_states_before_its_fluent_changed() -> None:
+    toy = Toy(1, (Action("a", {}, {}), Action("b", {}, {0: True}), Action("c", {}, {0: False})), goal={0: False})
+    (task,) = TaskSpace(domain_of(toy.text()), 3).narrate(iter([("a(0)", "b(1)", "c(2)")]))
+    assert (task.initial, *(dict(state) for state in task.states)) == (
+        {}, {}, {Atom("f0"): True}, {Atom("f0"): False},
+    )  # fmt: skip
+    assert task.goal == {Atom("f0"): False}

@@ -15,6 +15,7 @@ from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics import Budget, WorkerError, validate_tasks
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
+from tests.processes import interrupt, interruptible
 
 ROOT = Path(__file__).parents[2]
 
@@ -107,22 +108,19 @@ def test_an_interrupt_ends_all_processes(tmp_path):
         "    for verdict in validate_tasks(itertools.repeat(stacking()), scene, seed=0, workers=2):\n"
         "        print(verdict.index, flush=True)\n"
     )
-    running = subprocess.Popen(
-        [sys.executable, str(script)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    assert running.stdout is not None
-    with running.stdout:
+    with interruptible([sys.executable, str(script)], tmp_path) as running:
+        assert running.stdout is not None
         running.stdout.readline()
-        os.killpg(running.pid, signal.SIGINT)
-        running.stdout.read()
-    assert running.wait(timeout=20) != 0
+        interrupt(running)
+        assert running.returncode != 0
+        assert _ends(running.pid)
+
+
+def _ends(group: int) -> bool:
     deadline = time.monotonic() + 5
-    while _group_alive(running.pid) and time.monotonic() < deadline:
+    while _group_alive(group) and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert not _group_alive(running.pid)
+    return not _group_alive(group)
 
 
 def _group_alive(group: int) -> bool:

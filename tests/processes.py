@@ -1,0 +1,39 @@
+"""Processes that tests interrupt."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def interruptible(command: Sequence[str], cwd: Path) -> Iterator[subprocess.Popen[str]]:
+    """Start a command in a session of its own that hears SIGINT, even where the tests run in the background.
+
+    Whatever is left of the session is killed afterwards.
+    """
+    heard = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        process = subprocess.Popen(
+            command, cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+    finally:
+        signal.signal(signal.SIGINT, heard)
+    try:
+        yield process
+    finally:
+        try:
+            os.killpg(process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        process.communicate()
+
+
+def interrupt(process: subprocess.Popen[str]) -> str:
+    """Press Ctrl-C, and return what the process then says on stderr."""
+    os.killpg(process.pid, signal.SIGINT)
+    return process.communicate(timeout=30)[1]
