@@ -91,9 +91,9 @@ def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool) -> None:
 @options.output
 def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, form: str, output: str | None) -> None:
     """Print all tasks of length N, each once, in rank order."""
-    if form == "jsonl" and by == "skeleton":
-        raise QueryError("skeletons have no JSON form; choose --format text, or --by task")
-    from prag_asp.dataset.jsonl import Record, write_line
+    if form != "text" and by == "skeleton":
+        raise QueryError(f"skeletons have no form {form}; choose --format text, or --by task")
+    from prag_asp.dataset.jsonl import Record
 
     first = _split(prefix)
     with progress() as tell:
@@ -104,8 +104,9 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
                 for word in words:
                     write(" ".join(word))
             else:
+                line = options.line_form(form, space.domain)
                 for task in space.narrate(words):
-                    write(write_line(Record(task)))
+                    write(line(Record(task)))
 
 
 @cli.command()
@@ -137,14 +138,12 @@ def sample(
     output: str | None,
 ) -> None:
     """Draw tasks of length N, each with a probability proportional to its weight, exactly."""
-    from prag_asp.dataset.jsonl import Record, write_line
-
-    def line(record: Record) -> str:
-        return write_line(record) if form == "jsonl" else str(record.task)
+    from prag_asp.dataset.jsonl import Record
 
     given = options.parse_weight_options(weights)
     with progress() as tell:
         space = asked.space(tell)
+        line = options.line_form(form, space.domain)
         own = {} if uniform else dict(space.domain.settings.weights)
         drawn = space.draw(seed=seed, weights={**own, **given}, by=by) if wanted else iter(())
         if physics is False or (physics is None and not space.domain.settings.scene):

@@ -12,6 +12,7 @@ import click
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.domain.scene import Scene
     from prag_asp.space.task_space import TaskSpace
@@ -65,7 +66,12 @@ by_level = click.option(
 prefix = click.option("--prefix", metavar="A,B,...", help="Begin with these actions, or names of actions.")
 output = click.option("-o", "--output", metavar="FILE", help="Write to FILE in place of stdout.")
 form = click.option(
-    "--format", "form", type=click.Choice(["text", "jsonl"]), default="text", show_default=True, help="Form of a task."
+    "--format",
+    "form",
+    type=click.Choice(["text", "sentences", "jsonl"]),
+    default="text",
+    show_default=True,
+    help="Actions; sentences by the domain's [language]; or all that is known of a task.",
 )
 seed = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same bytes.")
 workers = click.option(
@@ -117,3 +123,16 @@ def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
             raise QueryError(f"--weight {option}: write KEY=WEIGHT, such as grasp=2 or 'grasp>move=0.5'")
         found[key.strip()] = weight.strip()
     return found
+
+
+def line_form(form: str, domain: Domain) -> Callable[[Record], str]:
+    """Return how a record is written as one line."""
+    from prag_asp.dataset.jsonl import write_line
+    from prag_asp.dataset.language import instruction
+
+    forms: dict[str, Callable[[Record], str]] = {
+        "text": lambda record: str(record.task),
+        "sentences": lambda record: instruction(record.task, domain.settings.language),
+        "jsonl": write_line,
+    }
+    return forms[form]

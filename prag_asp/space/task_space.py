@@ -13,10 +13,12 @@ from prag_asp.domain.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
+from prag_asp.space.canonical import canonical_names, renamed
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
+from prag_asp.space.ranks import distinct_ranks
 from prag_asp.space.task import Task
 from prag_asp.space.weights import Number, Weights, parse_weights
 
@@ -78,23 +80,57 @@ class TaskSpace:
             return False
         return self._engine("plan").contains(tuple(map(str, task)))
 
+    def __getitem__(self, rank: int) -> Task:
+        """Return the task of a rank: actions in clingo's order of terms, tasks in lexicographic order.
+
+        Raises:
+            IndexError: the rank is not below the number of tasks; a negative one counts from the end.
+        """
+        total = self.count()
+        if not -total <= rank < total:
+            raise IndexError(f"rank {rank} of {total} tasks")
+        word = self._engine("task").unrank(self.length, rank % total)
+        return next(self.narrate(iter([word])))
+
+    def index(self, task: Task) -> int:
+        """Return the rank of a task; interchangeable entities may have any of their names.
+
+        Raises:
+            QueryError: it is no task of this space.
+        """
+        names = canonical_names(task.actions, self._shared.model.groups(self.length))
+        word = tuple(str(action) for action in renamed(task.actions, names))
+        rank = self._engine("task").rank(word) if len(word) == self.length else None
+        if rank is None:
+            raise QueryError(f"no task of {self!r}: {task}")
+        return rank
+
     def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
         """Yield the task of each of some valid plans, given as texts of actions."""
         return self._shared.narrator.tasks((plan, None) for plan in plans)
 
     def sample(
-        self, count: int, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"
+        self,
+        count: int,
+        *,
+        seed: int,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        distinct: bool = False,
     ) -> list[Task]:
         """Return tasks drawn independently, each with a probability proportional to its weight, exactly.
 
         `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes those
-        of the domain, and an empty mapping draws uniformly. With ``by="plan"``, plans are drawn in place of tasks.
+        of the domain, and an empty mapping draws uniformly. With ``by="plan"``, plans are drawn in place of tasks. With
+        `distinct`, a uniformly random set of tasks is drawn, in random order, without replacement.
 
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
         if count < 0:
             raise QueryError(f"cannot draw {count} tasks; give a number of at least 0")
+        if distinct:
+            return self._draw_distinct(count, seed, self.weights(weights), by)
         drawn = self.draw(seed=seed, weights=weights, by=by)
         return [next(drawn) for _ in range(count)]
 
@@ -102,6 +138,20 @@ class TaskSpace:
         """Yield tasks drawn as by `sample`, without end."""
         draws = self.draw_words(seed=seed, weights=weights, by=by)
         return self._shared.narrator.tasks((draw.word, _log(draw.probability)) for draw in draws)
+
+    def _draw_distinct(self, count: int, seed: int, weights: Weights, by: Level) -> list[Task]:
+        if weights:
+            raise QueryError("distinct tasks are drawn uniformly; give weights={}")
+        if by == "skeleton":
+            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
+        engine = self._engine(by)
+        total = engine.count(self.length)
+        if count > total:
+            raise QueryError(f"cannot draw {count} distinct {by}s: there are {total}")
+        ranks = distinct_ranks(random.Random(seed), total, count)
+        log_probability = -log(total) if total else None
+        words = ((engine.unrank(self.length, rank), log_probability) for rank in ranks)
+        return list(self._shared.narrator.tasks(words))
 
     def draw_words(
         self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"

@@ -120,6 +120,12 @@ def test_sample_without_physics_follows_weights_and_seed() -> None:
     assert ok(*arguments) == text != ok(*arguments, "--seed", "1")
 
 
+def test_sample_speaks_the_language_of_the_domain() -> None:
+    text = ok("sample", "prag", "-n", "1", "--no-physics", "--count", "30", "--format", "sentences")
+    assert "grasp can 1" in text.splitlines() and "(" not in text
+    assert ok("enumerate", "blocks", "-n", "1", "--limit", "1", "--format", "sentences") == "pick up a\n"
+
+
 def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) -> None:
     assert run("new", "mine", cwd=tmp_path).returncode == 0
     assert ok("check", "mine", cwd=tmp_path).startswith("mine: ok")
@@ -148,7 +154,7 @@ def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) ->
         (["sample", "prag", "-n", "3", "--weight", "grasp=-2"], "below 0"),
         (["sample", "prag", "-n", "3", "--weight", "apple_1=2"], "interchangeable"),
         (["sample", "blocks", "-n", "3", "--physics"], "no [scene]"),
-        (["enumerate", "prag", "-n", "3", "--by", "skeleton", "--format", "jsonl"], "no JSON form"),
+        (["enumerate", "prag", "-n", "3", "--by", "skeleton", "--format", "jsonl"], "no form jsonl"),
         (["validate", "/nowhere.jsonl"], "No such file"),
         (["new", "9 lives"], "9 lives"),
     ],

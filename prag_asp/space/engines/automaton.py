@@ -31,7 +31,7 @@ class AutomatonEngine:
         self._level = level
         self._progress = progress
         self._explored: Completions | None = None
-        self._weighed: tuple[int, Weights, Ranking] | None = None
+        self._ranked: tuple[int, Weights, Ranking] | None = None
         self._transition = model.transition(tasks=level != "plan")
 
     @cached_property
@@ -60,6 +60,16 @@ class AutomatonEngine:
         if not all(letter in self._numbers for letter in word):
             return False
         return accepts(self._completions(len(word)).automaton, [self._numbers[letter] for letter in word])
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        return self._spelled(self._ranking(length, Weights()).unrank(rank))
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        if not all(letter in self._numbers for letter in word):
+            return None
+        return self._ranking(len(word), Weights()).rank([self._numbers[letter] for letter in word])
 
     def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
         """Yield words drawn independently, each with a probability proportional to its weight, without end."""
@@ -93,18 +103,19 @@ class AutomatonEngine:
         return found
 
     def _ranking(self, length: int, weights: Weights) -> Ranking:
-        if not weights:
-            return Ranking(self._completions(length), length)
-        if self._weighed and self._weighed[:2] == (length, weights):
-            return self._weighed[2]
+        """Return the ranking of a length by weights, and keep the last one made."""
+        if self._ranked is None or self._ranked[:2] != (length, weights):
+            made = self._weighed(length, weights) if weights else self._completions(length)
+            self._ranked = (length, weights, Ranking(made, length))
+        return self._ranked[2]
+
+    def _weighed(self, length: int, weights: Weights) -> Completions:
         if self._level == "task":
             refuse_unequal(weights, self._model.groups(length))
         facts, labels = weighing_facts(weights)
         transition = self._model.transition(tasks=self._level != "plan", weighed=facts, labels=labels)
         automaton, marks = explore(transition, length, self._report)
-        weighed = weigh(automaton, marks, transition, weights)
-        self._weighed = (length, weights, Ranking(Completions(weighed), length))
-        return self._weighed[2]
+        return Completions(weigh(automaton, marks, transition, weights))
 
     def _report(self, depth: int, states: int) -> None:
         if self._progress:

@@ -6,7 +6,7 @@ import random
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import accumulate
+from itertools import accumulate, islice
 from math import lcm
 
 import clingo
@@ -71,6 +71,14 @@ class ClingoEngine:
         plans = self._plans(len(word))
         assumptions = plans.assume(word)
         return assumptions is not None and plans.satisfiable(assumptions)
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1, by enumerating the words before it."""
+        return next(islice(self.words(length), rank, None))
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        return next((rank for rank, each in enumerate(self.words(len(word))) if each == word), None)
 
     def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
         """Yield words drawn independently, each with a probability proportional to its weight, without end."""

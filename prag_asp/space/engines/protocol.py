@@ -45,6 +45,14 @@ class Engine(Protocol):
         """Return whether a word belongs to the level."""
         ...
 
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        ...
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        ...
+
     def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
         """Yield words drawn independently, each with a probability proportional to its weight, without end.
 

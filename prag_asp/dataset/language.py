@@ -1,0 +1,27 @@
+"""Tasks in plain words, by the sentences of a domain's ``[language]`` table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from prag_asp.domain.atom import Atom
+from prag_asp.space.task import Task
+
+
+def sentence(atom: Atom, templates: Mapping[str, str]) -> str:
+    """Return an action or a fluent in words.
+
+    Its template has ``{0}`` for the first argument; without a template, name and arguments stand side by side.
+    """
+    arguments = [_plain(argument) for argument in atom.arguments]
+    template = templates.get(atom.name)
+    return " ".join([_plain(atom.name), *arguments]) if template is None else template.format(*arguments)
+
+
+def instruction(task: Task, templates: Mapping[str, str]) -> str:
+    """Return what a task asks for, as one line: its actions in words."""
+    return "; ".join(sentence(action, templates) for action in task.actions)
+
+
+def _plain(text: str) -> str:
+    return text.replace("_", " ")

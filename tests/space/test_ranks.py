@@ -1,0 +1,76 @@
+"""Ranks and tasks are inverse to each other, at any size; distinct draws are distinct and uniform."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections import Counter
+
+import pytest
+
+from prag_asp import QueryError, Task, TaskSpace, load_domain
+from prag_asp.space.ranks import distinct_ranks
+
+DOMAIN = load_domain("prag")
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo"])
+def test_ranks_count_through_a_small_space_in_its_order(engine: str) -> None:
+    space = TaskSpace(DOMAIN, 2, engine=engine)
+    tasks = list(space)
+    assert len(tasks) == space.count() == 265
+    for rank in (0, 1, 99, 264):
+        assert space[rank] == tasks[rank]
+        assert space.index(tasks[rank]) == rank
+    assert space[-1] == tasks[-1]
+
+
+def test_ranks_and_tasks_are_inverse_in_a_space_above_any_machine_word() -> None:
+    space = TaskSpace(DOMAIN, 120)
+    total = space.count()
+    assert total > 10**100
+    generator = random.Random(0)
+    for rank in (0, total - 1, *(generator.randrange(total) for _ in range(5))):
+        assert space.index(space[rank]) == rank
+
+
+def test_a_task_with_other_names_has_the_same_rank() -> None:
+    space = TaskSpace(DOMAIN, 3)
+    one, other = (
+        next(space.narrate(iter([tuple(f"{name}(panda,{apple})" for name in ("approach", "grasp", "drop"))])))
+        for apple in ("apple_1", "apple_2")
+    )
+    assert one != other and space.index(one) == space.index(other)
+
+
+def test_what_is_no_task_has_no_rank() -> None:
+    space = TaskSpace(DOMAIN, 2)
+    task = space[0]
+    for actions in ((), task.actions[:1], (task.actions[0],) * 2):
+        wrong = Task("prag", actions, {}, {}, (), (), {})
+        with pytest.raises(QueryError, match="no task of"):
+            space.index(wrong)
+    for rank in (265, -266):
+        with pytest.raises(IndexError, match="of 265 tasks"):
+            space[rank]
+
+
+def test_distinct_draws_are_distinct_and_may_take_the_whole_space() -> None:
+    space = TaskSpace(DOMAIN, 1)
+    tasks = space.sample(36, seed=4, weights={}, distinct=True)
+    assert sorted(task.actions for task in tasks) == sorted(task.actions for task in space)
+    assert tasks != list(space)
+    with pytest.raises(QueryError, match="there are 36"):
+        space.sample(37, seed=4, weights={}, distinct=True)
+    with pytest.raises(QueryError, match="uniformly"):
+        space.sample(2, seed=4, weights={"grasp": 2}, distinct=True)
+
+
+def test_every_set_of_ranks_is_equally_likely_in_every_order() -> None:
+    generator = random.Random(1)
+    seen = Counter(tuple(distinct_ranks(generator, 5, 3)) for _ in range(30_000))
+    assert len(seen) == 60
+    statistic = sum((count - 500) ** 2 / 500 for count in seen.values())
+    assert abs(statistic - 59) < 4.5 * math.sqrt(2 * 59)
+    huge = distinct_ranks(generator, 10**200, 1000)
+    assert len(set(huge)) == 1000 and max(huge) > 10**190
