@@ -155,6 +155,10 @@ def words(completions: Completions, length: int, prefix: Sequence[Callable[[int]
             waiting.append(iter(range(int(automaton.offsets[target]), int(automaton.offsets[target + 1]))))
 
 
+_Branches = tuple[list[int], list[int], list[int], list[int]]
+"""The running totals of the weights behind the edges of a state, their letters, targets and own weights."""
+
+
 class Ranking:
     """The words of one length in lexicographic order of their letters, each with its weight's share of the ranks.
 
@@ -165,36 +169,45 @@ class Ranking:
     def __init__(self, completions: Completions, length: int) -> None:
         self._completions = completions
         self._length = length
-        self._sums: dict[tuple[int, int], list[int]] = {}
+        self._branches: dict[tuple[int, int], _Branches] = {}
         self.total = count_words(completions, length)
         completions.row(length)
 
-    def _partial_sums(self, state: int, left: int) -> list[int]:
-        """Return the running totals of the weights behind the edges of a state with `left` letters to go."""
-        found = self._sums.get((state, left))
+    def _branching(self, state: int, left: int) -> _Branches:
+        """Return the ways on from a state with `left` letters to go."""
+        found = self._branches.get((state, left))
         if found is None:
             automaton = self._completions.automaton
             edges = slice(int(automaton.offsets[state]), int(automaton.offsets[state + 1]))
-            behind = self._completions.row(left - 1)[automaton.targets[edges]].tolist()
-            if automaton.weights is not None:
-                behind = [int(w) * int(b) for w, b in zip(automaton.weights[edges], behind, strict=True)]
-            found = self._sums[state, left] = list(accumulate(behind))
+            targets = automaton.targets[edges]
+            behind = self._completions.row(left - 1)[targets].tolist()
+            weights = [1] * len(behind) if automaton.weights is None else list(map(int, automaton.weights[edges]))
+            totals = accumulate(w * b for w, b in zip(weights, behind, strict=True))
+            found = (list(totals), automaton.letters[edges].tolist(), targets.tolist(), weights)
+            self._branches[state, left] = found
         return found
 
     def unrank(self, rank: int) -> Word:
         """Return the word that owns a rank from 0 to total - 1."""
-        automaton = self._completions.automaton
-        word, state = [], 0
+        return self._descend(rank)[0]
+
+    def draw(self, generator: random.Random) -> tuple[Word, int]:
+        """Return a word drawn with a probability proportional to its weight, exactly, and this weight."""
+        return self._descend(generator.randrange(self.total))
+
+    def _descend(self, rank: int) -> tuple[Word, int]:
+        word, state, weight = [], 0, 1
         for left in range(self._length, 0, -1):
-            sums = self._partial_sums(state, left)
-            branch = bisect_right(sums, rank)
-            edge = int(automaton.offsets[state]) + branch
-            rank -= sums[branch - 1] if branch else 0
-            if automaton.weights is not None:
-                rank //= int(automaton.weights[edge])
-            word.append(int(automaton.letters[edge]))
-            state = int(automaton.targets[edge])
-        return tuple(word)
+            totals, letters, targets, weights = self._branching(state, left)
+            branch = bisect_right(totals, rank)
+            if branch:
+                rank -= totals[branch - 1]
+            if weights[branch] != 1:
+                rank //= weights[branch]
+                weight *= weights[branch]
+            word.append(letters[branch])
+            state = targets[branch]
+        return tuple(word), weight
 
     def rank(self, word: Sequence[int]) -> int | None:
         """Return the rank of a word in an automaton without weights, or None where it is no word of it."""
@@ -203,24 +216,8 @@ class Ranking:
         if len(word) != self._length or not accepts(automaton, word):
             return None
         for left, letter in zip(range(self._length, 0, -1), word, strict=True):
-            edge = automaton.step(state, letter)
-            assert edge is not None
-            branch = edge - int(automaton.offsets[state])
-            rank += self._partial_sums(state, left)[branch - 1] if branch else 0
-            state = int(automaton.targets[edge])
+            totals, letters, targets, _ = self._branching(state, left)
+            branch = letters.index(letter)
+            rank += totals[branch - 1] if branch else 0
+            state = targets[branch]
         return rank
-
-    def weight(self, word: Sequence[int]) -> int:
-        """Return the weight of a word of the automaton."""
-        automaton = self._completions.automaton
-        weight, state = 1, 0
-        for letter in word:
-            edge = automaton.step(state, letter)
-            assert edge is not None
-            weight *= 1 if automaton.weights is None else int(automaton.weights[edge])
-            state = int(automaton.targets[edge])
-        return weight
-
-    def draw(self, generator: random.Random) -> Word:
-        """Return a word drawn with a probability proportional to its weight, exactly."""
-        return self.unrank(generator.randrange(self.total))

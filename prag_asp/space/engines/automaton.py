@@ -76,9 +76,10 @@ class AutomatonEngine:
         ranking = self._ranking(length, weights)
         if not ranking.total:
             raise QueryError(f"there is no {self._level} of length {length} to draw")
+        share = Fraction(1, ranking.total)
         while True:
-            word = ranking.draw(generator)
-            yield Draw(self._spelled(word), Fraction(ranking.weight(word), ranking.total))
+            word, weight = ranking.draw(generator)
+            yield Draw(self._spelled(word), share if weight == 1 else weight * share)
 
     def _spelled(self, word: Sequence[int]) -> Letters:
         return tuple(self.letters[letter] for letter in word)

@@ -1,0 +1,67 @@
+"""Exact counting and drawing beside clingo's enumeration, in one run: python benchmarks/counting.py."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import islice
+from pathlib import Path
+from time import perf_counter
+
+from rich.console import Console
+from rich.table import Table
+
+from prag_asp import Domain, TaskSpace, load_domain
+
+TRANSPORT = Path(__file__).parent / "transport"
+ENUMERATED = 7
+"""The largest length that clingo finishes in seconds; longer ones are extrapolated by its models per second."""
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Return how long a piece of work takes."""
+    begun = perf_counter()
+    work()
+    return perf_counter() - begun
+
+
+def main() -> None:
+    """Print the table of counting times and their ratios, then the rates of drawing."""
+    domain = load_domain(TRANSPORT)
+    table = Table("length", "plans", "automaton, s", "clingo, s", "ratio")
+    reference = TaskSpace(domain, ENUMERATED, engine="clingo")
+    models = reference.count("plan")
+    rate = models / seconds(lambda: TaskSpace(domain, ENUMERATED, engine="clingo").count("plan"))
+    for length in (ENUMERATED, 15, 30, 1000):
+        space = TaskSpace(domain, length, engine="automaton")
+        own = seconds(lambda space=space: space.count("plan"))  # type: ignore[misc]
+        count = space.count("plan")
+        digits = len(str(count))
+        peer = count // int(rate)
+        shown = f"{peer:,}" if digits < 20 else f"10^{len(str(peer)) - 1}"
+        ratio = int(peer / own) if digits < 20 else 0
+        table.add_row(
+            f"{length:,}",
+            f"{count:,}" if digits < 20 else f"{digits} digits",
+            f"{own:.3f}",
+            shown if length == ENUMERATED else f"{shown} (extrapolated)",
+            f"{ratio:,}" if ratio else "-",
+        )
+    console = Console()
+    console.print(table)
+    console.print(_drawing(domain))
+
+
+def _drawing(domain: Domain) -> Table:
+    table = Table("drawing at length 15", "tasks/s")
+    space = TaskSpace(domain, 15)
+    engine = space.draw_words(seed=0, weights={})
+    list(islice(engine, 100))
+    table.add_row("words", f"{int(20_000 / seconds(lambda: list(islice(engine, 20_000)))):,}")
+    tasks = space.draw(seed=0, weights={})
+    list(islice(tasks, 1100))
+    table.add_row("Task objects", f"{int(3000 / seconds(lambda: list(islice(tasks, 3000)))):,}")
+    return table
+
+
+if __name__ == "__main__":
+    main()
