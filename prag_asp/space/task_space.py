@@ -13,7 +13,8 @@ from prag_asp.domain.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
-from prag_asp.space.canonical import canonical_names, renamed
+from prag_asp.logic.program import action_name
+from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.narrate import Narrator
@@ -176,7 +177,12 @@ class TaskSpace:
         return self._shared.engine_for(by)
 
     def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
-        return parse_prefix([str(item) for item in prefix], by, self.domain.facts)
+        facts = self.domain.facts
+        found = parse_prefix([str(item) for item in prefix], by, facts)
+        if by != "task" or not found:
+            return found
+        groups = self._shared.model.groups(self.length)
+        return canonical_prefix(found, map(action_name, facts.actions), groups)
 
 
 @dataclass

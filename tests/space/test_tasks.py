@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from prag_asp import TaskSpace, load_domain
+from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.logic.model import Model
 from tests.brute_force import Action, Toy, spelled
 from tests.domains import domain_of
@@ -143,3 +143,24 @@ def test_a_skeleton_exists_for_tasks_wherever_it_exists_for_plans() -> None:
     names = {tuple(a.partition("(")[0] for a in plan) for plan in space.words("plan")}
     assert names == {tuple(a.partition("(")[0] for a in task) for task in space.words("task")}
     assert names == set(space.words("skeleton"))
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo"])
+def test_a_prefix_counts_the_tasks_some_renaming_of_which_begins_with_it(engine: str) -> None:
+    space = TaskSpace(load_domain("prag"), 3, engine=engine)
+    prefixes = [["approach(panda,apple_2)"], ["drop(panda,apple_2)", "withdraw", "approach(panda,apple_2)"]]
+    for prefix in (*prefixes, ["drop(panda,apple_2)", "withdraw(panda,apple_2)", "approach(panda,apple_1)"]):
+        words = [
+            w
+            for w in space.words("plan")
+            if all(p in (a, a.partition("(")[0]) for p, a in zip(prefix, w, strict=False))
+        ]
+        orbits = {orbit_of_apples(word) for word in words}
+        assert space.count("task", prefix) == len(list(space.words("task", prefix))) == len(orbits) > 0
+    with pytest.raises(QueryError, match="comes after a mere name"):
+        space.count("task", ["approach", "grasp(panda,apple_2)"])
+
+
+def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
+    swapped = (a.replace("apple_1", "X").replace("apple_2", "apple_1").replace("X", "apple_2") for a in plan)
+    return frozenset({plan, tuple(swapped)})
