@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import signal
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
@@ -43,7 +43,7 @@ def validate_tasks(
     seed: int,
     workers: int = 1,
     budget: Budget | None = None,
-) -> Iterator[Verdict]:
+) -> Generator[Verdict, None, None]:
     """Yield the verdict on each task, in the order of the tasks, which may be endless.
 
     One worker runs in this process, more are spawned; the verdicts do not depend on it. Tasks of a worker
@@ -62,7 +62,7 @@ def validate_tasks(
     return _in_pool(tasks, scene, seed, workers, budget)
 
 
-def _in_process(tasks: Iterable[Task], scene: Scene, seed: int, budget: Budget) -> Iterator[Verdict]:
+def _in_process(tasks: Iterable[Task], scene: Scene, seed: int, budget: Budget) -> Generator[Verdict, None, None]:
     """Yield verdicts found in this process."""
     with open_validator(scene) as validator:
         for index, task in enumerate(tasks):
@@ -71,7 +71,7 @@ def _in_process(tasks: Iterable[Task], scene: Scene, seed: int, budget: Budget) 
 
 def _in_pool(
     tasks: Iterable[Task], scene: Scene, seed: int, workers: int, budget: Budget
-) -> Iterator[Verdict]:
+) -> Generator[Verdict, None, None]:
     """Yield verdicts found in spawned processes, a bounded number of tasks ahead."""
     waiting: deque[tuple[Chunk, Future[list[Verdict]] | None]] = deque()
     chunks = _chunks(tasks)
