@@ -10,7 +10,7 @@ from prag_asp.physics.collisions import colliding
 from prag_asp.physics.facts import Effect, Fact
 from prag_asp.physics.geometry import Pose, cavity, compose, invert, multiply, raised, yaw_of, yaw_quaternion
 from prag_asp.physics.kinematics import tool_pose
-from prag_asp.physics.placement import any_support, draw_pose, known_support, relevant
+from prag_asp.physics.placement import any_support, draw_pose, known_support, yaw_range
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.robot import Joints
@@ -57,7 +57,7 @@ def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) ->
     elif effect.visits is not None and snapshot.held is None:
         snapshot = _visit(search, snapshot, effect.visits, attempt, waypoints)
     elif effect.closes and snapshot.held is None:
-        snapshot = replace(snapshot, situation=replace(snapshot.situation, width=0.0))
+        snapshot = replace(snapshot, situation=snapshot.situation.with_tool(snapshot.situation.tool, 0.0))
     if not waypoints:
         waypoints.append(_waypoint("stay", snapshot))
     _verify(search, start, snapshot, effect.fresh, effect.after)
@@ -73,7 +73,7 @@ def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) ->
     options = grasps(search, snapshot.situation, entity)
     choice = 0 if search.rng.random() < 0.5 else int(search.rng.integers(len(options)))
     down = _visit(search, snapshot, entity, choice, [])
-    return _close(down, entity) if closed else down
+    return _close(search, down, entity) if closed else down
 
 
 def verify_objects(search: Search, situation: Situation, moved: Iterable[str], held: str | None) -> None:
@@ -138,19 +138,21 @@ def _visit(
         raise Exhausted
     tool, _ = options[attempt]
     opening = search.robot.opening
-    wanted = Configuration(snapshot.situation.poses, opening, entity)
+    wanted = Configuration(snapshot.situation, opening, entity)
     at, above = descend(search, tool, wanted, wanted)
     waypoints += [Waypoint("approach", above, opening), Waypoint("at", at, opening)]
-    situation = replace(snapshot.situation, tool=tool_pose(at), width=opening)
+    situation = snapshot.situation.with_tool(tool_pose(at), opening)
     return Snapshot(situation, at, above=above)
 
 
-def _close(snapshot: Snapshot, entity: str) -> Snapshot:
+def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
     """Close the gripper on the object that it is at."""
     situation = snapshot.situation
     width = grip_width(situation, entity)
     grasp = compose(invert(situation.tool), situation.poses[entity])
-    return replace(snapshot, situation=replace(situation, width=width), held=entity, grasp=grasp)
+    closed = replace(snapshot, situation=situation.with_tool(situation.tool, width), held=entity, grasp=grasp)
+    _require_free(search, closed)
+    return closed
 
 
 def _grasp(
@@ -161,7 +163,7 @@ def _grasp(
     assert entity is not None
     if snapshot.above is None:
         snapshot = _visit(search, snapshot, entity, attempt, waypoints)
-    snapshot = _close(snapshot, entity)
+    snapshot = _close(search, snapshot, entity)
     waypoints.append(_waypoint("at", snapshot))
     if effect.lifts:
         return _raise(search, snapshot, waypoints)
@@ -180,14 +182,14 @@ def _release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list
     else:
         rest = _rest_pose(search, snapshot, entity, effect)
         poses = _with_riders(situation, entity, rest, search.objects)
-        placed = replace(situation, poses=poses)
+        placed = situation.with_poses(poses)
         verify_objects(search, placed, _changed(snapshot, poses), None)
         at, above = _lower(search, snapshot, entity, poses)
         waypoints += [
             Waypoint("approach", above, situation.width, entity),
             Waypoint("at", at, situation.width, entity),
         ]
-    opened = replace(situation, poses=poses, tool=tool_pose(at), width=opening)
+    opened = situation.with_poses(poses).with_tool(tool_pose(at), opening)
     after = Snapshot(opened, at, above=above)
     _require_free(search, after, entity)
     waypoints.append(_waypoint("at", after))
@@ -201,11 +203,11 @@ def _rest_pose(search: Search, snapshot: Snapshot, entity: str, effect: Effect) 
     situation = snapshot.situation
     others = {other: pose for other, pose in situation.poses.items() if other != entity}
     if entity in effect.moved:
-        around = replace(situation, poses=others)
+        around = situation.with_poses(others)
         support = known_support(around, entity, effect.after)
         if support is None:
             support = any_support(search, around, entity, effect.after)
-        return draw_pose(search, around, entity, support, effect.after)
+        return draw_pose(search, around, entity, support, effect.after, effect.number)
     height = resting_height(situation, entity, others)
     return raised(situation.poses[entity], height - situation.bottom(entity))
 
@@ -217,11 +219,11 @@ def _lower(
     assert snapshot.grasp is not None
     situation = snapshot.situation
     tool = compose(poses[entity], invert(snapshot.grasp))
-    high = _with_riders(situation, entity, raised(poses[entity], LIFT), search.objects)
-    at = Configuration(poses, situation.width, entity)
+    high = situation.with_poses(_with_riders(situation, entity, raised(poses[entity], LIFT), search.objects))
+    at = Configuration(situation.with_poses(poses), situation.width, entity)
     above = Configuration(high, situation.width, entity)
     joints = descend(search, tool, at, above)
-    if colliding(search.simulator, replace(situation, poses=high), [entity], search.objects) is not None:
+    if colliding(search.simulator, high, [entity], search.objects) is not None:
         raise Failure(OBJECTS_COLLIDE)
     return joints
 
@@ -233,18 +235,19 @@ def _carry(
     assert snapshot.grasp is not None
     situation = snapshot.situation
     others = {other: pose for other, pose in situation.poses.items() if other != entity}
-    around = replace(situation, poses=others)
+    around = situation.with_poses(others)
     moves = {fact.predicate.name for fact in effect.fresh if fact.value and fact.arguments[0] == entity}
     if moves and moves <= {"rotated"}:
         pose = _turned(search, situation, entity, effect)
     else:
         support = known_support(around, entity, effect.after) or TABLE
         depth = cavity(situation.shape(support))[2] if support != TABLE else 0.0
-        pose = draw_pose(search, around, entity, support, effect.after, height=max(LIFT, depth + OVER_RIM))
+        height = max(LIFT, depth + OVER_RIM)
+        pose = draw_pose(search, around, entity, support, effect.after, effect.number, height=height)
     poses = _with_riders(situation, entity, pose, search.objects)
-    after = replace(situation, poses=poses)
+    after = situation.with_poses(poses)
     verify_objects(search, after, _changed(snapshot, poses), entity)
-    wanted = Configuration(poses, situation.width, entity)
+    wanted = Configuration(after, situation.width, entity)
     joints = configure(search, compose(pose, invert(snapshot.grasp)), wanted)
     carried = _moved_arm(snapshot, joints, poses, None)
     waypoints.append(_waypoint("carry", carried))
@@ -255,11 +258,9 @@ def _turned(search: Search, situation: Situation, entity: str, effect: Effect) -
     """Return the pose of the held object turned on the spot."""
     pose = situation.poses[entity]
     yaw = yaw_of(pose.quaternion)
-    for fact in relevant(effect.after, entity, situation):
-        if fact.value and fact.predicate.name == "rotated":
-            wanted = fact.predicate.volume(situation, fact.arguments, (0.0, 0.0, 0.0)).yaw
-            if wanted is not None:
-                yaw = wanted[0] + search.uniform(-wanted[1], wanted[1])
+    wanted = yaw_range(situation, entity, effect.after)
+    if wanted is not None:
+        yaw = wanted[0] + search.uniform(-wanted[1], wanted[1])
     turn = yaw_quaternion(yaw - yaw_of(pose.quaternion))
     return Pose(pose.position, multiply(turn, pose.quaternion))
 
@@ -268,13 +269,13 @@ def _relocate(search: Search, snapshot: Snapshot, effect: Effect, entity: str) -
     """Move an object that the gripper does not touch, as in domains without a gripper."""
     situation = snapshot.situation
     others = {other: pose for other, pose in situation.poses.items() if other != entity}
-    around = replace(situation, poses=others)
+    around = situation.with_poses(others)
     support = known_support(around, entity, effect.after)
     if support is None:
         support = any_support(search, around, entity, effect.after)
-    pose = draw_pose(search, around, entity, support, effect.after)
+    pose = draw_pose(search, around, entity, support, effect.after, effect.number)
     poses = _with_riders(situation, entity, pose, search.objects)
-    after = replace(situation, poses=poses)
+    after = situation.with_poses(poses)
     verify_objects(search, after, _changed(snapshot, poses), snapshot.held)
     moved = replace(snapshot, situation=after)
     _require_free(search, moved, snapshot.held)
@@ -299,14 +300,14 @@ def _moved_arm(
     snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose], above: Joints | None
 ) -> Snapshot:
     """Return a snapshot with the arm elsewhere; the held object goes along as `poses` say."""
-    situation = replace(snapshot.situation, poses=poses, tool=tool_pose(joints))
+    situation = snapshot.situation.with_poses(poses).with_tool(tool_pose(joints), snapshot.situation.width)
     return replace(snapshot, situation=situation, joints=joints, above=above)
 
 
 def _require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:
     """Check that the arm of a snapshot is free of collisions."""
     touched = touched or snapshot.held
-    wanted = Configuration(snapshot.situation.poses, snapshot.situation.width, touched)
+    wanted = Configuration(snapshot.situation, snapshot.situation.width, touched)
     if collide(search, snapshot.joints, wanted) is not None:
         raise Failure(ARM_COLLIDES)
 

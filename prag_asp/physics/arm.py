@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from itertools import islice
 from typing import NamedTuple
 
 from prag_asp.physics.collisions import ArmCollision, arm_collision
@@ -23,15 +23,18 @@ from prag_asp.physics.situation import Situation
 LIFT = 0.10
 """How far above an object the gripper approaches it, in metres."""
 
+TOP_GRIP = 0.01
+"""How far below the top of an object the highest grip is, in metres."""
+
 CLEARANCE = 0.006
 LARGEST_STEP = 1.2
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
 
 class Configuration(NamedTuple):
-    """What the arm has to be free of: the objects at their poses, but for the one it may touch."""
+    """What the arm has to be free of: the objects of a situation, but for the one it may touch."""
 
-    poses: Mapping[str, Pose]
+    situation: Situation
     width: float
     touched: str | None
 
@@ -39,7 +42,8 @@ class Configuration(NamedTuple):
 def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
     """Return tool poses from above that grip an object, each with the opening then, the easiest first.
 
-    Boxes are gripped by opposite sides, round things in four directions.
+    Boxes are gripped by opposite sides, round things in four directions; first at the middle or as deep as
+    the palm lets them in, then at the top, where the palm passes over what stands around.
 
     Raises:
         Failure: the object is too wide for the gripper.
@@ -63,6 +67,9 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
             found.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
     if not found:
         raise Failure(NO_GRASP)
+    rise = z + half - TOP_GRIP - height
+    if rise > 0.0 and shape.kind != "sphere":
+        found += [(raised(tool, rise), width) for tool, width in found]
     return found
 
 
@@ -72,16 +79,15 @@ def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | 
     Raises:
         Failure: there are none.
     """
-    solutions = inverse(search.robot, tool, near)
-    if not solutions:
-        raise Failure(NO_KINEMATICS_AT)
-    for joints in solutions:
+    cause = NO_KINEMATICS_AT
+    for joints in inverse(search.robot, tool, near):
+        cause = ARM_COLLIDES
         collision = collide(search, joints, wanted)
         if collision is None:
             return joints
         if collision.by_hand:
             break
-    raise Failure(ARM_COLLIDES)
+    raise Failure(cause)
 
 
 def descend(search: Search, tool: Pose, at: Configuration, above: Configuration) -> tuple[Joints, Joints]:
@@ -90,17 +96,16 @@ def descend(search: Search, tool: Pose, at: Configuration, above: Configuration)
     Raises:
         Failure: there are none.
     """
-    solutions = inverse(search.robot, tool)
-    if not solutions:
-        raise Failure(NO_KINEMATICS_AT)
-    cause = ARM_COLLIDES
-    for low in solutions:
+    cause = NO_KINEMATICS_AT
+    for low in inverse(search.robot, tool):
+        if cause == NO_KINEMATICS_AT:
+            cause = ARM_COLLIDES
         collision = collide(search, low, at)
         if collision is not None and collision.by_hand:
             break
         if collision is not None:
             continue
-        for high in inverse(search.robot, raised(tool, LIFT), near=low)[:2]:
+        for high in islice(inverse(search.robot, raised(tool, LIFT), near=low), 2):
             if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
                 continue
             if collide(search, high, above) is None:
@@ -111,4 +116,4 @@ def descend(search: Search, tool: Pose, at: Configuration, above: Configuration)
 
 def collide(search: Search, joints: Joints, wanted: Configuration) -> ArmCollision | None:
     """Return what the arm collides with, None where it is free."""
-    return arm_collision(search.simulator, wanted.poses, joints, wanted.width, wanted.touched)
+    return arm_collision(search.simulator, wanted.situation, joints, wanted.width, wanted.touched)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import NamedTuple
 
-from prag_asp.physics.geometry import Pose, Vector, extents
+from prag_asp.physics.geometry import Vector
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.simulator import COLLISION, Simulator, boxes_touch
 from prag_asp.physics.situation import Situation
@@ -23,7 +23,8 @@ class ArmCollision(NamedTuple):
 
 def box(situation: Situation, entity: str) -> Box:
     """Return the bounding box of a body: its centre and its half sides in metres."""
-    return situation.pose(entity).position, situation.half(entity)
+    body = situation.body(entity)
+    return body.pose.position, body.half
 
 
 def boxes_meet(one: Box, two: Box, spacing: float = 0.0) -> bool:
@@ -35,12 +36,6 @@ def boxes_meet(one: Box, two: Box, spacing: float = 0.0) -> bool:
         and abs(ay - by) < ahy + bhy + spacing
         and abs(az - bz) < ahz + bhz + COLLISION
     )
-
-
-def _corners(centre: Vector, half: Vector) -> Box:
-    """Return the lowest and the highest corner of a bounding box."""
-    (x, y, z), (hx, hy, hz) = centre, half
-    return (x - hx, y - hy, z - hz), (x + hx, y + hy, z + hz)
 
 
 def colliding(
@@ -65,25 +60,22 @@ def colliding(
 
 
 def arm_collision(
-    simulator: Simulator, poses: Mapping[str, Pose], joints: Joints, width: float, touched: str | None
+    simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
     """Return what the arm collides with, None where it is free; its fingers may touch `touched`."""
-    simulator.place(poses)
+    simulator.place(situation.poses)
     simulator.pose_arm(joints, width)
     robot = simulator.robot
-    links = [simulator.link_box(link) for link in robot.links]
+    links = simulator.link_boxes()
     if any(low[2] < 0.0 for low, _ in links[1:]):
         for link, gap in simulator.arm_contacts(simulator.table):
             if gap < COLLISION and link > BASE_LINK:
                 return ArmCollision("the table", link > robot.flange_link)
-    bodies = {
-        entity: _corners(pose.position, extents(simulator.scene.shapes[entity], pose.quaternion))
-        for entity, pose in poses.items()
-    }
-    highest = max((high[2] for _, high in bodies.values()), default=0.0)
+    bodies = [(entity, situation.body(entity)) for entity in situation.poses]
+    highest = max([body.high[2] for _, body in bodies], default=0.0)
     low_links = [corners for corners in links if corners[0][2] <= highest]
-    for entity, body in bodies.items():
-        if not any(boxes_touch(body, link_box) for link_box in low_links):
+    for entity, body in bodies:
+        if not _touches_one((body.low, body.high), low_links):
             continue
         for link, gap in simulator.arm_contacts(simulator.body(entity)):
             if gap < COLLISION and not (entity == touched and link in robot.finger_links):
@@ -91,3 +83,11 @@ def arm_collision(
     if simulator.self_overlap() < COLLISION:
         return ArmCollision("itself", False)
     return None
+
+
+def _touches_one(body: Box, links: Iterable[Box]) -> bool:
+    """Tell whether a bounding box has a point in common with one of others, all as lowest and highest corner."""
+    for link in links:  # noqa: SIM110 (any() is slower here)
+        if boxes_touch(body, link):
+            return True
+    return False

@@ -40,11 +40,12 @@ class Effect:
     `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to. `holds` is
     the object held before and after. `leaves` is set where the gripper goes away from its object, `lifts`
     where a grasped object leaves what it stands on, `stays` where the gripper remains at a released object.
-    `moved` are objects that the action makes the subject of a relation. `before` and `after` are the facts of
-    the states around it, `fresh` those of `after` that the state before does not know.
+    `moved` are objects that the action makes the subject of a relation. `after` are the facts of the state
+    `number` that it leads to, `fresh` those of them that the state before does not know.
     """
 
     action: Atom
+    number: int
     grasps: str | None
     releases: str | None
     holds: str | None
@@ -95,7 +96,8 @@ def problem(task: Task, scene: Scene) -> Problem:
     effects: list[Effect] = []
     contradiction = None
     for k, action in enumerate(task.actions):
-        effect = _effect(action, _facts(scene, task.subgoals[k], known), states[k], states[k + 1], held)
+        subgoal = _facts(scene, task.subgoals[k], known)
+        effect = _effect(action, k + 1, subgoal, states[k], states[k + 1], held)
         if effect.grasps is not None and held not in (None, effect.grasps, effect.releases):
             contradiction = contradiction or f"{action} grasps {effect.grasps} while the gripper holds {held}"
         held = effect.grasps or (None if effect.releases else held)
@@ -132,6 +134,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
 
 def _effect(
     action: Atom,
+    number: int,
     subgoal: tuple[Fact, ...],
     before: tuple[Fact, ...],
     after: tuple[Fact, ...],
@@ -146,6 +149,7 @@ def _effect(
     known_before = set(before)
     return Effect(
         action=action,
+        number=number,
         grasps=grasps,
         releases=releases,
         holds=holds,

@@ -93,11 +93,15 @@ def raised(pose: Pose, height: float) -> Pose:
 
 def matrix(pose: Pose) -> NDArray[np.float64]:
     """Return a pose as a homogeneous matrix, shape (4, 4)."""
-    result = np.eye(4)
-    for column, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
-        result[:3, column] = rotate(pose.quaternion, axis)
-    result[:3, 3] = pose.position
-    return result
+    (px, py, pz), (x, y, z, w) = pose
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), px],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), py],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), pz],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
 
 
 def finite(pose: Pose) -> bool:
@@ -139,11 +143,18 @@ def cavity(shape: Shape) -> Vector:
     return (x - 2 * shape.wall, y - 2 * shape.wall, z - shape.wall)
 
 
+def heading(quaternion: Quaternion) -> tuple[float, float]:
+    """Return cosine and sine of the yaw of a body that stands upright."""
+    x, y, z, w = quaternion
+    cosine, sine = 1 - 2 * (y * y + z * z), 2 * (w * z + x * y)
+    length = math.hypot(cosine, sine) or 1.0
+    return cosine / length, sine / length
+
+
 def to_local(pose: Pose, x: float, y: float) -> Point:
     """Return a point of the plane in the axes of a body that stands upright."""
-    yaw = yaw_of(pose.quaternion)
+    cosine, sine = heading(pose.quaternion)
     dx, dy = x - pose.position[0], y - pose.position[1]
-    cosine, sine = math.cos(yaw), math.sin(yaw)
     return (cosine * dx + sine * dy, cosine * dy - sine * dx)
 
 
@@ -181,24 +192,27 @@ def intersection(subject: Outline, clip: Outline) -> Outline:
     """Return what two convex counter-clockwise polygons share, by Sutherland and Hodgman's clipping."""
     if len(subject) == 1:
         return subject if inside_by(clip, subject[0]) >= 0.0 else ()
-    result = list(subject)
     for (ax, ay), (bx, by) in zip(clip, clip[1:] + clip[:1], strict=True):
-        kept: list[Point] = []
-        sides = [(bx - ax) * (y - ay) - (by - ay) * (x - ax) for x, y in result]
-        for i, (point, side) in enumerate(zip(result, sides, strict=True)):
-            previous, before = result[i - 1], sides[i - 1]
-            if (side >= 0.0) != (before >= 0.0):
-                share = before / (before - side)
-                kept.append(
-                    (
-                        previous[0] + share * (point[0] - previous[0]),
-                        previous[1] + share * (point[1] - previous[1]),
-                    )
-                )
-            if side >= 0.0:
-                kept.append(point)
-        result = kept
-    return tuple(result)
+        subject = cut(subject, by - ay, ax - bx, (by - ay) * ax + (ax - bx) * ay)
+    return subject
+
+
+def cut(polygon: Outline, a: float, b: float, c: float) -> Outline:
+    """Return the part of a convex polygon where ``a x + b y <= c``."""
+    depths = [c - a * x - b * y for x, y in polygon]
+    if not depths or min(depths) >= 0.0:
+        return polygon
+    kept: list[Point] = []
+    previous, before = polygon[-1], depths[-1]
+    for point, depth in zip(polygon, depths, strict=True):
+        if (depth >= 0.0) != (before >= 0.0):
+            share = before / (before - depth)
+            x, y = previous
+            kept.append((x + share * (point[0] - x), y + share * (point[1] - y)))
+        if depth >= 0.0:
+            kept.append(point)
+        previous, before = point, depth
+    return tuple(kept)
 
 
 def hull(points: list[Point]) -> Outline:

@@ -1,76 +1,110 @@
 """Forward and inverse kinematics of the panda, every answer verified.
 
 The solution is the analytic one of He and Liu ("Analytical inverse kinematics for Franka Emika Panda", 2021),
-which fixes joint 7 and finds up to four configurations; joint 7 is swept over its range.
+which fixes joint 7 and finds up to four configurations. Joint 7 is swept lazily: first where it would be if the
+arm bent in one plane (or stayed as it is), then coarsely over its range, and finely where that finds nothing.
 """
 
 from __future__ import annotations
 
 import math
-from functools import cache
+from collections.abc import Iterator
+from functools import lru_cache
 
 import frankik
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose, matrix
+from prag_asp.physics.geometry import Pose, Quaternion, compose, matrix, wrap, yaw_of, yaw_quaternion
 from prag_asp.physics.robot import Joints, Robot
 
 ACCURACY = 1e-5
+AROUND = (0.0, 0.25, -0.25)
 COARSE = tuple(np.linspace(-2.8, 2.8, 13).tolist())
 FINE = tuple(np.linspace(-2.8, 2.8, 49).tolist())
 NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
-WEIGHTS = np.array([1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3])
+POSTURE_WEIGHTS = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)
+EVEN_WEIGHTS = (1.0,) * 7
+APART = 0.4
 MAX_SOLUTIONS = 4
 
+Rows = tuple[tuple[float, ...], ...]
 
-def tool_matrix(joints: Joints) -> NDArray[np.float64]:
-    """Return the pose of the tool as a homogeneous matrix, shape (4, 4)."""
-    result: NDArray[np.float64] = frankik.fk(np.asarray(joints, dtype=float))
-    return result
+
+@lru_cache(maxsize=1 << 8)
+def tool_matrix(joints: Joints) -> Rows:
+    """Return the pose of the tool as the rows of a homogeneous matrix."""
+    return tuple(map(tuple, frankik.fk(np.array(joints)).tolist()))
 
 
 def tool_pose(joints: Joints) -> Pose:
     """Return the pose of the tool."""
-    found = tool_matrix(joints)
-    return Pose((float(found[0, 3]), float(found[1, 3]), float(found[2, 3])), _quaternion(found))
+    rows = tool_matrix(joints)
+    return Pose((rows[0][3], rows[1][3], rows[2][3]), _quaternion(rows))
 
 
-def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> list[Joints]:
-    """Return joint vectors that bring the tool to a pose, at most `MAX_SOLUTIONS`, best first.
+def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Joints]:
+    """Yield joint vectors that bring the tool to a pose, at most `MAX_SOLUTIONS`, good ones first.
 
     They are near `near`, or near the robot's posture turned towards the target. Each is within the limits,
-    and forward kinematics puts it within 0.01 mm of the target. The list is empty where nothing is found.
+    and forward kinematics puts it within 0.01 mm of the target. Nothing is yielded where nothing is found.
     """
     target = matrix(tool)
-    flange = target @ _from_tool(robot)
-    start = np.asarray(near if near is not None else _facing(robot, tool))
-    angles = COARSE if near is None else tuple(near[6] + angle for angle in NARROW)
-    found = _sweep(robot, flange, start, angles)
-    if not len(found):
-        found = _sweep(robot, flange, start, FINE)
-    weights = WEIGHTS if near is None else 1.0
-    order = np.argsort((((found - start) * weights) ** 2).sum(axis=1), kind="stable")
-    solutions: list[Joints] = []
-    for row in found[order]:
-        joints = tuple(row.tolist())
-        if len(solutions) == MAX_SOLUTIONS:
-            break
-        if any(math.dist(joints, other) < 0.4 for other in solutions):
-            continue
-        if float(np.abs(tool_matrix(joints) - target).max()) < ACCURACY:
-            solutions.append(joints)
-    return solutions
+    flange = matrix(compose(tool, _from_tool(robot)))
+    goal = target.tolist()
+    start = _facing(robot, tool) if near is None else near
+    found: list[Joints] = []
+    for angles in _sweeps(robot, tool, near):
+        if angles is FINE and found:
+            return
+        for joints in _ranked(robot, flange, start, angles, POSTURE_WEIGHTS if near is None else EVEN_WEIGHTS):
+            if any(math.dist(joints, other) < APART for other in found):
+                continue
+            if _error(tool_matrix(joints), goal) < ACCURACY:
+                found.append(joints)
+                yield joints
+                if len(found) == MAX_SOLUTIONS:
+                    return
 
 
-def _sweep(
-    robot: Robot, flange: NDArray[np.float64], start: NDArray[np.float64], angles: tuple[float, ...]
-) -> NDArray[np.float64]:
-    """Return the solutions within the limits for some angles of joint 7, shape (solutions, 7)."""
-    found = np.concatenate([frankik.ik_full(flange, start, angle) for angle in angles])
-    lower, upper = _limits(robot)
-    within = np.all((found >= lower) & (found <= upper), axis=1)
-    return found[within]  # a branch without a solution is NaN, which no comparison lets through
+def _sweeps(robot: Robot, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
+    """Yield the angles of joint 7 to try, the most promising first."""
+    if near is not None:
+        yield (near[6],)
+        yield tuple(near[6] + angle for angle in NARROW)
+    else:
+        # With joints 3 and 5 at 0 the arm bends in a plane, and joint 7 alone turns the tool away from it.
+        heading = math.atan2(tool.position[1], tool.position[0])
+        planar = wrap(robot.posture[6] + heading - yaw_of(tool.quaternion))
+        yield tuple(min(max(planar + angle, robot.lower[6]), robot.upper[6]) for angle in AROUND)
+        yield COARSE
+    yield FINE
+
+
+def _ranked(
+    robot: Robot,
+    flange: NDArray[np.float64],
+    start: Joints,
+    angles: tuple[float, ...],
+    weights: tuple[float, ...],
+) -> list[Joints]:
+    """Return the solutions within the limits for some angles of joint 7, nearest to `start` first."""
+    actual = np.array(start)
+    found = []
+    for angle in angles:
+        for row in frankik.ik_full(flange, actual, angle).tolist():
+            # A branch without a solution is NaN, which no comparison lets through.
+            if robot.within_limits(row):
+                parts = zip(row, start, weights, strict=True)
+                found.append((sum(((a - b) * weight) ** 2 for a, b, weight in parts), tuple(row)))
+    return [joints for _, joints in sorted(found)]
+
+
+def _error(rows: Rows, goal: list[list[float]]) -> float:
+    """Return the largest difference of two homogeneous matrices."""
+    return max(
+        abs(a - b) for row, other in zip(rows[:3], goal, strict=False) for a, b in zip(row, other, strict=True)
+    )
 
 
 def _facing(robot: Robot, tool: Pose) -> Joints:
@@ -79,34 +113,21 @@ def _facing(robot: Robot, tool: Pose) -> Joints:
     return (heading, *robot.posture[1:])
 
 
-@cache
-def _limits(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the limits of the joints in radians, each of shape (7,)."""
-    return np.array(robot.lower), np.array(robot.upper)
+def _from_tool(robot: Robot) -> Pose:
+    """Return the pose of the flange in the frame of the tool."""
+    return Pose((0.0, 0.0, -robot.tool_offset), yaw_quaternion(-robot.tool_turn))
 
 
-@cache
-def _from_tool(robot: Robot) -> NDArray[np.float64]:
-    """Return the pose of the flange in the frame of the tool, shape (4, 4)."""
-    cosine, sine = math.cos(robot.tool_turn), math.sin(robot.tool_turn)
-    result = np.eye(4)
-    result[:2, :2] = [[cosine, sine], [-sine, cosine]]
-    result[2, 3] = -robot.tool_offset
-    return result
-
-
-def _quaternion(rotation: NDArray[np.float64]) -> tuple[float, float, float, float]:
+def _quaternion(r: Rows) -> Quaternion:
     """Return the unit quaternion of the rotation in a homogeneous matrix, by Shepperd's method."""
-    r = rotation[:3, :3]
-    squares = [1 + r[0, 0] - r[1, 1] - r[2, 2], 1 - r[0, 0] + r[1, 1] - r[2, 2]]
-    squares += [1 - r[0, 0] - r[1, 1] + r[2, 2], 1 + r[0, 0] + r[1, 1] + r[2, 2]]
-    largest = int(np.argmax(squares))
-    rows = [
-        [squares[0], r[0, 1] + r[1, 0], r[0, 2] + r[2, 0], r[2, 1] - r[1, 2]],
-        [r[0, 1] + r[1, 0], squares[1], r[1, 2] + r[2, 1], r[0, 2] - r[2, 0]],
-        [r[0, 2] + r[2, 0], r[1, 2] + r[2, 1], squares[2], r[1, 0] - r[0, 1]],
-        [r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], squares[3]],
-    ]
-    values = np.array(rows[largest], dtype=float)
-    x, y, z, w = (values / np.linalg.norm(values)).tolist()
-    return (x, y, z, w)
+    (a, b, c, _), (d, e, f, _), (g, h, i, _) = r[:3]
+    squares = (1 + a - e - i, 1 - a + e - i, 1 - a - e + i, 1 + a + e + i)
+    largest = squares.index(max(squares))
+    x, y, z, w = (
+        (squares[0], b + d, c + g, h - f),
+        (b + d, squares[1], f + h, c - g),
+        (c + g, f + h, squares[2], d - b),
+        (h - f, c - g, d - b, squares[3]),
+    )[largest]
+    length = math.hypot(x, y, z, w)
+    return (x / length, y / length, z / length, w / length)

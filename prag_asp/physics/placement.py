@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import repeat
 
-from prag_asp.physics.collisions import box, boxes_meet
+from prag_asp.physics.collisions import Box, box, boxes_meet
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import Pose, Vector, extents, yaw_of, yaw_quaternion
+from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES, Volume
+from prag_asp.physics.predicates.volume import Floor
 from prag_asp.physics.search import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import TABLE
 
-TRIES = 30
+TRIES = 8
 SPACING = 0.01
-FINGER_ROOM = 0.025
+FINGER_ROOM = 0.035
 TABLE_ROOM = 0.1
 NEAR = 0.15
 JITTER = 0.05
 EDGE = 0.02
+CONTAINING = ("on_top", "inside")
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
@@ -75,77 +78,139 @@ def draw_pose(
     entity: str,
     support: str,
     facts: Iterable[Fact],
+    state: int,
     *,
     height: float = 0.0,
 ) -> Pose:
-    """Draw a pose of an object at rest on a support, or `height` metres above, that the facts about it allow.
+    """Draw a pose of an object at rest on a support, or `height` metres above, that the facts of a state allow.
 
     Raises:
         Failure: the volume is empty, or nothing drawn from it satisfies the facts or is free.
     """
-    about = sorted(relevant(facts, entity, situation), key=lambda fact: not fact.value)
-    wanted = [fact for fact in about if fact.value]
-    yaw = _draw_yaw(search, situation, support, _volume(situation, entity, wanted, (0.0, 0.0, 0.0)))
-    quaternion = yaw_quaternion(yaw)
+    about = relevant(facts, entity, situation)
+    ahead = search.foresight.get((state, entity), ()) if support == TABLE else ()
+    quaternion, volume, everything = _place(search, situation, entity, support, about, ahead)
     half = extents(situation.shape(entity), quaternion)
-    volume = _volume(situation, entity, wanted, half).meet(_surface(situation, entity, support, half, about))
-    if volume.empty:
-        raise Failure(EMPTY_VOLUME)
-    close = volume.meet(_close(situation, entity, wanted))
-    preferred = volume if close.empty else close
-    anywhere = support != TABLE or any(
-        fact.predicate.name == "reachable" and not fact.value for fact in about
-    )
+    preferred = _close(situation, entity, volume, about)
+    room = TABLE_ROOM if support == TABLE else FINGER_ROOM
+    favourite = preferred.floor(room) or preferred.floor() or everything
+    checked = [fact for fact in about if not _shapes_volume(fact, entity)]
     neighbours = [
         box(situation, other)
         for other in situation.poses
         if support == TABLE or situation.shape(other).kind != "container"
     ]
     cause = RELATION
-    for attempt in range(TRIES):
-        first = attempt < TRIES // 2
-        room = TABLE_ROOM if support == TABLE else FINGER_ROOM
-        x, y, z = _draw_point(search, preferred, room) if first else _draw_point(search, volume, 0.0)
-        pose = Pose((x, y, z), quaternion)
-        spacing = _spacing(support, first)
-        if any(boxes_meet((pose.position, half), other, spacing) for other in neighbours):
-            cause = OBJECTS_COLLIDE
+    for floor, spacing in _tries(favourite, everything, support):
+        at = volume.draw(floor, search.uniform)
+        if at is None:
             continue
-        trial = situation.with_pose(entity, pose)
-        if not all(fact.satisfied(trial) for fact in about):
+        if not _clear((at, half), neighbours, spacing):
+            cause = OBJECTS_COLLIDE
+        elif all_satisfied(checked, situation, entity, Pose(at, quaternion)):
+            return Pose((at[0], at[1], at[2] + height), quaternion)
+        else:
             cause = RELATION
-        elif anywhere or PREDICATES["reachable"].holds(trial, ("", entity)):
-            return Pose((x, y, z + height), quaternion)
     raise Failure(cause)
 
 
-def surface_height(situation: Situation, support: str) -> float:
-    """Return the height of a support's surface in metres: a container's floor, the top of anything else."""
-    if support == TABLE:
-        return 0.0
-    shape = situation.shape(support)
-    return situation.bottom(support) + shape.wall if shape.kind == "container" else situation.top(support)
+def _place(
+    search: Search,
+    situation: Situation,
+    entity: str,
+    support: str,
+    about: list[Fact],
+    ahead: tuple[Volume, ...],
+) -> tuple[Quaternion, Volume, Floor]:
+    """Return how an object is turned, where it can be then, and the floor of that.
+
+    A yaw is drawn; where it leaves no room, for the object or for what comes later, the object is put square
+    to the axes instead, which takes the least.
+
+    Raises:
+        Failure: the volume is empty.
+    """
+    found: tuple[Quaternion, Volume, Floor] | None = None
+    for yaw in _yaws(search, situation, entity, support, about):
+        quaternion = yaw_quaternion(yaw)
+        volume = _volume(situation, entity, support, quaternion, about)
+        floor = volume.floor()
+        if floor is None:
+            continue
+        half = extents(situation.shape(entity), quaternion)
+        for wished in (volume.meet(_shrunk(room, half)) for room in ahead):
+            if wished_floor := wished.floor():
+                return quaternion, wished, wished_floor
+        found = found or (quaternion, volume, floor)
+        if not ahead:
+            break
+    if found is None:
+        raise Failure(EMPTY_VOLUME)
+    return found
+
+
+def _shrunk(volume: Volume, half: Vector) -> Volume:
+    """Return where the centre of an object may be that has to be in a box wholly, seen from above."""
+    (ax, ay, az), (bx, by, bz) = volume.low, volume.high
+    return Volume((ax + half[0], ay + half[1], az), (bx - half[0], by - half[1], bz))
+
+
+def all_satisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> bool:
+    """Tell whether facts would hold with an object at a pose."""
+    facts = list(facts)
+    if not facts:
+        return True
+    trial = situation.with_pose(entity, pose)
+    return all(fact.satisfied(trial) for fact in facts)
+
+
+def yaw_range(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[float, float] | None:
+    """Return the yaws that facts allow an object: a centre and a half width in radians; None where any will do.
+
+    Raises:
+        Failure: no yaw is left.
+    """
+    volume = Volume()
+    for fact in facts:
+        if fact.value and fact.predicate.name == "rotated" and fact.arguments[0] == entity:
+            volume = volume.meet(fact.predicate.volume(situation, fact.arguments, IDENTITY))
+    if volume.empty:
+        raise Failure(EMPTY_VOLUME)
+    return volume.yaw
+
+
+def _shapes_volume(fact: Fact, entity: str) -> bool:
+    """Tell whether a fact is one that the volume of an object expresses exactly."""
+    subject = fact.arguments[fact.predicate.subject]
+    return fact.value and (subject == entity or fact.predicate.inverse is not None)
 
 
 def _volume(
-    situation: Situation, entity: str, wanted: Iterable[Fact], half: tuple[float, float, float]
+    situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact]
 ) -> Volume:
-    """Return what the facts that hold allow the centre of an object with the half sides `half`."""
-    volume = Volume()
-    for fact in wanted:
+    """Return where an object, turned as it will be, can be put down on a support as the facts want it.
+
+    What is put on the table has to be within reach, unless it is known not to be.
+    """
+    out_of_reach = any(fact.predicate.name == "reachable" and not fact.value for fact in about)
+    volume = _surface(situation, entity, support, quaternion, out_of_reach)
+    if support == TABLE and not out_of_reach:
+        volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
+    for fact in about:
         predicate, arguments = fact.predicate, fact.arguments
+        if not _shapes_volume(fact, entity) or (predicate.name in CONTAINING and arguments == (entity, support)):
+            continue
         if arguments[predicate.subject] == entity:
-            volume = volume.meet(predicate.volume(situation, arguments, half))
+            volume = volume.meet(predicate.volume(situation, arguments, quaternion))
         elif predicate.inverse is not None:
-            volume = volume.meet(PREDICATES[predicate.inverse].volume(situation, arguments[::-1], half))
+            volume = volume.meet(PREDICATES[predicate.inverse].volume(situation, arguments[::-1], quaternion))
     return volume
 
 
-def _close(situation: Situation, entity: str, wanted: Iterable[Fact]) -> Volume:
-    """Return the surroundings of what an object is beside: there the relation is seen at a glance."""
-    volume = Volume()
-    for fact in wanted:
-        if fact.predicate.inverse is not None:
+def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
+    """Return the part of a volume around what an object is beside: there the relation is seen at a glance."""
+    for fact in about:
+        if fact.value and fact.predicate.inverse is not None:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
             x, y, _ = situation.pose(other).position
             half_x, half_y, _ = situation.half(other)
@@ -155,48 +220,51 @@ def _close(situation: Situation, entity: str, wanted: Iterable[Fact]) -> Volume:
 
 
 def _surface(
-    situation: Situation, entity: str, support: str, half: tuple[float, float, float], about: Iterable[Fact]
+    situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool
 ) -> Volume:
     """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
-    z = surface_height(situation, support) + half[2]
     if support != TABLE:
         name = "inside" if situation.shape(support).kind == "container" else "on_top"
-        return PREDICATES[name].volume(situation, (entity, support), half)
+        return PREDICATES[name].volume(situation, (entity, support), quaternion)
+    half_x, half_y, z = extents(situation.shape(entity), quaternion)
     low_x, high_x, low_y, high_y = situation.scene.workspace
-    if any(fact.predicate.name == "reachable" and not fact.value for fact in about):
+    if out_of_reach:
         (x, y), (size_x, size_y) = situation.scene.table.centre, situation.scene.table.size
-        low_x, high_x = x - size_x / 2 + half[0] + EDGE, x + size_x / 2 - half[0] - EDGE
-        low_y, high_y = y - size_y / 2 + half[1] + EDGE, y + size_y / 2 - half[1] - EDGE
+        low_x, high_x = x - size_x / 2 + half_x + EDGE, x + size_x / 2 - half_x - EDGE
+        low_y, high_y = y - size_y / 2 + half_y + EDGE, y + size_y / 2 - half_y - EDGE
     return Volume((low_x, low_y, z), (high_x, high_y, z))
 
 
-def _spacing(support: str, first: bool) -> float:
-    """Return how far an object should be from others in metres: first wide, on the table never close."""
-    if first:
-        return FINGER_ROOM
-    return SPACING if support == TABLE else 0.0
+def _clear(body: Box, neighbours: Iterable[Box], spacing: float) -> bool:
+    """Tell whether a bounding box is `spacing` metres away from others sideways."""
+    for other in neighbours:  # noqa: SIM110 (all() is slower here)
+        if boxes_meet(body, other, spacing):
+            return False
+    return True
 
 
-def _draw_point(search: Search, volume: Volume, room: float) -> Vector:
-    """Draw a point at the bottom of a volume, `room` metres off its borders as far as there is some."""
-    x, y = (
-        search.uniform(low + min(room, (high - low) / 3), high - min(room, (high - low) / 3))
-        for low, high in zip(volume.low[:2], volume.high[:2], strict=True)
-    )
-    return (x, y, volume.low[2])
+def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[Floor, float]]:
+    """Yield where to draw and how far from others in metres: first wide, then closer, on the table never close."""
+    yield from repeat((favourite, FINGER_ROOM), TRIES)
+    yield from repeat((favourite, FINGER_ROOM / 2), TRIES)
+    yield from repeat((everything, SPACING if support == TABLE else 0.0), TRIES)
 
 
-def _draw_yaw(search: Search, situation: Situation, support: str, volume: Volume) -> float:
-    """Draw a yaw in radians: within the volume's range, else square to the support, else any."""
-    if volume.yaw is not None:
-        centre, half = volume.yaw
-        if half < 0.0:
-            raise Failure(EMPTY_VOLUME)
-        return centre + search.uniform(-half, half)
+def _yaws(
+    search: Search, situation: Situation, entity: str, support: str, about: Iterable[Fact]
+) -> Iterator[float]:
+    """Yield yaws in radians: one in the range that facts want, else square to the support, else any, then square."""
+    wanted = yaw_range(situation, entity, about)
+    if wanted is not None:
+        yield wanted[0] + search.uniform(-wanted[1], wanted[1])
+        return
     if support == TABLE:
-        return search.uniform(-math.pi, math.pi)
+        yield search.uniform(-math.pi, math.pi)
+        along = int(search.rng.integers(2)) * math.pi / 2
+        yield from (along, math.pi / 2 - along)
+        return
     quarter = int(search.rng.integers(4)) * math.pi / 2
-    return yaw_of(situation.pose(support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
+    yield yaw_of(situation.pose(support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
 
 
 def _has_place(situation: Situation, entity: str) -> bool:

@@ -17,7 +17,7 @@ from itertools import islice
 from multiprocessing import get_context
 
 from prag_asp.domain.scene import Scene
-from prag_asp.errors import PragError, QueryError
+from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics.silence import STDOUT, silence
 from prag_asp.physics.validator import Validator, open_validator
 from prag_asp.physics.verdict import Budget, Verdict
@@ -47,11 +47,11 @@ def validate_tasks(
     """Yield the verdict on each task, in the order of the tasks, which may be endless.
 
     One worker runs in this process, more are spawned; the verdicts do not depend on it. Tasks of a worker
-    that was killed are done again in a new pool.
+    that was killed are done again in a new pool. Closing the iterator ends the workers at once.
 
     Raises:
         QueryError: the number of workers is not positive.
-        SceneError: a task speaks about something for which the scene has no shape.
+        SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
         WorkerError: workers died more than `REPLACEMENTS` times in a row.
     """
     if workers < 1:
@@ -98,7 +98,7 @@ def _in_pool(
                         f"workers died {failures} times in a row around task {index}; "
                         "is there enough memory? Try fewer workers"
                     ) from error
-                pool.close()
+                pool.kill()
                 pool = _Pool(scene, workers, seed, budget)
                 waiting = deque((chunk, future if _done(future) else None) for chunk, future in waiting)
                 continue
@@ -106,7 +106,7 @@ def _in_pool(
             waiting.popleft()
             yield from verdicts
     finally:
-        pool.close()
+        pool.kill()
 
 
 def _chunks(tasks: Iterable[Task]) -> Iterator[Chunk]:
@@ -135,34 +135,56 @@ class _Pool:
         """Hand a chunk to a worker."""
         return self._executor.submit(_validate_chunk, chunk, *self._settings)
 
-    def close(self) -> None:
-        """End the workers and wait for them, dropping what they have not begun."""
+    def kill(self) -> None:
+        """End the workers in the middle of what they do, and wait until they are gone.
+
+        Leaving the executor in peace would finish the chunks that it has already handed out.
+        """
+        processes = getattr(self._executor, "_processes", None) or {}  # None once it is broken
+        for process in list(processes.values()):
+            process.terminate()
         self._executor.shutdown(wait=True, cancel_futures=True)
 
 
 @dataclass
 class _Worker:
-    """What a spawned process keeps between its tasks."""
+    """What a spawned process keeps between its tasks: a validator, or why there is none."""
 
-    validator: Validator
+    validator: Validator | None
     resources: ExitStack
+    error: PragError | None = None
 
 
 _worker: list[_Worker] = []
 
 
 def _start_worker(scene: Scene) -> None:
-    """Prepare a spawned process: no output, no reaction to Ctrl-C (its parent ends it), one validator."""
+    """Prepare a spawned process: no output, no reaction to Ctrl-C (its parent ends it), one validator.
+
+    An error is kept for the first chunk to raise: raised here it would only break the pool.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     silence(STDOUT)
     resources = ExitStack()
-    _worker.append(_Worker(resources.enter_context(open_validator(scene)), resources))
+    try:
+        _worker.append(_Worker(resources.enter_context(open_validator(scene)), resources))
+    except PragError as error:
+        _worker.append(_Worker(None, resources, error))
+    except Exception as error:
+        what = f"{type(error).__name__}: {error}"
+        _worker.append(_Worker(None, resources, SceneError(f"the scene cannot be built: {what}")))
 
 
 def _validate_chunk(chunk: Chunk, seed: int, budget: Budget) -> list[Verdict]:
-    """Return the verdicts on some tasks, in a spawned process."""
+    """Return the verdicts on some tasks, in a spawned process.
+
+    Raises:
+        SceneError: the scene of this process could not be built.
+    """
     start, tasks = chunk
-    validator = _worker[0].validator
+    validator, error = _worker[0].validator, _worker[0].error
+    if validator is None:
+        raise error or SceneError("the scene cannot be built")
     return [
         validator.validate(task, seed=seed, index=start + i, budget=budget) for i, task in enumerate(tasks)
     ]

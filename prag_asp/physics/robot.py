@@ -9,6 +9,7 @@ URDF.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 Joints = tuple[float, ...]
@@ -43,10 +44,12 @@ class Robot:
     reach_height: float
     self_pairs: tuple[tuple[int, int], ...]
 
-    def within_limits(self, joints: Joints, tolerance: float = 0.0) -> bool:
+    def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
         """Tell whether every joint is within its limits, widened by `tolerance` radians."""
-        limits = zip(self.lower, joints, self.upper, strict=True)
-        return all(low - tolerance <= joint <= high + tolerance for low, joint, high in limits)
+        for low, joint, high in zip(self.lower, joints, self.upper, strict=True):
+            if not low - tolerance <= joint <= high + tolerance:
+                return False
+        return True
 
 
 PANDA = Robot(

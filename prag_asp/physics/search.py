@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from prag_asp.domain.scene import Scene
+from prag_asp.physics.foresight import Foresight
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.simulator import Simulator
@@ -45,11 +46,12 @@ class Exhausted(Exception):
 
 @dataclass(frozen=True)
 class Search:
-    """The simulator, the objects of the task, and the generator of random numbers of this task."""
+    """The simulator, the objects of the task, the generator of random numbers of this task, its foresight."""
 
     simulator: Simulator
     objects: tuple[str, ...]
     rng: np.random.Generator
+    foresight: Foresight
 
     @property
     def scene(self) -> Scene:

@@ -61,12 +61,14 @@ class Simulator:
             if shape.kind not in ("robot", "table")
         }
         self._poses: dict[str, Pose] = {}
-        self._links = sorted({link for pair in self.robot.self_pairs for link in pair})
+        self._trunk, self._wrist = (sorted(set(links)) for links in zip(*self.robot.self_pairs, strict=True))
+        self._link_boxes: list[tuple[Vector, Vector]] = []
         self._arm_at: tuple[Joints, float] | None = None
         self._joints_at: Joints = ()
         self._self_overlaps: dict[Joints, float] = {}
         self._joints = [*self.robot.arm_links, *self.robot.finger_joints]
-        self.place({})
+        for entity in self.bodies:
+            self._park(entity)
 
     def place(self, poses: Mapping[str, Pose]) -> None:
         """Put objects at poses, and park all others.
@@ -75,17 +77,15 @@ class Simulator:
             SceneError: an object has no body, or its pose is not finite.
         """
         for entity, pose in poses.items():
-            if self._poses.get(entity) != pose:
+            known = self._poses.get(entity)
+            if known is not pose and known != pose:
                 if not finite(pose):
                     raise SceneError(
                         f"{entity} has the pose {pose}, which is not a finite position and rotation"
                     )
                 self._move(entity, pose)
-        for i, entity in enumerate(self.bodies):
-            if entity not in poses:
-                parked = Pose((PARKING[0] + 2.0 * i, PARKING[1], PARKING[2]))
-                if self._poses.get(entity) != parked:
-                    self._move(entity, parked)
+        for entity in [entity for entity in self._poses if entity not in poses]:
+            self._park(entity)
 
     def pose_arm(self, joints: Joints, width: float) -> None:
         """Put the arm at seven joint angles in radians, the gripper at an opening in metres.
@@ -99,7 +99,7 @@ class Simulator:
             raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
         values = [[angle] for angle in (*joints, width / 2, width / 2)]
         pybullet.resetJointStatesMultiDof(self.arm, self._joints, values, physicsClientId=self.client)
-        self._arm_at, self._joints_at = (joints, width), joints
+        self._arm_at, self._joints_at, self._link_boxes = (joints, width), joints, []
 
     def overlap(self, one: int, two: int) -> float:
         """Return the distance of two bodies that touch in metres: negative in each other, 0 where apart."""
@@ -116,10 +116,12 @@ class Simulator:
         known = self._self_overlaps.get(self._joints_at)
         if known is not None:
             return known
-        boxes = {link: self.link_box(link) for link in self._links}
+        boxes = dict(zip(self.robot.links, self.link_boxes(), strict=True))
         smallest = 0.0
+        trunk = _around([boxes[link] for link in self._trunk])
+        near = {link for link in self._wrist if boxes_touch(boxes[link], trunk)}
         for low, high in self.robot.self_pairs:
-            if not boxes_touch(boxes[low], boxes[high]):
+            if high not in near or not boxes_touch(boxes[low], boxes[high]):
                 continue
             points = pybullet.getClosestPoints(
                 self.arm, self.arm, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
@@ -130,10 +132,12 @@ class Simulator:
         self._self_overlaps[self._joints_at] = smallest
         return smallest
 
-    def link_box(self, link: int) -> tuple[Vector, Vector]:
-        """Return the lowest and the highest corner of the bounding box of a link of the arm, in metres."""
-        low, high = pybullet.getAABB(self.arm, link, physicsClientId=self.client)
-        return low, high
+    def link_boxes(self) -> list[tuple[Vector, Vector]]:
+        """Return the lowest and the highest corner of the bounding box of each link of the arm, in metres."""
+        if not self._link_boxes:
+            read, arm, client = pybullet.getAABB, self.arm, self.client
+            self._link_boxes = [read(arm, link, client) for link in self.robot.links]
+        return self._link_boxes
 
     def flange(self) -> Pose:
         """Return the pose of the flange as the simulator's own kinematics has it.
@@ -166,6 +170,12 @@ class Simulator:
         if entity not in self.bodies:
             raise SceneError(f"{entity} has no body; give its class a shape under [scene.shapes]")
         return self.bodies[entity]
+
+    def _park(self, entity: str) -> None:
+        """Put one body where it is in nobody's way."""
+        i = list(self.bodies).index(entity)
+        self._move(entity, Pose((PARKING[0] + 2.0 * i, PARKING[1], PARKING[2])))
+        del self._poses[entity]
 
     def _move(self, entity: str, pose: Pose) -> None:
         """Put one body at a pose."""
@@ -247,6 +257,13 @@ def boxes_touch(one: tuple[Vector, Vector], two: tuple[Vector, Vector]) -> bool:
     (ax, ay, az), (bx, by, bz) = one
     (cx, cy, cz), (dx, dy, dz) = two
     return ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz
+
+
+def _around(boxes: Sequence[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
+    """Return the bounding box of bounding boxes, each its lowest and its highest corner."""
+    lows, highs = zip(*boxes, strict=True)
+    (ax, ay, az), (bx, by, bz) = (map(min, zip(*lows, strict=True)), map(max, zip(*highs, strict=True)))
+    return (ax, ay, az), (bx, by, bz)
 
 
 @contextmanager

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.errors import SceneError
@@ -12,14 +13,27 @@ from prag_asp.physics.geometry import Pose, Vector, extents
 TABLE_THICKNESS = 0.04
 
 
+class Body(NamedTuple):
+    """An object's pose, half the sides of its bounding box as it is turned, and the corners of that; metres."""
+
+    pose: Pose
+    half: Vector
+    low: Vector
+    high: Vector
+
+
 @dataclass(frozen=True)
 class Situation:
-    """The poses of the objects, the pose of the point between the finger tips, the opening in metres."""
+    """The poses of the objects, the pose of the point between the finger tips, the opening in metres.
+
+    `measured` remembers the boxes of poses already seen; situations made from one another share it.
+    """
 
     scene: Scene
     poses: Mapping[str, Pose]
     tool: Pose
     width: float
+    measured: dict[str, Body] = field(default_factory=dict, repr=False, compare=False)
 
     def shape(self, entity: str) -> Shape:
         """Return the shape of an entity.
@@ -52,26 +66,47 @@ class Situation:
             f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}"
         )
 
+    def body(self, entity: str) -> Body:
+        """Return the pose and the bounding box of an object, or of the table's top.
+
+        Raises:
+            SceneError: the entity has no shape, or does not take part in this situation.
+        """
+        known = self.measured.get(entity)
+        pose = self.poses.get(entity)
+        if known is not None and known[0] is pose:
+            return known
+        if pose is None:
+            return _box(self.pose(entity), (self.scene.table.size[0] / 2, self.scene.table.size[1] / 2, 0.0))
+        body = self.measured[entity] = _box(pose, extents(self.scene.shapes[entity], pose.quaternion))
+        return body
+
     def half(self, entity: str) -> Vector:
         """Return half the sides of the bounding box of an entity as it is turned, in metres."""
-        pose = self.poses.get(entity)
-        if pose is not None:
-            return extents(self.scene.shapes[entity], pose.quaternion)
-        if self.is_table(entity):
-            x, y = self.scene.table.size
-            return (x / 2, y / 2, 0.0)
-        raise SceneError(
-            f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}"
-        )
+        return self.body(entity).half
 
     def top(self, entity: str) -> float:
         """Return the height of the highest point of an entity in metres."""
-        return self.pose(entity).position[2] + self.half(entity)[2]
+        return self.body(entity).high[2]
 
     def bottom(self, entity: str) -> float:
         """Return the height of the lowest point of an entity in metres."""
-        return self.pose(entity).position[2] - self.half(entity)[2]
+        return self.body(entity).low[2]
 
     def with_pose(self, entity: str, pose: Pose) -> Situation:
         """Return the situation with one object moved."""
-        return replace(self, poses={**self.poses, entity: pose})
+        return self.with_poses({**self.poses, entity: pose})
+
+    def with_poses(self, poses: Mapping[str, Pose]) -> Situation:
+        """Return the situation with other poses of the objects."""
+        return Situation(self.scene, poses, self.tool, self.width, self.measured)
+
+    def with_tool(self, tool: Pose, width: float) -> Situation:
+        """Return the situation with the gripper elsewhere or open otherwise."""
+        return Situation(self.scene, self.poses, tool, width, self.measured)
+
+
+def _box(pose: Pose, half: Vector) -> Body:
+    """Return a pose with a bounding box around it."""
+    (x, y, z), (hx, hy, hz) = pose.position, half
+    return Body(pose, half, (x - hx, y - hy, z - hz), (x + hx, y + hy, z + hz))

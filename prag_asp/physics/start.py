@@ -30,17 +30,17 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
             if support is None:
                 support = any_support(search, situation, entity, problem.initial)
             situation = situation.with_pose(
-                entity, draw_pose(search, situation, entity, support, problem.initial)
+                entity, draw_pose(search, situation, entity, support, problem.initial, 0)
             )
     verify_objects(search, situation, problem.objects, None)
     snapshot = Snapshot(situation, home)
     place = problem.held or _visited(problem.initial)
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=problem.held is not None)
-    elif collide(search, home, Configuration(situation.poses, situation.width, None)) is not None:
+    elif collide(search, home, Configuration(situation, situation.width, None)) is not None:
         raise Failure(ARM_COLLIDES)
     elif any(fact.predicate.name == "gripper_open" and not fact.value for fact in problem.initial):
-        snapshot = replace(snapshot, situation=replace(situation, width=0.0))
+        snapshot = replace(snapshot, situation=situation.with_tool(situation.tool, 0.0))
     if not all(fact.satisfied(snapshot.situation) for fact in problem.initial):
         raise Failure(RELATION)
     return snapshot

@@ -12,6 +12,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.actions import advance
 from prag_asp.physics.facts import Effect, Problem, problem
+from prag_asp.physics.foresight import foresee
 from prag_asp.physics.proofs import impossibility
 from prag_asp.physics.search import CAUSES, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.simulator import Simulator, open_simulator
@@ -40,7 +41,8 @@ class Validator:
         if reason is not None:
             return Verdict("infeasible", budget, seed, index, reason=reason)
         rng = np.random.default_rng([seed, index])
-        return self._look(seen, Search(self._simulator, seen.objects, rng), budget, seed, index)
+        search = Search(self._simulator, seen.objects, rng, foresee(seen, self._simulator.scene))
+        return self._look(seen, search, budget, seed, index)
 
     def _look(self, seen: Problem, search: Search, budget: Budget, seed: int, index: int) -> Verdict:
         """Search for a witness within a budget."""

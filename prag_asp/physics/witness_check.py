@@ -113,7 +113,7 @@ def _state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator)
     if falling is not None:
         yield f"{falling} would fall"
     touched = moment.held or _at(situation)
-    hit = arm_collision(simulator, moment.poses, moment.joints, moment.width, touched)
+    hit = arm_collision(simulator, situation, moment.joints, moment.width, touched)
     if hit is not None:
         yield f"the arm collides with {hit.other}"
     if moment.held is not None and moment.grasp is not None:
@@ -165,7 +165,7 @@ def _waypoint_collision(
         poses = dict(after.poses)
     situation = Situation(simulator.scene, poses, tool, waypoint.width)
     touched = waypoint.held or _at(situation)
-    hit = arm_collision(simulator, poses, waypoint.joints, waypoint.width, touched)
+    hit = arm_collision(simulator, situation, waypoint.joints, waypoint.width, touched)
     return None if hit is None else hit.other
 
 

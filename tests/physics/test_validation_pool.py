@@ -1,16 +1,19 @@
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
-from itertools import count, islice
+from dataclasses import replace
+from itertools import chain, count, islice, repeat
 from pathlib import Path
 
 import pytest
 
+from prag_asp.domain.scene import Shape
 from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics import Budget, WorkerError, validate_tasks
 from tests.physics.random_tasks import random_tasks
@@ -129,3 +132,50 @@ def _group_alive(group: int) -> bool:
     except ProcessLookupError:
         return False
     return True
+
+
+def test_a_scene_that_cannot_be_built_is_one_clear_error_however_many_workers(tabletop):
+    broken = replace(tabletop, shapes={**tabletop.shapes, "cube_1": Shape("box", (math.nan, 0.05, 0.05))})
+    for workers in (1, 2):
+        with pytest.raises(SceneError) as caught:
+            list(validate_tasks([stacking()] * 20, broken, seed=0, workers=workers))
+        assert "cube_1" in str(caught.value) and "\n" not in str(caught.value)
+    assert not _workers()
+
+
+def test_what_breaks_a_worker_at_its_start_is_told_and_not_tried_again(tabletop):
+    unknown = replace(tabletop, robot="no_such_robot")
+    with pytest.raises(SceneError, match=r"the scene cannot be built: KeyError: 'no_such_robot'"):
+        list(validate_tasks([stacking()], unknown, seed=0, workers=2))
+    assert not _workers()
+
+
+def _hopeless():
+    """Return a task that takes the whole budget: three cubes' worth of things in a tray that is full."""
+    crowd = ["cube_1", "cube_2", "brick_1", "brick_2", "can_1"]
+    initial = state(*[f"inside({name},tray_1)" for name in crowd], *[f"left_of({name},bin_1)" for name in crowd])
+    return task(initial, ("x(panda)", state("right_of(can_1,tray_1)")))
+
+
+@pytest.mark.parametrize("way", ["close", "abandon", "interrupt"])
+def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way):
+    endless = chain([stacking()] * 4, repeat(_hopeless()))
+    verdicts = validate_tasks(endless, tabletop, seed=0, workers=2, budget=Budget(100_000, 100))
+    next(verdicts)
+    assert _workers()
+    begun = time.monotonic()
+    if way == "close":
+        verdicts.close()
+    elif way == "abandon":
+        del verdicts
+    else:
+        with pytest.raises(KeyboardInterrupt):
+            _consume(validate_tasks(endless, tabletop, seed=0, workers=2, budget=Budget(100_000, 100)))
+        verdicts.close()
+    assert time.monotonic() - begun < 5
+    assert not _workers()
+
+
+def _consume(verdicts):
+    for _ in verdicts:
+        raise KeyboardInterrupt

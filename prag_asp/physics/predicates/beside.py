@@ -9,15 +9,18 @@ it.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import partial
 
-from prag_asp.physics.geometry import Vector
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
+from prag_asp.physics.geometry import Quaternion, extents
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 
 GAP = 0.005
 MARGIN = 0.001
 SPREAD = 2.0
+SLANT = math.hypot(1.0, SPREAD)
 X, Y = 0, 1
 DIRECTIONS = {"left_of": (Y, 1.0), "right_of": (Y, -1.0), "in_front_of": (X, -1.0), "behind": (X, 1.0)}
 INVERSES = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
@@ -35,31 +38,41 @@ def direction(name: str, frame: str) -> tuple[int, float]:
     return axis, sign if frame == "robot" else -sign
 
 
-def _distance(name: str, situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres the subject is short of the gap or outside the spread."""
+def needed(situation: Situation, arguments: Arguments, axis: int) -> float:
+    """Return how far the centres have to be apart along an axis in metres."""
+    return situation.half(arguments[0])[axis] + situation.half(arguments[1])[axis] + GAP
+
+
+def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the subject is outside the spread or short of the gap."""
+    axis, sign = direction(name, situation.scene.frame)
+    one, two = situation.pose(arguments[0]).position, situation.pose(arguments[1]).position
+    along = sign * (one[axis] - two[axis])
+    yield (abs(one[1 - axis] - two[1 - axis]) - SPREAD * along) / SLANT
+    yield needed(situation, arguments, axis) - along
+
+
+def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the wedge beyond the other body."""
     subject, other = arguments
     axis, sign = direction(name, situation.scene.frame)
-    one, two = situation.pose(subject).position, situation.pose(other).position
-    along = sign * (one[axis] - two[axis])
-    across = abs(one[1 - axis] - two[1 - axis])
-    needed = situation.half(subject)[axis] + situation.half(other)[axis] + GAP
-    return excess(needed - along, (across - SPREAD * along) / math.hypot(1.0, SPREAD))
-
-
-def _volume(name: str, situation: Situation, arguments: Arguments, half: Vector) -> Volume:
-    """Return the half space beyond the other body."""
-    other = arguments[1]
-    axis, sign = direction(name, situation.scene.frame)
-    edge = situation.half(other)[axis] + half[axis] + GAP + MARGIN
+    at = situation.pose(other).position
+    half = extents(situation.shape(subject), quaternion)[axis]
+    edge = at[axis] + sign * (half + situation.half(other)[axis] + GAP + MARGIN)
     low, high = [-math.inf] * 3, [math.inf] * 3
-    (low if sign > 0 else high)[axis] = situation.pose(other).position[axis] + sign * edge
-    return Volume((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+    (low if sign > 0 else high)[axis] = edge
+    sides = []
+    for across in (1.0, -1.0):
+        normal = [0.0, 0.0]
+        normal[axis], normal[1 - axis] = -sign * SPREAD / SLANT, across / SLANT
+        sides.append(Side(normal[0], normal[1], normal[0] * at[0] + normal[1] * at[1] - MARGIN))
+    return Volume((low[0], low[1], low[2]), (high[0], high[1], high[2]), sides=tuple(sides))
 
 
 BESIDE = tuple(
     Predicate(
         name=name,
-        distance=partial(_distance, name),
+        violations=partial(_violations, name),
         volume=partial(_volume, name),
         sentence=states(f"{{0}} {{is}} {PHRASES[name]} {{1}}"),
         inverse=INVERSES[name],

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Vector, rotate, width_along
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
+from prag_asp.physics.geometry import Quaternion, rotate, width_along
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Ring, Volume
 from prag_asp.physics.robot import ROBOTS, Robot
 from prag_asp.physics.situation import Situation
 
@@ -27,74 +29,78 @@ def _robot(situation: Situation) -> Robot:
     return ROBOTS[situation.scene.robot]
 
 
-def _at_distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres the tool misses the middle of the object."""
+def _at_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the tool misses the middle of the object."""
     entity = arguments[1]
     x, y, z = situation.tool.position
+    yield z - situation.top(entity)
+    yield situation.bottom(entity) - BELOW - z
     cx, cy, _ = situation.pose(entity).position
-    beside = math.hypot(x - cx, y - cy) - CENTRE_TOLERANCE
-    return excess(beside, situation.bottom(entity) - BELOW - z, z - situation.top(entity))
+    yield math.hypot(x - cx, y - cy) - CENTRE_TOLERANCE
 
 
-def _at_volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
-    """Return a box around the axis of the object for the tool."""
+def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return a disc around the axis of the object for the tool."""
     entity = arguments[1]
     x, y, _ = situation.pose(entity).position
-    side = CENTRE_TOLERANCE / math.sqrt(2) - MARGIN
-    bottom, top = situation.bottom(entity), situation.top(entity)
-    return Volume((x - side, y - side, bottom), (x + side, y + side, top))
+    side = CENTRE_TOLERANCE - MARGIN
+    low, high = situation.bottom(entity) - BELOW + MARGIN, situation.top(entity) - MARGIN
+    return Volume((x - side, y - side, low), (x + side, y + side, high), rings=(Ring(x, y, 0.0, side),))
 
 
-def _holding_distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres the tool misses the object, or the opening its width."""
-    entity = arguments[1]
-    slack = abs(situation.width - grip_width(situation, entity)) - GRIP_TOLERANCE
-    return excess(_at_distance(situation, arguments), slack)
+def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the tool misses the object, and the opening its width."""
+    yield from _at_violations(situation, arguments)
+    yield abs(situation.width - grip_width(situation, arguments[1])) - GRIP_TOLERANCE
 
 
-def _holding_volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
-    """Return a box around the axis of the object for the tool, and the opening that grips the object."""
+def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return a disc around the axis of the object for the tool, and the opening that grips the object."""
     width = grip_width(situation, arguments[1])
     tight = GRIP_TOLERANCE - MARGIN
-    return _at_volume(situation, arguments, half).meet(Volume(width=(width - tight, width + tight)))
+    return _at_volume(situation, arguments, quaternion).meet(Volume(width=(width - tight, width + tight)))
 
 
-def _open_distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres the gripper is short of open."""
-    return excess(_robot(situation).opening - OPEN_TOLERANCE - situation.width)
+def _open_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the gripper is short of open."""
+    yield _robot(situation).opening - OPEN_TOLERANCE - situation.width
 
 
-def _open_volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
+def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the openings that count as open."""
     opening = _robot(situation).opening
     return Volume(width=(opening - OPEN_TOLERANCE, opening))
 
 
-def _reachable_distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres an object is too near, too far or too high for a grasp from above."""
+def _reachable_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres an object is too near, too far or too high for a grasp from above."""
     robot = _robot(situation)
     x, y, z = situation.pose(arguments[1]).position
     radius = math.hypot(x, y)
-    return excess(robot.reach[0] - radius, radius - robot.reach[1], z - robot.reach_height)
+    yield robot.reach[0] - radius
+    yield radius - robot.reach[1]
+    yield z - robot.reach_height
 
 
-def _reachable_volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
-    """Return the bounding box of the ring that the gripper reaches from above."""
+def _reachable_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the ring that the gripper reaches from above."""
     robot = _robot(situation)
-    reach = robot.reach[1]
-    return Volume((-reach, -reach, -math.inf), (reach, reach, robot.reach_height))
+    inner, outer = robot.reach
+    height = robot.reach_height - MARGIN
+    ring = Ring(0.0, 0.0, inner, outer)
+    return Volume((-outer, -outer, -math.inf), (outer, outer, height), rings=(ring,))
 
 
 AT = Predicate(
     name="at",
-    distance=_at_distance,
+    violations=_at_violations,
     volume=_at_volume,
     sentence=states("the gripper {is} at {1}"),
     of_gripper=True,
 )
 HOLDING = Predicate(
     name="holding",
-    distance=_holding_distance,
+    violations=_holding_violations,
     volume=_holding_volume,
     sentence=states("{1} {is} held by the gripper"),
     subject=1,
@@ -102,14 +108,14 @@ HOLDING = Predicate(
 )
 GRIPPER_OPEN = Predicate(
     name="gripper_open",
-    distance=_open_distance,
+    violations=_open_violations,
     volume=_open_volume,
     sentence=states("the gripper {is} open"),
     of_gripper=True,
 )
 REACHABLE = Predicate(
     name="reachable",
-    distance=_reachable_distance,
+    violations=_reachable_violations,
     volume=_reachable_volume,
     sentence=states("{1} {is} within reach"),
     subject=1,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Vector, cavity, extents, multiply, to_local, yaw_of
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
+from prag_asp.physics.geometry import Quaternion, Vector, cavity, extents, heading, multiply, to_local
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Volume, turned_box
 from prag_asp.physics.situation import Situation
 
 TOLERANCE = 0.002
@@ -19,14 +20,22 @@ def floor_height(situation: Situation, container: str) -> float:
     return situation.bottom(container) + situation.shape(container).wall
 
 
-def _lateral(situation: Situation, subject: str, container: str) -> float:
-    """Return how far the bounding box of a body, in the container's axes, sticks out of it in metres."""
+def _half_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Vector:
+    """Return half the sides of the bounding box of a turned body in the container's axes, in metres."""
+    x, y, z, w = situation.pose(container).quaternion
+    return extents(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
+
+
+def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
+    """Yield how far the bounding box of a body, in the container's axes, sticks out of it in metres."""
     pose, outer = situation.pose(subject), situation.pose(container)
-    x, y, z, w = outer.quaternion
-    half = extents(situation.shape(subject), multiply((-x, -y, -z, w), pose.quaternion))
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
     inner = cavity(situation.shape(container))
-    return max(abs(dx) + half[0] - inner[0] / 2, abs(dy) + half[1] - inner[1] / 2)
+    yield abs(dx) - inner[0] / 2
+    yield abs(dy) - inner[1] / 2
+    half = _half_within(situation, subject, container, pose.quaternion)
+    yield abs(dx) + half[0] - inner[0] / 2
+    yield abs(dy) + half[1] - inner[1] / 2
 
 
 def _height(situation: Situation, subject: str, container: str) -> float:
@@ -34,51 +43,61 @@ def _height(situation: Situation, subject: str, container: str) -> float:
     return situation.bottom(subject) - floor_height(situation, container)
 
 
-def _inside_distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres a body misses the floor of the container; a stacked body is not inside."""
+def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres a body misses the floor of the container; a stacked body is not inside."""
     height = _height(situation, *arguments)
-    return excess(_lateral(situation, *arguments), -TOLERANCE - height, height - FLOOR_BAND)
+    yield -TOLERANCE - height
+    yield height - FLOOR_BAND
+    yield from _lateral(situation, *arguments)
 
 
-def _located_distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres a body misses the room in and up to `HOVER` above the container."""
+def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres a body misses the room in and up to `HOVER` above the container."""
     height = _height(situation, *arguments)
-    highest = cavity(situation.shape(arguments[1]))[2] + HOVER
-    return excess(_lateral(situation, *arguments), -TOLERANCE - height, height - highest)
+    yield -TOLERANCE - height
+    yield height - cavity(situation.shape(arguments[1]))[2] - HOVER
+    yield from _lateral(situation, *arguments)
 
 
-def _room(situation: Situation, container: str, half: Vector, height: float) -> Volume:
-    """Return the bounding box of where the centre of a body may be, up to a height above the floor."""
-    x, y, _ = situation.pose(container).position
-    inner = cavity(situation.shape(container))
-    smallest = min(half[0], half[1])
-    dx, dy = inner[0] / 2 - smallest - MARGIN, inner[1] / 2 - smallest - MARGIN
-    yaw = yaw_of(situation.pose(container).quaternion)
-    cosine, sine = abs(math.cos(yaw)), abs(math.sin(yaw))
-    reach_x, reach_y = cosine * dx + sine * dy, sine * dx + cosine * dy
+def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float) -> Volume:
+    """Return where the centre of a body may be, up to a height above the floor."""
+    subject, container = arguments
+    pose, inner = situation.pose(container), cavity(situation.shape(container))
+    half = _half_within(situation, subject, container, quaternion)
+    dx, dy = inner[0] / 2 - half[0] - MARGIN, inner[1] / 2 - half[1] - MARGIN
+    x, y, _ = pose.position
     z = floor_height(situation, container) + half[2]
     if min(dx, dy) < 0.0:
         return Volume((x, y, z), (x, y, z - 1.0))
-    return Volume((x - reach_x, y - reach_y, z), (x + reach_x, y + reach_y, z + height))
+    cosine, sine = heading(pose.quaternion)
+    reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy
+    return Volume(
+        (x - reach_x, y - reach_y, z),
+        (x + reach_x, y + reach_y, z + height),
+        sides=turned_box((pose.position, (cosine, sine)), (dx, dy)),
+    )
 
 
-def _inside_volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
+def _inside_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the floor of the container, at the height of a body that stands on it."""
-    return _room(situation, arguments[1], half, 0.0)
+    return _room(situation, arguments, quaternion, 0.0)
 
 
-def _located_volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
+def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the room in the container and above it."""
     depth = cavity(situation.shape(arguments[1]))[2]
-    return _room(situation, arguments[1], half, depth + HOVER - MARGIN)
+    return _room(situation, arguments, quaternion, depth + HOVER - MARGIN)
 
 
 INSIDE = Predicate(
-    name="inside", distance=_inside_distance, volume=_inside_volume, sentence=states("{0} {is} inside {1}")
+    name="inside",
+    violations=_inside_violations,
+    volume=_inside_volume,
+    sentence=states("{0} {is} inside {1}"),
 )
 LOCATED = Predicate(
     name="located",
-    distance=_located_distance,
+    violations=_located_violations,
     volume=_located_volume,
     sentence=states("{0} {is} in or above {1}"),
 )

@@ -3,40 +3,50 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Vector, to_local
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
+from prag_asp.physics.geometry import Quaternion, Vector, extents, heading, to_local
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
 
 TOLERANCE = 0.002
 MARGIN = 0.004
+ROUND = ("cylinder", "sphere")
 
 
-def _overhang(situation: Situation, support: str, x: float, y: float) -> float:
-    """Return how far a point lies beyond the edge of a top in metres, at most 0 above it."""
-    dx, dy = to_local(situation.pose(support), x, y)
-    if situation.shape(support).kind in ("cylinder", "sphere"):
-        return math.hypot(dx, dy) - situation.shape(support).half[0]
-    half = situation.half(support) if situation.is_table(support) else situation.shape(support).half
-    return max(abs(dx) - half[0], abs(dy) - half[1])
-
-
-def _distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many metres the body floats, sinks in or hangs over."""
+def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the body floats or sinks in, and hangs over."""
     subject, support = arguments
+    yield abs(situation.bottom(subject) - situation.top(support)) - TOLERANCE
     x, y, _ = situation.pose(subject).position
-    gap = abs(situation.bottom(subject) - situation.top(support))
-    return excess(gap - TOLERANCE, _overhang(situation, support, x, y))
+    dx, dy = to_local(situation.pose(support), x, y)
+    half = _half(situation, support)
+    if situation.shape(support).kind in ROUND:
+        yield math.hypot(dx, dy) - half[0]
+    else:
+        yield abs(dx) - half[0]
+        yield abs(dy) - half[1]
 
 
-def _volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
-    """Return the bounding box of the support's top, at the height of a body that stands on it."""
-    support = arguments[1]
-    x, y, _ = situation.pose(support).position
-    reach_x, reach_y, _ = situation.half(support)
-    z = situation.top(support) + half[2]
-    dx, dy = max(reach_x - MARGIN, 0.0), max(reach_y - MARGIN, 0.0)
-    return Volume((x - dx, y - dy, z), (x + dx, y + dy, z))
+def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the support's top, at the height of a body that stands on it."""
+    subject, support = arguments
+    pose, half = situation.pose(support), _half(situation, support)
+    x, y, _ = pose.position
+    z = situation.top(support) + extents(situation.shape(subject), quaternion)[2]
+    dx, dy = (side - min(MARGIN, side / 2) for side in half[:2])
+    if situation.shape(support).kind in ROUND:
+        return Volume((x - dx, y - dx, z), (x + dx, y + dx, z), rings=(Ring(x, y, 0.0, dx),))
+    cosine, sine = heading(pose.quaternion)
+    reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy
+    sides = turned_box((pose.position, (cosine, sine)), (dx, dy))
+    return Volume((x - reach_x, y - reach_y, z), (x + reach_x, y + reach_y, z), sides=sides)
 
 
-ON_TOP = Predicate(name="on_top", distance=_distance, volume=_volume, sentence=states("{0} {is} on {1}"))
+def _half(situation: Situation, support: str) -> Vector:
+    """Return half the sides of a support in its own axes, in metres."""
+    return situation.half(support) if situation.is_table(support) else situation.shape(support).half
+
+
+ON_TOP = Predicate(name="on_top", violations=_violations, volume=_volume, sentence=states("{0} {is} on {1}"))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.geometry import Vector, wrap, yaw_of
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, Volume, excess, states
+from prag_asp.physics.geometry import Quaternion, wrap, yaw_of
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
 
 TOLERANCE = math.radians(10)
@@ -25,17 +27,17 @@ def target_yaw(situation: Situation, rotation: str) -> float:
     return yaw
 
 
-def _distance(situation: Situation, arguments: Arguments) -> float:
-    """Return by how many radians the heading is off, beyond the tolerance."""
+def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many radians the heading is off, beyond the tolerance."""
     yaw = yaw_of(situation.pose(arguments[0]).quaternion)
-    return excess(abs(wrap(yaw - target_yaw(situation, arguments[1]))) - TOLERANCE)
+    yield abs(wrap(yaw - target_yaw(situation, arguments[1]))) - TOLERANCE
 
 
-def _volume(situation: Situation, arguments: Arguments, half: Vector) -> Volume:
+def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the range of yaws."""
     return Volume(yaw=(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN))
 
 
 ROTATED = Predicate(
-    name="rotated", distance=_distance, volume=_volume, sentence=states("{0} {is} turned {1}")
+    name="rotated", violations=_violations, volume=_volume, sentence=states("{0} {is} turned {1}")
 )

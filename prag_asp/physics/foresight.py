@@ -1,0 +1,98 @@
+"""Room for what comes later: an object beside which another will be put is kept off the border of the workspace.
+
+This only steers draws; every check stays as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.physics.facts import SUPPORTING, Effect, Fact, Problem
+from prag_asp.physics.predicates import Volume
+from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, INVERSES, MARGIN, direction
+
+Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
+"""For a state and an object that comes to its place in it: where all of it leaves ample room, then just enough."""
+
+Side = tuple[int, float]
+Rooms = dict[Side, float]
+
+
+def foresee(problem: Problem, scene: Scene) -> Foresight:
+    """Return where the objects of a task should be put so that there is room for what is put beside them later."""
+    found: dict[tuple[int, str], tuple[Volume, ...]] = {}
+    for k, facts in enumerate(problem.states):
+        named = {entity for fact in facts if fact.predicate.name in DIRECTIONS for entity in fact.arguments}
+        for entity in problem.objects if k == 0 else problem.effects[k - 1].moved:
+            later = any(_beside(fact, entity) for effect in problem.effects[k:] for fact in effect.fresh)
+            if entity not in scene.fixed and (later or (k == 0 and entity in named)):
+                volumes = [_volume(scene, _rooms(problem, scene, k, entity, wide)) for wide in (True, False)]
+                if any(volume != Volume() for volume in volumes):
+                    found[k, entity] = tuple(volumes)
+    return found
+
+
+def _rooms(problem: Problem, scene: Scene, k: int, entity: str, wide: bool, depth: int = 0) -> Rooms:
+    """Return how many metres there should be between an object put down in state `k` and each side."""
+    rooms: Rooms = {}
+    for j, fact in _later(problem, scene, k, entity):
+        name, (subject, other) = fact.predicate.name, fact.arguments
+        comer, side = (subject, name) if other == entity else (other, INVERSES[name])
+        if comer in scene.fixed or depth > len(problem.effects):
+            continue
+        axis, sign = direction(side, scene.frame)
+        radius = _radius(scene.shapes[comer], wide)
+        beyond = _rooms(problem, scene, j, comer, wide, depth + 1).get((axis, sign)) if j > k else None
+        room = GAP + 2 * MARGIN + radius + (0.0 if beyond is None else radius + beyond)
+        rooms[axis, sign] = max(room, rooms.get((axis, sign), 0.0))
+    return rooms
+
+
+def _later(problem: Problem, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, Fact]]:
+    """Yield the relations of other objects to one that rests since state `k`, with the state that begins each."""
+    if k == 0:
+        yield from ((0, fact) for fact in problem.initial if _beside(fact, entity))
+    for j in range(k, len(problem.effects)):
+        effect = problem.effects[j]
+        if entity in (*effect.moved, effect.grasps, effect.releases):
+            return
+        for fact in effect.fresh:
+            if _beside(fact, entity) and _comes_to_table(scene, effect, fact, entity):
+                yield j + 1, fact
+
+
+def _beside(fact: Fact, entity: str) -> bool:
+    """Tell whether a fact puts another object beside one."""
+    return fact.value and fact.predicate.name in DIRECTIONS and entity in fact.arguments
+
+
+def _comes_to_table(scene: Scene, effect: Effect, fact: Fact, entity: str) -> bool:
+    """Tell whether the other object of a fact is moved by an action, and not onto or into another object."""
+    other = fact.arguments[0] if fact.arguments[1] == entity else fact.arguments[1]
+    supports = [
+        each.arguments[1]
+        for each in effect.after
+        if each.value and each.predicate.name in SUPPORTING and each.arguments[0] == other
+    ]
+    return other in effect.moved and all(scene.shapes[support].kind == "table" for support in supports)
+
+
+def _radius(shape: Shape, wide: bool) -> float:
+    """Return half the side of an object that stands upright in metres, the longest or the shortest possible."""
+    x, y, _ = shape.half
+    if shape.kind in ("sphere", "cylinder"):
+        return x
+    return math.hypot(x, y) if wide else min(x, y)
+
+
+def _volume(scene: Scene, rooms: Rooms) -> Volume:
+    """Return the part of the workspace that leaves room."""
+    low, high = [-math.inf] * 3, [math.inf] * 3
+    for (axis, sign), room in rooms.items():
+        if sign > 0:
+            high[axis] = scene.workspace[2 * axis + 1] - room
+        else:
+            low[axis] = scene.workspace[2 * axis] + room
+    return Volume((low[0], low[1], low[2]), (high[0], high[1], high[2]))
