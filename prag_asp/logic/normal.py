@@ -56,7 +56,7 @@ def normal_step(ground: GroundStep) -> NormalStep:
     occurs = {symbol.arguments[0]: atom for symbol, atom in sorted(timed)}
     others = choosable - set(occurs.values())
     if others:
-        spelled = [str(ground.names[atom]) for atom in others if atom in ground.names] or ["an unnamed atom"]
+        spelled = [_at_step(ground.names[atom]) for atom in others if atom in ground.names] or ["an unnamed atom"]
         raise EngineError(f"a step chooses more than its action: {min(spelled)}")
     allowed, bodies, constraints = _step_rules(ground, set(occurs.values()))
     final_bodies: dict[int, list[Body]] = {}
@@ -97,6 +97,11 @@ def _step_rules(ground: GroundStep, actions: set[int]) -> tuple[set[int], dict[i
             bodies[atom] = allowed
             constraints.append(Body((action, -atom)))
     return set(support), bodies, constraints
+
+
+def _at_step(symbol: clingo.Symbol) -> str:
+    """Return how an author writes an atom of the step that was grounded."""
+    return str(clingo.Function(symbol.name, [*symbol.arguments[:-1], clingo.Function("t")]))
 
 
 def _single_head(rule: Rule) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ BEYOND = [
     (":- occurs(A,t), occurs(A,t-2), t > 2.", "other than t and t-1", 4),
     (":- occurs(a,t), t > 2.", "number of the step", 4),
     (":- occurs(a,t), t \\ 2 = 0.", "number of the step", 4),
-    ("{ coin(t) }. :- not coin(t), occurs(a,t).", "chooses more than its action: coin", 8),
+    ("{ coin(t) }. :- not coin(t), occurs(a,t).", r"chooses more than its action: coin\(t\)", 8),
     ("seen(t) :- holds(f,true,T), T < t. :- seen(t), occurs(b,t).", "other than t and t-1", 4),
     ("x(t) :- not y(t). y(t) :- not x(t). :- y(t), occurs(b,t).", "negation", 8),
     ("x(t) ; y(t). :- y(t), occurs(b,t).", "disjunction", 8),
