@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.cli.options import Asked, scene_of
 from prag_asp.dataset.jsonl import Record
+from prag_asp.errors import QueryError
 from prag_asp.physics import Verdict, Witness, check_witness, validate_tasks
 
 if TYPE_CHECKING:
@@ -77,5 +78,9 @@ def check_again(
 def _check_witness(record: Record, scene: Scene) -> tuple[str, str]:
     if record.witness is None:
         return "not_found", "the file has no witness for it"
-    problems = check_witness(record.task, Witness.from_json(record.witness), scene)
+    try:
+        witness = Witness.from_json(record.witness)
+    except QueryError as error:
+        return "witness_fails", str(error)
+    problems = check_witness(record.task, witness, scene)
     return ("witness_fails", problems[0]) if problems else ("feasible", "")

@@ -105,12 +105,15 @@ def test_validate_finds_an_invalid_plan_and_a_wrong_witness(tmp_path: Path) -> N
         for pose in moment["poses"].values():
             pose[0][2] += 0.5
     tasks[2]["witness"] = None
+    tasks.append({**tasks[1], "witness": {"moments": 3}})
     file = tmp_path / "tasks.jsonl"
     file.write_text("\n".join(map(json.dumps, tasks)))
     done = run("validate", str(file), "--witness-only")
     assert done.returncode == 1
-    assert [line.split("\t")[1] for line in done.stdout.splitlines()] == ["invalid", "witness_fails", "not_found"]
-    assert "0 of 3 tasks passed" in done.stderr
+    assert [line.split("\t")[1] for line in done.stdout.splitlines()] == [
+        "invalid", "witness_fails", "not_found", "witness_fails",
+    ]  # fmt: skip
+    assert "0 of 4 tasks passed" in done.stderr
 
 
 def test_sample_without_physics_follows_weights_and_seed() -> None:
