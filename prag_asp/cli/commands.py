@@ -179,7 +179,7 @@ def validate(*, file: str, name: str | None, seed: int, workers: int, witness_on
     """
     from prag_asp.dataset.jsonl import read_lines
 
-    with click.open_file(file, encoding="utf-8") as lines:
+    with click.open_file(file, encoding="utf-8", errors="replace") as lines:
         records = list(read_lines(lines, file))
     if not records:
         raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")

@@ -16,6 +16,7 @@ from prag_asp.physics import Verdict, Witness, check_witness, validate_tasks
 if TYPE_CHECKING:
     from prag_asp.domain.scene import Scene
     from prag_asp.space.task import Task
+    from prag_asp.space.task_space import TaskSpace
 
 
 class Tally:
@@ -62,17 +63,27 @@ def check_again(
     for own, group in groupby(records, key=lambda record: record.task.domain):
         space = Asked(name or own).space()
         scene = scene_of(space.domain)
-        found = [(record, record.task in space.at(len(record.task))) for record in group]
-        asked = (record.task for record, valid in found if valid and not witness_only)
+        found = [(record, _fault(record.task, space)) for record in group]
+        asked = (record.task for record, fault in found if not fault and not witness_only)
         with closing(validate_tasks(asked, scene, seed=seed, workers=workers)) as verdicts:
-            for record, valid in found:
-                if not valid:
-                    yield "invalid", "the plan does not belong to the domain"
+            for record, fault in found:
+                if fault:
+                    yield "invalid", fault
                 elif witness_only:
                     yield _check_witness(record, scene)
                 else:
                     verdict = next(verdicts)
                     yield verdict.status, verdict.reason
+
+
+def _fault(task: Task, space: TaskSpace) -> str:
+    """Return what is wrong with a task as a value, or nothing."""
+    if task not in space.at(len(task)):
+        return "the plan does not belong to the domain"
+    expected = next(space.narrate(iter([tuple(map(str, task.actions))])))
+    parts = ("entities", "initial", "states", "subgoals", "goal")
+    wrong = [part for part in parts if getattr(task, part) != getattr(expected, part)]
+    return f"its {', '.join(wrong)} are not what its actions make" if wrong else ""
 
 
 def _check_witness(record: Record, scene: Scene) -> tuple[str, str]:

@@ -52,7 +52,7 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
         if line.strip():
             try:
                 yield _record(json.loads(line))
-            except (ValueError, KeyError, TypeError, AttributeError, QueryError) as error:
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError, QueryError) as error:
                 what = f"{type(error).__name__}: {error}" if isinstance(error, KeyError) else str(error)
                 raise QueryError(f"{name}:{number}: not a task: {what}; write tasks with --format jsonl") from None
 

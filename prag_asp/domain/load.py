@@ -60,8 +60,10 @@ def _unique(sources: tuple[Source, ...]) -> tuple[Source, ...]:
 def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
     atom = parse_atom(rule)
     path = encodings / "rules" / f"{atom.name}.lp"
-    if not path.is_file():
+    if not atom.name.isidentifier() or not path.is_file():
         found = ", ".join(sorted(each.stem for each in path.parent.glob("*.lp")))
         raise DomainError(f"{rule}: no such rule; there are {found or 'none'} in {path.parent}")
+    if atom.name == "at_most" and atom.arguments and not (len(atom.arguments) == 2 and atom.arguments[1].isdecimal()):
+        raise DomainError(f"{rule}: write the name of an action and how often it may occur, as in at_most(grasp,2)")
     stated = (Source(path.with_name(f"{path.name} ({rule})"), f"{atom}."),) if atom.arguments else ()
     return (*read_sources(path, encodings), *stated)

@@ -106,14 +106,15 @@ def test_validate_finds_an_invalid_plan_and_a_wrong_witness(tmp_path: Path) -> N
             pose[0][2] += 0.5
     tasks[2]["witness"] = None
     tasks.append({**tasks[1], "witness": {"moments": 3}})
+    tasks.append({**tasks[1], "goal": {}})
     file = tmp_path / "tasks.jsonl"
     file.write_text("\n".join(map(json.dumps, tasks)))
     done = run("validate", str(file), "--witness-only")
     assert done.returncode == 1
     assert [line.split("\t")[1] for line in done.stdout.splitlines()] == [
-        "invalid", "witness_fails", "not_found", "witness_fails",
+        "invalid", "witness_fails", "not_found", "witness_fails", "invalid",
     ]  # fmt: skip
-    assert "0 of 4 tasks passed" in done.stderr
+    assert "0 of 5 tasks passed" in done.stderr
 
 
 def test_sample_without_physics_follows_weights_and_seed() -> None:
@@ -149,6 +150,8 @@ def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) ->
         (["count", "prag", "-n", "3", "--by", "skeleton", "--prefix", "grasp(panda,can_1)"], "single action"),
         (["count", "prag", "-n", "3", "--engine", "sat"], "no engine 'sat'"),
         (["count", "prag", "-n", "3", "--rule", "no_redo"], "no such rule"),
+        (["count", "prag", "-n", "3", "--rule", "../step"], "no such rule"),
+        (["count", "prag", "-n", "3", "--rule", "at_most(grasp,x)"], "how often"),
         (["count", "prag", "-n", "3", "--encodings", "/nowhere"], "no encodings"),
         (["count", "prag", "-n", "3", "--by", "world"], "Invalid value for '--by'"),
         (["count", "prag"], "Missing option"),
@@ -171,7 +174,12 @@ def test_bad_input_is_answered_by_a_line_and_exit_code_2(arguments: list[str], w
 
 def test_a_file_that_holds_no_tasks_is_named_with_its_line(tmp_path: Path) -> None:
     file = tmp_path / "tasks.jsonl"
-    for text, words in (("", "no tasks in it"), ("{}\n", ":1: not a task"), ("\n[1]\n", ":2: not a task")):
+    for text, words in (
+        ("", "no tasks in it"),
+        ("{}\n", ":1: not a task"),
+        ("\n[1]\n", ":2: not a task"),
+        ("[" * 99_999, ":1: not a task"),
+    ):
         file.write_text(text)
         done = run("validate", str(file))
         assert done.returncode == 2 and words in done.stderr and "Traceback" not in done.stderr
