@@ -105,7 +105,7 @@ def _measure(validator: Validator, tasks: list[Task], seed: int, budget: Budget)
 def _speeds(columns: dict[str, Outcome], title: str) -> Table:
     """Return the table of speeds and pass rates."""
     table = Table(title=title)
-    for name in ("length", "tasks", "tasks/s/core", "passed", "proved infeasible", "not found", "first states a task"):
+    for name in ("length", "tasks", "tasks/s/core", "passed", "infeasible", "not found", "restarts"):
         table.add_column(name, justify="right")
     for name, outcome in columns.items():
         rate = 100 * outcome.statuses["feasible"] / outcome.tasks if outcome.tasks else 0.0

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from prag_asp.physics.geometry import Vector
 from prag_asp.physics.robot import Joints
-from prag_asp.physics.simulator import COLLISION, Simulator, boxes_touch
+from prag_asp.physics.simulator import COLLISION, Simulator
 from prag_asp.physics.situation import Situation
 
 Box = tuple[Vector, Vector]
@@ -27,13 +27,13 @@ def box(situation: Situation, entity: str) -> Box:
     return body.pose.position, body.half
 
 
-def boxes_meet(one: Box, two: Box, spacing: float = 0.0) -> bool:
-    """Tell whether two bounding boxes overlap, the first widened by `spacing` metres sideways."""
+def boxes_meet(one: Box, two: Box) -> bool:
+    """Tell whether two bounding boxes overlap."""
     (ax, ay, az), (ahx, ahy, ahz) = one
     (bx, by, bz), (bhx, bhy, bhz) = two
     return (
-        abs(ax - bx) < ahx + bhx + spacing
-        and abs(ay - by) < ahy + bhy + spacing
+        abs(ax - bx) < ahx + bhx
+        and abs(ay - by) < ahy + bhy
         and abs(az - bz) < ahz + bhz + COLLISION
     )
 
@@ -87,7 +87,8 @@ def arm_collision(
 
 def _touches_one(body: Box, links: Iterable[Box]) -> bool:
     """Tell whether a bounding box has a point in common with one of others, all as lowest and highest corner."""
-    for link in links:  # noqa: SIM110 (any() is slower here)
-        if boxes_touch(body, link):
+    (ax, ay, az), (bx, by, bz) = body
+    for (cx, cy, cz), (dx, dy, dz) in links:
+        if ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz:
             return True
     return False

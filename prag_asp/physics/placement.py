@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterable, Iterator
 from itertools import repeat
 
-from prag_asp.physics.collisions import Box, box, boxes_meet
+from prag_asp.physics.collisions import box
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES, Volume
 from prag_asp.physics.predicates.volume import Floor
 from prag_asp.physics.search import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
+from prag_asp.physics.simulator import COLLISION
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import TABLE
 
@@ -23,6 +24,9 @@ NEAR = 0.15
 JITTER = 0.05
 EDGE = 0.02
 CONTAINING = ("on_top", "inside")
+
+Neighbour = tuple[float, float, float, float]
+"""The centre of a body seen from above, and how far from it along x and y another touches it; metres."""
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
@@ -95,17 +99,13 @@ def draw_pose(
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not _shapes_volume(fact, entity)]
-    neighbours = [
-        box(situation, other)
-        for other in situation.poses
-        if support == TABLE or situation.shape(other).kind != "container"
-    ]
+    neighbours = _neighbours(situation, support, half, volume.low[2])
     cause = RELATION
     for floor, spacing in _tries(favourite, everything, support):
         at = volume.draw(floor, search.uniform)
         if at is None:
             continue
-        if not _clear((at, half), neighbours, spacing):
+        if not _clear(at[0], at[1], neighbours, spacing):
             cause = OBJECTS_COLLIDE
         elif all_satisfied(checked, situation, entity, Pose(at, quaternion)):
             return Pose((at[0], at[1], at[2] + height), quaternion)
@@ -235,10 +235,22 @@ def _surface(
     return Volume((low_x, low_y, z), (high_x, high_y, z))
 
 
-def _clear(body: Box, neighbours: Iterable[Box], spacing: float) -> bool:
-    """Tell whether a bounding box is `spacing` metres away from others sideways."""
-    for other in neighbours:  # noqa: SIM110 (all() is slower here)
-        if boxes_meet(body, other, spacing):
+def _neighbours(situation: Situation, support: str, half: Vector, z: float) -> list[Neighbour]:
+    """Return what the bounding box of an object at a height can meet, but for a container that it is put into."""
+    found = []
+    for other in situation.poses:
+        if support != TABLE and situation.shape(other).kind == "container":
+            continue
+        (x, y, other_z), (half_x, half_y, half_z) = box(situation, other)
+        if abs(z - other_z) < half[2] + half_z + COLLISION:
+            found.append((x, y, half_x + half[0], half_y + half[1]))
+    return found
+
+
+def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) -> bool:
+    """Tell whether an object is `spacing` metres away from its neighbours along x or y."""
+    for other_x, other_y, near_x, near_y in neighbours:
+        if abs(x - other_x) < near_x + spacing and abs(y - other_y) < near_y + spacing:
             return False
     return True
 

@@ -38,18 +38,14 @@ def direction(name: str, frame: str) -> tuple[int, float]:
     return axis, sign if frame == "robot" else -sign
 
 
-def needed(situation: Situation, arguments: Arguments, axis: int) -> float:
-    """Return how far the centres have to be apart along an axis in metres."""
-    return situation.half(arguments[0])[axis] + situation.half(arguments[1])[axis] + GAP
-
-
 def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the subject is outside the spread or short of the gap."""
     axis, sign = direction(name, situation.scene.frame)
-    one, two = situation.pose(arguments[0]).position, situation.pose(arguments[1]).position
-    along = sign * (one[axis] - two[axis])
-    yield (abs(one[1 - axis] - two[1 - axis]) - SPREAD * along) / SLANT
-    yield needed(situation, arguments, axis) - along
+    one, two = situation.body(arguments[0]), situation.body(arguments[1])
+    at, other = one.pose.position, two.pose.position
+    along = sign * (at[axis] - other[axis])
+    yield (abs(at[1 - axis] - other[1 - axis]) - SPREAD * along) / SLANT
+    yield one.half[axis] + two.half[axis] + GAP - along
 
 
 def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:

@@ -18,9 +18,10 @@ ROUND = ("cylinder", "sphere")
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the body floats or sinks in, and hangs over."""
     subject, support = arguments
-    yield abs(situation.bottom(subject) - situation.top(support)) - TOLERANCE
-    x, y, _ = situation.pose(subject).position
-    dx, dy = to_local(situation.pose(support), x, y)
+    above, below = situation.body(subject), situation.body(support)
+    yield abs(above.low[2] - below.high[2]) - TOLERANCE
+    x, y, _ = above.pose.position
+    dx, dy = to_local(below.pose, x, y)
     half = _half(situation, support)
     if situation.shape(support).kind in ROUND:
         yield math.hypot(dx, dy) - half[0]
