@@ -11,15 +11,13 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
+from prag_asp.physics.bodies import make_body, make_table, parking_place
 from prag_asp.physics.geometry import Pose, Vector, finite
 from prag_asp.physics.robot import ROBOTS, Joints, Robot
 from prag_asp.physics.silence import STDERR, STDOUT, silenced
-from prag_asp.physics.situation import TABLE_THICKNESS
-from prag_asp.physics.solids import container_boxes, volume
 
 with silenced(STDOUT, STDERR):  # the import announces when PyBullet was built
     import pybullet
@@ -28,19 +26,7 @@ with silenced(STDOUT, STDERR):  # the import announces when PyBullet was built
 COLLISION = -0.0015
 """Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
 
-PARKING = (20.0, 20.0, 5.0)
-DENSITY = 400.0
 REMEMBERED = 64
-
-
-class _Part(NamedTuple):
-    """A primitive of a body: its kind in PyBullet, its sizes and its place in the body in metres."""
-
-    kind: int
-    half: Vector = (0.0, 0.0, 0.0)
-    radius: float = 0.0
-    height: float = 0.0
-    at: Vector = (0.0, 0.0, 0.0)
 
 
 class Simulator:
@@ -50,13 +36,12 @@ class Simulator:
         self.scene = scene
         self.client = client
         self.robot: Robot = ROBOTS[scene.robot]
-        self._visual = visual
         pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
         pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
-        self.arm = self._load_robot()
-        self.table = self._load_table()
+        self.arm = load_robot(client, self.robot, visual=visual)
+        self.table = make_table(client, scene, visual=visual)
         self.bodies = {
-            entity: self._load_body(entity, shape)
+            entity: make_body(client, scene, entity, parking_place(0), visual=visual)
             for entity, shape in scene.shapes.items()
             if shape.kind not in ("robot", "table")
         }
@@ -80,9 +65,7 @@ class Simulator:
             known = self._poses.get(entity)
             if known is not pose and known != pose:
                 if not finite(pose):
-                    raise SceneError(
-                        f"{entity} has the pose {pose}, which is not a finite position and rotation"
-                    )
+                    raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
                 self._move(entity, pose)
         for entity in [entity for entity in self._poses if entity not in poses]:
             self._park(entity)
@@ -174,7 +157,7 @@ class Simulator:
     def _park(self, entity: str) -> None:
         """Put one body where it is in nobody's way."""
         i = list(self.bodies).index(entity)
-        self._move(entity, Pose((PARKING[0] + 2.0 * i, PARKING[1], PARKING[2])))
+        self._move(entity, Pose(parking_place(i)))
         del self._poses[entity]
 
     def _move(self, entity: str, pose: Pose) -> None:
@@ -183,73 +166,6 @@ class Simulator:
             self.body(entity), pose.position, pose.quaternion, physicsClientId=self.client
         )
         self._poses[entity] = pose
-
-    def _load_robot(self) -> int:
-        """Load the arm at the origin."""
-        path = Path(pybullet_data.getDataPath()) / self.robot.urdf
-        flags = 0 if self._visual else pybullet.URDF_IGNORE_VISUAL_SHAPES
-        try:
-            arm = pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=self.client)
-        except pybullet.error as error:
-            raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
-        return int(arm)
-
-    def _load_table(self) -> int:
-        """Make the table, its top at z = 0."""
-        table = self.scene.table
-        half = (table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2)
-        at = (*table.centre, -TABLE_THICKNESS / 2)
-        return self._body([_Part(pybullet.GEOM_BOX, half=half)], 0.0, table.color, at)
-
-    def _load_body(self, entity: str, shape: Shape) -> int:
-        """Make the body of an object."""
-        radius, height = shape.half[0], shape.size[2]
-        if shape.kind == "sphere":
-            parts = [_Part(pybullet.GEOM_SPHERE, radius=radius)]
-        elif shape.kind == "cylinder":
-            parts = [_Part(pybullet.GEOM_CYLINDER, radius=radius, height=height)]
-        elif shape.kind == "container":
-            parts = [_Part(pybullet.GEOM_BOX, half=half, at=at) for at, half in container_boxes(shape)]
-        else:
-            parts = [_Part(pybullet.GEOM_BOX, half=shape.half)]
-        mass = 0.0 if entity in self.scene.fixed else DENSITY * volume(shape)
-        return self._body(parts, mass, self.scene.colors.get(entity, "#808080"), PARKING)
-
-    def _body(self, parts: Sequence[_Part], mass: float, color: str, at: Vector) -> int:
-        """Make one body of several primitives.
-
-        Raises:
-            SceneError: PyBullet refuses a shape.
-        """
-        kinds = [part.kind for part in parts]
-        radii, lengths = [part.radius for part in parts], [part.height for part in parts]
-        halves, centres = [part.half for part in parts], [part.at for part in parts]
-        shapes = pybullet.createCollisionShapeArray(
-            shapeTypes=kinds,
-            radii=radii,
-            lengths=lengths,
-            halfExtents=halves,
-            collisionFramePositions=centres,
-            physicsClientId=self.client,
-        )
-        looks = -1
-        if self._visual:
-            rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]
-            looks = pybullet.createVisualShapeArray(
-                shapeTypes=kinds,
-                radii=radii,
-                lengths=lengths,
-                halfExtents=halves,
-                visualFramePositions=centres,
-                rgbaColors=[rgba] * len(kinds),
-                physicsClientId=self.client,
-            )
-        body = -1
-        if shapes >= 0 and (looks >= 0 or not self._visual):
-            body = pybullet.createMultiBody(mass, shapes, looks, at, physicsClientId=self.client)
-        if body < 0:
-            raise SceneError(f"PyBullet refuses a body of {parts}")
-        return int(body)
 
 
 def boxes_touch(one: tuple[Vector, Vector], two: tuple[Vector, Vector]) -> bool:
@@ -266,16 +182,41 @@ def _around(boxes: Sequence[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
     return (ax, ay, az), (bx, by, bz)
 
 
+def load_robot(client: int, robot: Robot, *, visual: bool = False) -> int:
+    """Load an arm at the origin.
+
+    Raises:
+        SceneError: PyBullet cannot load it.
+    """
+    path = Path(pybullet_data.getDataPath()) / robot.urdf
+    flags = 0 if visual else pybullet.URDF_IGNORE_VISUAL_SHAPES
+    try:
+        return int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
+    except pybullet.error as error:
+        raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
+
+
 @contextmanager
-def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
-    """Open a simulator without a window, and close it afterwards; `visual` loads what pictures need."""
+def open_client() -> Iterator[int]:
+    """Connect to a PyBullet without a window, and disconnect afterwards.
+
+    Raises:
+        SceneError: too many are open in this process.
+    """
     with silenced(STDOUT):
         client = pybullet.connect(pybullet.DIRECT)
     if client < 0:
         raise SceneError("PyBullet cannot open a simulator: too many are open in this process")
     try:
+        yield client
+    finally:
+        pybullet.disconnect(physicsClientId=client)
+
+
+@contextmanager
+def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
+    """Open a simulator without a window, and close it afterwards; `visual` loads what pictures need."""
+    with open_client() as client:
         with silenced(STDOUT):
             simulator = Simulator(scene, client, visual)
         yield simulator
-    finally:
-        pybullet.disconnect(physicsClientId=client)

@@ -51,13 +51,9 @@ class Rules:
                 self.before.setdefault(_atom(arguments[0]), {})
                 self.after.setdefault(_atom(arguments[0]), {})
             elif symbol.name == "precondition":
-                self.before.setdefault(_atom(arguments[0]), {})[_atom(arguments[1])] = (
-                    str(arguments[2]) == "true"
-                )
+                self.before.setdefault(_atom(arguments[0]), {})[_atom(arguments[1])] = str(arguments[2]) == "true"
             elif symbol.name == "postcondition":
-                self.after.setdefault(_atom(arguments[0]), {})[_atom(arguments[1])] = values[
-                    str(arguments[2])
-                ]
+                self.after.setdefault(_atom(arguments[0]), {})[_atom(arguments[1])] = values[str(arguments[2])]
             elif symbol.name == "exclusive":
                 one, two = _atom(arguments[0]), _atom(arguments[1])
                 self.exclusive.setdefault(one, set()).add(two)
@@ -112,9 +108,7 @@ class Rules:
             states[k].update({f: v for f, v in states[k + 1].items() if f not in changed})
             assert self.propagate(states[k])
         subgoals = [{f: v for f, v in self.after[a].items() if v is not None} for a in actions]
-        named = {e for a in actions for e in a.arguments} | {
-            e for s in states for f in s for e in f.arguments
-        }
+        named = {e for a in actions for e in a.arguments} | {e for s in states for f in s for e in f.arguments}
         entities = {e: c for e, c in self.entities.items() if e in named}
         return Task(name, tuple(actions), entities, states[0], tuple(states[1:]), tuple(subgoals), {})
 

@@ -28,9 +28,7 @@ def state(*fluents: str) -> dict[Atom, bool]:
     return {parse_atom(fluent.lstrip("-")): not fluent.startswith("-") for fluent in fluents}
 
 
-def task(
-    initial: dict[Atom, bool], *steps: tuple[str, dict[Atom, bool]], forget: tuple[str, ...] = ()
-) -> Task:
+def task(initial: dict[Atom, bool], *steps: tuple[str, dict[Atom, bool]], forget: tuple[str, ...] = ()) -> Task:
     """Return a task from its first state, and each action with what it makes known."""
     actions, subgoals, states, known = [], [], [], dict(initial)
     for text, subgoal in steps:

@@ -59,9 +59,7 @@ def _situation(rng: random.Random, frame: str = "robot", spread: float = 0.5) ->
     return Situation(_scene(frame), poses, tool, rng.uniform(0.0, 0.08))
 
 
-def _drawn(
-    name: str, arguments: tuple[str, ...], situation: Situation, rng: random.Random
-) -> Situation | None:
+def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: random.Random) -> Situation | None:
     """Put the subject (the object with a yaw, or the gripper) somewhere in the predicate's volume."""
     predicate = PREDICATES[name]
     volume = predicate.volume(situation, arguments, IDENTITY)

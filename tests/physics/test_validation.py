@@ -64,9 +64,7 @@ def test_what_stands_on_a_carried_object_is_carried_along(tabletop, tabletop_val
     # The palm has room between the fingers for a cube at an end of the brick only.
     assert verdict.causes["the arm collides"] > 0
     first, second = verdict.witness.moments
-    before, after = (
-        compose(invert(moment.poses["brick_1"]), moment.poses["cube_1"]) for moment in (first, second)
-    )
+    before, after = (compose(invert(moment.poses["brick_1"]), moment.poses["cube_1"]) for moment in (first, second))
     assert before.position == pytest.approx(after.position, abs=1e-6)
     assert second.poses["cube_1"].position[2] > first.poses["cube_1"].position[2] + 0.09
 
@@ -141,9 +139,7 @@ def test_what_stands_on_a_carried_object_is_carried_along(tabletop, tabletop_val
 )
 def test_impossible_tasks_are_proved_infeasible_and_others_never(tabletop, shapes, initial, step, reason):
     scene = replace(tabletop, shapes={**tabletop.shapes, **shapes})
-    verdict = validate_task(
-        task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(2, 2)
-    )
+    verdict = validate_task(task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(2, 2))
     if reason is None:
         assert verdict.status == "not_found"
     else:
@@ -179,9 +175,7 @@ def test_what_is_not_found_says_why(tabletop, initial, step, cause):
         shapes={**tabletop.shapes, "bin_1": Shape("container", (0.17, 0.17, 0.06), 0.006)},
         fixed={**tabletop.fixed, "cube_1": (0.9, 0.3, 0.0)} if not initial else tabletop.fixed,
     )
-    verdict = validate_task(
-        task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(3, 5)
-    )
+    verdict = validate_task(task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(3, 5))
     assert verdict.status == "not_found"
     assert verdict.reason == cause and verdict.causes[cause] > 0
     assert set(verdict.causes) <= set(CAUSES)

@@ -1,0 +1,108 @@
+"""Make the table and the objects of a scene as PyBullet bodies of exact primitives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.errors import SceneError
+from prag_asp.physics.geometry import Vector
+from prag_asp.physics.silence import STDERR, STDOUT, silenced
+from prag_asp.physics.situation import TABLE_THICKNESS
+from prag_asp.physics.solids import container_boxes, volume
+
+with silenced(STDOUT, STDERR):  # the import announces when PyBullet was built
+    import pybullet
+
+PARKING = (20.0, 20.0, 5.0)
+DENSITY = 400.0
+"""Kilograms a cubic metre: light wood, and filled packages."""
+
+
+class _Part(NamedTuple):
+    """A primitive of a body: its kind in PyBullet, its sizes and its place in the body in metres."""
+
+    kind: int
+    half: Vector = (0.0, 0.0, 0.0)
+    radius: float = 0.0
+    height: float = 0.0
+    at: Vector = (0.0, 0.0, 0.0)
+
+
+def parking_place(i: int) -> Vector:
+    """Return the place where the body number `i` is in nobody's way, in metres."""
+    return (PARKING[0] + 2.0 * i, PARKING[1], PARKING[2])
+
+
+def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
+    """Make the table, its top at z = 0."""
+    table = scene.table
+    half = (table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2)
+    at = (*table.centre, -TABLE_THICKNESS / 2)
+    return _make([_Part(pybullet.GEOM_BOX, half=half)], 0.0, at, client, table.color if visual else None)
+
+
+def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False) -> int:
+    """Make the body of an object; one that is fixed in the scene has no mass.
+
+    `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism.
+
+    Raises:
+        SceneError: PyBullet refuses its shape.
+    """
+    color = scene.colors.get(entity, "#808080") if visual else None
+    return _make(_parts(scene.shapes[entity]), mass(scene, entity), at, client, color, free)
+
+
+def mass(scene: Scene, entity: str) -> float:
+    """Return the mass of an object in kilograms, 0 for one that is fixed."""
+    return 0.0 if entity in scene.fixed else DENSITY * volume(scene.shapes[entity])
+
+
+def _parts(shape: Shape) -> list[_Part]:
+    """Return the primitives that make up a shape."""
+    if shape.kind == "sphere":
+        return [_Part(pybullet.GEOM_SPHERE, radius=shape.half[0])]
+    if shape.kind == "cylinder":
+        return [_Part(pybullet.GEOM_CYLINDER, radius=shape.half[0], height=shape.size[2])]
+    if shape.kind == "container":
+        return [_Part(pybullet.GEOM_BOX, half=half, at=at) for at, half in container_boxes(shape)]
+    return [_Part(pybullet.GEOM_BOX, half=shape.half)]
+
+
+def _make(parts: Sequence[_Part], weight: float, at: Vector, client: int, color: str | None, free: bool = False) -> int:
+    """Make one body of several primitives; without a colour it cannot be seen.
+
+    Raises:
+        SceneError: PyBullet refuses a shape.
+    """
+    kinds = [part.kind for part in parts]
+    radii, lengths = [part.radius for part in parts], [part.height for part in parts]
+    halves, centres = [part.half for part in parts], [part.at for part in parts]
+    shapes = pybullet.createCollisionShapeArray(
+        shapeTypes=kinds,
+        radii=radii,
+        lengths=lengths,
+        halfExtents=halves,
+        collisionFramePositions=centres,
+        physicsClientId=client,
+    )
+    looks = -1
+    if color is not None:
+        rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]
+        looks = pybullet.createVisualShapeArray(
+            shapeTypes=kinds,
+            radii=radii,
+            lengths=lengths,
+            halfExtents=halves,
+            visualFramePositions=centres,
+            rgbaColors=[rgba] * len(kinds),
+            physicsClientId=client,
+        )
+    body = -1
+    if shapes >= 0 and (looks >= 0 or color is None):
+        body = pybullet.createMultiBody(weight, shapes, looks, at, useMaximalCoordinates=free, physicsClientId=client)
+    if body < 0:
+        raise SceneError(f"PyBullet refuses a body of {parts}")
+    return int(body)
