@@ -17,7 +17,7 @@ from rich.table import Table
 
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.domain.scene import parse_scene
-from prag_asp.physics import CAUSES, Budget, Validator, open_validator
+from prag_asp.physics import CAUSES, TIERS, Budget, Validator, open_validator
 
 WARM_UP = 20
 
@@ -52,7 +52,7 @@ class Outcome:
 def main() -> None:
     """Draw tasks, validate them, print two tables."""
     options = _options()
-    budget = Budget(options.restarts, options.samples)
+    budget = Budget(options.restarts, options.samples, options.tier)
     domain = load_domain(options.domain)
     entities = {str(entity): str(name) for entity, name in domain.facts.entities.items()}
     scene = parse_scene(domain.settings.scene, domain.facts.parents, entities)
@@ -68,7 +68,9 @@ def main() -> None:
         total.add(outcome)
     columns = {**{str(n): outcome for n, outcome in by_length.items()}, "all": total}
     console = Console()
-    console.print(_speeds(columns, f"{options.domain}: budget {budget} (restarts x samples), seed {options.seed}"))
+    console.print(
+        _speeds(columns, f"{options.domain}: budget {budget} (restarts x samples, tier), seed {options.seed}")
+    )
     console.print(_causes(columns))
 
 
@@ -81,6 +83,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--restarts", type=int, default=Budget().restarts)
     parser.add_argument("--samples", type=int, default=Budget().samples)
+    parser.add_argument("--tier", choices=TIERS, default=TIERS[0])
     return parser.parse_args()
 
 

@@ -7,12 +7,13 @@ from prag_asp.physics.predicates import PREDICATES, Predicate
 from prag_asp.physics.render import PicturesMissingError, film_strip
 from prag_asp.physics.search import CAUSES
 from prag_asp.physics.validator import Validator, open_validator, validate_task
-from prag_asp.physics.verdict import Budget, Moment, Verdict, Waypoint, Witness
+from prag_asp.physics.verdict import TIERS, Budget, Moment, Verdict, Waypoint, Witness
 from prag_asp.physics.witness_check import check_witness
 
 __all__ = [
     "CAUSES",
     "PREDICATES",
+    "TIERS",
     "Budget",
     "Moment",
     "PicturesMissingError",

@@ -19,6 +19,12 @@ PARKING = (20.0, 20.0, 5.0)
 DENSITY = 400.0
 """Kilograms a cubic metre: light wood, and filled packages."""
 
+FRICTION = 0.7
+"""Of wood and cardboard; what touches has the product of both bodies' coefficients."""
+
+ROLLING_FRICTION = 0.002
+"""How far ahead of its centre a ball is supported when it rolls, in metres: fruit is not quite round."""
+
 
 class _Part(NamedTuple):
     """A primitive of a body: its kind in PyBullet, its sizes and its place in the body in metres."""
@@ -105,4 +111,12 @@ def _make(parts: Sequence[_Part], weight: float, at: Vector, client: int, color:
         body = pybullet.createMultiBody(weight, shapes, looks, at, useMaximalCoordinates=free, physicsClientId=client)
     if body < 0:
         raise SceneError(f"PyBullet refuses a body of {parts}")
+    rolls = kinds[0] == pybullet.GEOM_SPHERE
+    pybullet.changeDynamics(
+        body,
+        -1,
+        lateralFriction=FRICTION,
+        rollingFriction=ROLLING_FRICTION if rolls else 0.0,
+        physicsClientId=client,
+    )
     return int(body)

@@ -58,6 +58,12 @@ def multiply(first: Quaternion, second: Quaternion) -> Quaternion:
     )
 
 
+def turn_between(first: Quaternion, second: Quaternion) -> float:
+    """Return the angle between two rotations in radians."""
+    x, y, z, w = first
+    return 2 * math.acos(min(1.0, abs(multiply((-x, -y, -z, w), second)[3])))
+
+
 def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
     """Return a vector turned by a rotation."""
     x, y, z, w = quaternion

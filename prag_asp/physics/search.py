@@ -22,6 +22,8 @@ NO_GRASP = "no grasp fits the object"
 NO_KINEMATICS_AT = "no arm configuration at the object"
 NO_KINEMATICS_ABOVE = "no arm configuration above the object"
 ARM_COLLIDES = "the arm collides"
+UNSTABLE = "an object tips, slides or rolls"
+UNSETTLED = "a relation does not hold once the objects have settled"
 
 CAUSES = (
     EMPTY_VOLUME,
@@ -32,6 +34,8 @@ CAUSES = (
     NO_KINEMATICS_AT,
     NO_KINEMATICS_ABOVE,
     ARM_COLLIDES,
+    UNSTABLE,
+    UNSETTLED,
 )
 """Every cause of a failed attempt, cheapest check first."""
 

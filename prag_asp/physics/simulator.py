@@ -36,8 +36,7 @@ class Simulator:
         self.scene = scene
         self.client = client
         self.robot: Robot = ROBOTS[scene.robot]
-        pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
-        pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
+        start_world(client)
         self.arm = load_robot(client, self.robot, visual=visual)
         self.table = make_table(client, scene, visual=visual)
         self.bodies = {
@@ -140,9 +139,7 @@ class Simulator:
         Raises:
             SceneError: it has no body.
         """
-        body = self.body(entity)
-        position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=self.client)
-        return Pose(tuple(position), tuple(quaternion))
+        return read_pose(self.client, self.body(entity))
 
     def body(self, entity: str) -> int:
         """Return the id of an object's body.
@@ -194,6 +191,19 @@ def load_robot(client: int, robot: Robot, *, visual: bool = False) -> int:
         return int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
     except pybullet.error as error:
         raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
+
+
+def start_world(client: int) -> None:
+    """Make the world of a client empty, with gravity, and repeatable."""
+    pybullet.resetSimulation(physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
+    pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
+
+
+def read_pose(client: int, body: int) -> Pose:
+    """Return where a body is."""
+    position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    return Pose(tuple(position), tuple(quaternion))
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
@@ -15,17 +15,20 @@ from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.foresight import foresee
 from prag_asp.physics.proofs import impossibility
 from prag_asp.physics.search import CAUSES, Exhausted, Failure, Search, Snapshot
-from prag_asp.physics.simulator import Simulator, open_simulator
+from prag_asp.physics.settling import Settling, open_settling
+from prag_asp.physics.simulator import open_simulator
 from prag_asp.physics.start import draw_start
 from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
 from prag_asp.space.task import Task
 
 
 class Validator:
-    """Validates tasks of one scene in one simulator; use `open_validator`, which closes it."""
+    """Validates tasks of one scene in its own simulators; use `open_validator`, which closes them."""
 
-    def __init__(self, simulator: Simulator):
-        self._simulator = simulator
+    def __init__(self, scene: Scene, resources: ExitStack):
+        self._resources = resources
+        self._simulator = resources.enter_context(open_simulator(scene))
+        self._settling: Settling | None = None
 
     def validate(self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
         """Return the verdict on a task; it depends on nothing but the arguments and the scene.
@@ -49,7 +52,7 @@ class Validator:
         causes: Counter[str] = Counter()
         for restart in range(budget.restarts):
             witness = _attempt(seen, search, budget.samples, causes)
-            if witness is not None:
+            if witness is not None and self._passes(seen, witness, budget, causes):
                 return Verdict(
                     "feasible",
                     budget,
@@ -64,12 +67,23 @@ class Validator:
             "not_found", budget, seed, index, reason=reason, causes=_ordered(causes), restarts=budget.restarts
         )
 
+    def _passes(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> bool:
+        """Tell whether a witness passes the dearer tiers of a budget."""
+        if not budget.includes("settling"):
+            return True
+        if self._settling is None:
+            self._settling = self._resources.enter_context(open_settling(self._simulator.scene))
+        failure = self._settling.failure(seen, witness)
+        if failure is not None:
+            causes[failure] += 1
+        return failure is None
+
 
 @contextmanager
 def open_validator(scene: Scene) -> Iterator[Validator]:
-    """Open a validator, and close its simulator afterwards."""
-    with open_simulator(scene) as simulator:
-        yield Validator(simulator)
+    """Open a validator, and close its simulators afterwards."""
+    with ExitStack() as resources:
+        yield Validator(scene, resources)
 
 
 def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:

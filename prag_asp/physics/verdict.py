@@ -11,25 +11,42 @@ from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
 
 Status = Literal["feasible", "not_found", "infeasible"]
+Tier = Literal["kinematics", "settling"]
+TIERS: tuple[Tier, ...] = get_args(Tier)
+"""The tiers of checks, the cheapest first."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """How hard to look for a witness: first states tried for a task, and attempts at each action."""
+    """How hard to look for a witness, and what it has to pass.
+
+    `restarts` are the first states tried for a task, `samples` the attempts at each action. `tier` is the
+    dearest tier of checks; those before it in `TIERS` are included.
+
+    Raises:
+        QueryError: a number is not positive, or the tier is unknown.
+    """
 
     restarts: int = 10
     samples: int = 10
+    tier: Tier = "kinematics"
 
     def __post_init__(self) -> None:
         if self.restarts < 1 or self.samples < 1:
             raise QueryError(f"a budget needs at least 1 restart and 1 sample; got {self.restarts} x {self.samples}")
+        if self.tier not in TIERS:
+            raise QueryError(f"unknown tier of checks {self.tier!r}; known are {', '.join(TIERS)}")
 
     def __str__(self) -> str:
-        return f"{self.restarts} x {self.samples}"
+        return f"{self.restarts} x {self.samples}, {self.tier}"
 
-    def to_json(self) -> dict[str, int]:
+    def includes(self, tier: Tier) -> bool:
+        """Tell whether a tier of checks is asked for."""
+        return TIERS.index(tier) <= TIERS.index(self.tier)
+
+    def to_json(self) -> dict[str, Any]:
         """Return the budget as JSON-able data."""
-        return {"restarts": self.restarts, "samples": self.samples}
+        return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier}
 
 
 @dataclass(frozen=True)
@@ -152,7 +169,7 @@ class Verdict:
                 raise ValueError(data["status"])
             return cls(
                 status=data["status"],
-                budget=Budget(data["budget"]["restarts"], data["budget"]["samples"]),
+                budget=Budget(**data["budget"]),
                 seed=int(data["seed"]),
                 index=int(data["index"]),
                 reason=str(data["reason"]),

@@ -9,7 +9,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.physics.arm import LIFT
 from prag_asp.physics.collisions import arm_collision, colliding
 from prag_asp.physics.facts import Effect, Problem, problem
-from prag_asp.physics.geometry import Pose, compose, finite, invert, multiply, yaw_quaternion
+from prag_asp.physics.geometry import Pose, compose, finite, invert, turn_between, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.situation import Situation
@@ -190,9 +190,7 @@ def _at(situation: Situation) -> str | None:
 
 def _near(one: Pose, two: Pose) -> bool:
     """Tell whether two poses are the same within the tolerances."""
-    x, y, z, w = one.quaternion
-    difference = multiply((-x, -y, -z, w), two.quaternion)
-    turn = 2 * math.acos(min(1.0, abs(difference[3])))
+    turn = turn_between(one.quaternion, two.quaternion)
     return math.dist(one.position, two.position) <= POSITION_TOLERANCE and turn <= TURN_TOLERANCE
 
 

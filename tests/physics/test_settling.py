@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import islice
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import QueryError
+from prag_asp.physics import Budget, Moment, Verdict, Witness, validate_tasks
+from prag_asp.physics.facts import Fact, Problem
+from prag_asp.physics.geometry import Pose, yaw_quaternion
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.robot import PANDA
+from prag_asp.physics.search import UNSETTLED, UNSTABLE
+from prag_asp.physics.settling import Settling, open_settling
+from tests.physics.random_tasks import random_tasks
+from tests.physics.scenarios import stacking, state, task
+
+NEAR_THE_EDGE = 0.002
+
+
+@pytest.fixture(scope="module")
+def settling(tabletop: Scene) -> Iterator[Settling]:
+    with open_settling(tabletop) as opened:
+        yield opened
+
+
+def _failure(
+    settling: Settling, poses: Mapping[str, Pose], facts: tuple[Fact, ...] = (), held: str | None = None
+) -> str | None:
+    """Return why one arrangement of objects is not stable."""
+    moment = Moment(poses, PANDA.home, PANDA.opening, held, Pose((0.0, 0.0, 0.0)) if held else None)
+    return settling.failure(Problem(tuple(poses), facts, held, ()), Witness((moment,), ()))
+
+
+@settings(max_examples=50, deadline=None)
+@given(beyond=st.floats(-0.03, 0.02), yaw=st.floats(-3.1, 3.1), quarter=st.integers(0, 3))
+def test_a_cube_on_a_cube_tips_just_where_its_centre_is_beyond_the_lower_one(settling, beyond, yaw, quarter):
+    if abs(beyond) < NEAR_THE_EDGE:
+        return
+    heading, offset, turned = yaw + quarter * math.pi / 2, 0.025 + beyond, yaw_quaternion(yaw)
+    upper = Pose((0.5 + offset * math.cos(heading), offset * math.sin(heading), 0.075), turned)
+    poses = {"cube_1": Pose((0.5, 0.0, 0.025), turned), "cube_2": upper}
+    assert _failure(settling, poses) == (UNSTABLE if beyond > 0 else None)
+
+
+def test_a_load_tips_a_brick_that_would_stay_alone_and_a_counterweight_holds_it(settling):
+    brick = {"cube_1": Pose((0.5, 0.0, 0.025)), "brick_1": Pose((0.52, 0.0, 0.07))}
+    assert _failure(settling, brick) is None
+    loaded = {**brick, "can_1": Pose((0.55, 0.0, 0.14))}
+    assert _failure(settling, loaded) == UNSTABLE
+    balanced = {**brick, "cube_2": Pose((0.475, 0.0, 0.115)), "brick_2": Pose((0.475, 0.0, 0.16))}
+    assert _failure(settling, balanced) is None
+
+
+def test_what_floats_falls_and_what_is_held_stays_and_bears_others(settling):
+    poses = {"brick_1": Pose((0.5, 0.0, 0.3)), "cube_1": Pose((0.54, 0.0, 0.345))}
+    assert _failure(settling, poses) == UNSTABLE
+    assert _failure(settling, poses, held="brick_1") is None
+    assert _failure(settling, poses) == UNSTABLE  # what was held has its mass again
+    assert _failure(settling, {"brick_1": Pose((0.5, 0.0, 0.02))}) is None
+
+
+def test_a_relation_that_holds_only_while_an_object_floats_is_lost(settling):
+    poses = {"brick_1": Pose((0.5, 0.0, 0.02)), "cube_1": Pose((0.5, 0.0, 0.0675))}
+    apart = Fact(PREDICATES["on_top"], ("cube_1", "brick_1"), False)
+    beside = Fact(PREDICATES["left_of"], ("cube_1", "brick_1"), False)
+    assert _failure(settling, poses, (apart, beside)) == UNSETTLED
+    assert _failure(settling, poses, (beside,)) is None
+
+
+def test_bodies_in_each_other_are_driven_apart(settling):
+    assert _failure(settling, {"cube_1": Pose((0.5, 0, 0.025)), "cube_2": Pose((0.52, 0, 0.025))}) == UNSTABLE
+
+
+def test_the_search_goes_on_where_a_witness_does_not_settle(tabletop, tabletop_validator, monkeypatch):
+    """Switch the analytic check of support off, so that settling has to find what it would have refused."""
+    from prag_asp.physics import moving
+
+    monkeypatch.setattr(moving, "unsupported", lambda *_: None)
+    tower = task(
+        state("on_top(brick_1,cube_1)", "on_top(can_1,brick_1)", "on_top(cube_1,table_1)", "on_top(cube_2,can_1)"),
+        ("x(panda)", state("on_top(cube_1,table_1)")),
+    )
+    verdicts = [tabletop_validator.validate(tower, seed=seed, budget=Budget(20, 10, "settling")) for seed in range(8)]
+    assert sum(verdict.causes.get(UNSTABLE, 0) for verdict in verdicts) >= 3
+    assert sum(verdict.feasible for verdict in verdicts) >= 6
+
+
+def test_settled_verdicts_are_the_same_with_two_workers_and_in_any_order(tabletop, tabletop_validator):
+    tasks = list(islice(random_tasks("tabletop", 4, 8), 16))
+    budget = Budget(4, 10, "settling")
+    alone = [v.to_json() for v in validate_tasks(tasks, tabletop, seed=3, budget=budget)]
+    together = [v.to_json() for v in validate_tasks(tasks, tabletop, seed=3, budget=budget, workers=2)]
+    assert alone == together
+    for index in reversed(range(16)):
+        found = tabletop_validator.validate(tasks[index], seed=3, index=index, budget=budget)
+        assert found.to_json() == alone[index]
+        assert Verdict.from_json(alone[index]).budget == budget
+
+
+def test_a_budget_says_its_tier_and_knows_no_other(tabletop_validator):
+    verdict = tabletop_validator.validate(stacking(), seed=1, budget=Budget(2, 3, "settling"))
+    assert str(verdict.budget) == "2 x 3, settling" and verdict.feasible
+    with pytest.raises(QueryError, match="unknown tier of checks 'magic'; known are kinematics, settling"):
+        Budget(2, 3, "magic")  # type: ignore[arg-type]
