@@ -12,6 +12,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from prag_asp.physics.geometry import Vector
+
 Joints = tuple[float, ...]
 
 
@@ -19,15 +21,17 @@ Joints = tuple[float, ...]
 class Robot:
     """An arm of seven joints with a parallel gripper; metres and radians.
 
-    `home` is where the arm waits, `posture` what the inverse kinematics likes best, `tool_offset` how far the
+    `torques` are the largest of the joints in newton metres, `home` is where the arm waits, `posture` what the inverse kinematics likes best, `tool_offset` how far the
     tool is in front of the flange, `tool_turn` how far it is turned about the flange's axis. `finger_depth`
     is how deep an object reaches between the fingers before it meets the palm, `fingertip` how far the tips
-    extend past the tool.
+    extend past the tool. `finger_names` are the links of the fingers, each with the side on which it is;
+    `finger_boxes` are centre and sizes of the boxes that make up the left one, in its frame.
     """
 
     urdf: str
     lower: Joints
     upper: Joints
+    torques: Joints
     home: Joints
     posture: Joints
     links: tuple[int, ...]
@@ -43,6 +47,8 @@ class Robot:
     reach: tuple[float, float]
     reach_height: float
     self_pairs: tuple[tuple[int, int], ...]
+    finger_names: tuple[tuple[str, float], ...]
+    finger_boxes: tuple[tuple[Vector, Vector], ...]
 
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
         """Tell whether every joint is within its limits, widened by `tolerance` radians."""
@@ -56,6 +62,7 @@ PANDA = Robot(
     urdf="franka_panda/panda.urdf",
     lower=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973),
     upper=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973),
+    torques=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
     home=(0.0, -0.3, 0.0, -2.5, 0.0, 2.2, math.pi / 4),
     posture=(0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4),
     links=(-1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10),
@@ -72,6 +79,12 @@ PANDA = Robot(
     reach_height=0.35,
     # Links that can meet; neighbours and pairs that the joint limits keep apart are left out.
     self_pairs=tuple((low, high) for low in range(-1, 4) for high in (4, 5, 6, 8) if high - low > 2),
+    finger_names=(("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)),
+    # The pad, then the shank, which stands back.
+    finger_boxes=(
+        ((0.0, 0.0071, 0.045), (0.0176, 0.0142, 0.0176)),
+        ((0.0, 0.0172, 0.018), (0.0208, 0.0166, 0.036)),
+    ),
 )
 
 ROBOTS = {"panda": PANDA}

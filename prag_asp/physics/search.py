@@ -24,6 +24,9 @@ NO_KINEMATICS_ABOVE = "no arm configuration above the object"
 ARM_COLLIDES = "the arm collides"
 UNSTABLE = "an object tips, slides or rolls"
 UNSETTLED = "a relation does not hold once the objects have settled"
+NO_PATH = "the arm finds no free path"
+LOST = "the gripper does not hold its object"
+NOT_REACHED = "a relation does not hold after the robot's motion"
 
 CAUSES = (
     EMPTY_VOLUME,
@@ -36,6 +39,9 @@ CAUSES = (
     ARM_COLLIDES,
     UNSTABLE,
     UNSETTLED,
+    NO_PATH,
+    LOST,
+    NOT_REACHED,
 )
 """Every cause of a failed attempt, cheapest check first."""
 

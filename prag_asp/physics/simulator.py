@@ -27,6 +27,11 @@ COLLISION = -0.0015
 """Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
 
 REMEMBERED = 64
+CONTACT_BREAKING = 0.002
+"""Metres; with PyBullet's 20 mm, points of contact keep normals from before a held object was turned.
+
+It is one number for all worlds of a process.
+"""
 
 
 class Simulator:
@@ -122,16 +127,8 @@ class Simulator:
         return self._link_boxes
 
     def flange(self) -> Pose:
-        """Return the pose of the flange as the simulator's own kinematics has it.
-
-        Its quaternion is off unit length by up to 1e-7, for the URDF's angles are rounded; it is made one.
-        """
-        state = pybullet.getLinkState(
-            self.arm, self.robot.flange_link, computeForwardKinematics=True, physicsClientId=self.client
-        )
-        length = math.hypot(*state[5])
-        x, y, z, w = (part / length for part in state[5])
-        return Pose(tuple(state[4]), (x, y, z, w))
+        """Return the pose of the flange as the simulator's own kinematics has it."""
+        return read_flange(self.client, self.arm, self.robot)
 
     def read(self, entity: str) -> Pose:
         """Return where the simulator has an object.
@@ -196,7 +193,9 @@ def load_robot(client: int, robot: Robot, *, visual: bool = False) -> int:
 def start_world(client: int) -> None:
     """Make the world of a client empty, with gravity, and repeatable."""
     pybullet.resetSimulation(physicsClientId=client)
-    pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(
+        deterministicOverlappingPairs=1, contactBreakingThreshold=CONTACT_BREAKING, physicsClientId=client
+    )
     pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
 
 
@@ -204,6 +203,17 @@ def read_pose(client: int, body: int) -> Pose:
     """Return where a body is."""
     position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Pose(tuple(position), tuple(quaternion))
+
+
+def read_flange(client: int, arm: int, robot: Robot) -> Pose:
+    """Return the pose of an arm's flange as the simulator's own kinematics has it.
+
+    Its quaternion is off unit length by up to 1e-7, for the URDF's angles are rounded; it is made one.
+    """
+    state = pybullet.getLinkState(arm, robot.flange_link, computeForwardKinematics=True, physicsClientId=client)
+    length = math.hypot(*state[5])
+    x, y, z, w = (part / length for part in state[5])
+    return Pose(tuple(state[4]), (x, y, z, w))
 
 
 @contextmanager

@@ -1,0 +1,147 @@
+"""A world with forces: the arm moves by its motors, and the gripper holds by friction alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pybullet
+
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import SceneError
+from prag_asp.physics.bodies import make_body, make_table
+from prag_asp.physics.geometry import Pose
+from prag_asp.physics.robot import ROBOTS, Joints
+from prag_asp.physics.robot_file import write_robot
+from prag_asp.physics.silence import STDOUT, silenced
+from prag_asp.physics.simulator import open_client, read_pose, start_world
+from prag_asp.physics.verdict import Moment
+
+TIME_STEP = 1 / 120
+"""Seconds; half of it doubles the costs and does not raise the share of tasks that succeed."""
+
+POSITION_GAIN = 0.2
+"""What share of a joint's error its motor corrects in one step."""
+
+GRIP_FORCE = 10.0
+"""Newtons of each finger: with a coefficient of friction of 1 the two carry 2 kg."""
+
+FINGER_FRICTION = 1.4
+"""Of rubber: with the friction of the objects, 0.7, the coefficient is 1."""
+
+COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
+PARTS = ("arm", "left finger", "right finger", "table")
+
+
+class Dynamics:
+    """One PyBullet client, its world built anew for every task, on which alone the results then depend."""
+
+    def __init__(self, scene: Scene, client: int, urdf: Path):
+        self.scene = scene
+        self.client = client
+        self.robot = ROBOTS[scene.robot]
+        self._urdf = urdf
+        self._driven = [*self.robot.arm_links, *self.robot.finger_joints]
+        self._bodies: dict[str, int] = {}
+        self._arm = self._table = -1
+
+    def begin(self, objects: Sequence[str], moment: Moment) -> None:
+        """Build a world with some objects and the arm as they are at a moment.
+
+        Raises:
+            SceneError: the robot cannot be loaded, or PyBullet refuses a body.
+        """
+        start_world(self.client)
+        pybullet.setTimeStep(TIME_STEP, physicsClientId=self.client)
+        self._arm = self._load_arm()
+        self._table = make_table(self.client, self.scene)
+        self._bodies = {
+            entity: make_body(self.client, self.scene, entity, moment.poses[entity].position) for entity in objects
+        }
+        for entity, body in self._bodies.items():
+            pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
+        values = [[angle] for angle in (*moment.joints, moment.width / 2, moment.width / 2)]
+        pybullet.resetJointStatesMultiDof(self._arm, self._driven, values, physicsClientId=self.client)
+
+    def step(self, joints: Sequence[float], speeds: Sequence[float], opening: float) -> None:
+        """Let one `TIME_STEP` pass, with motors that drive to joint angles in radians and an opening in metres.
+
+        `speeds` are those that the joints should have there, in radians a second. An opening less than that of
+        an object between the fingers squeezes it.
+        """
+        pybullet.setJointMotorControlArray(
+            self._arm,
+            self._driven,
+            pybullet.POSITION_CONTROL,
+            targetPositions=[*joints, opening / 2, opening / 2],
+            targetVelocities=[*speeds, 0.0, 0.0],
+            forces=[*self.robot.torques, GRIP_FORCE, GRIP_FORCE],
+            positionGains=[POSITION_GAIN] * len(self._driven),
+            physicsClientId=self.client,
+        )
+        pybullet.stepSimulation(physicsClientId=self.client)
+
+    def arm(self) -> tuple[Joints, float]:
+        """Return the joint angles of the arm in radians, and how far the gripper is open in metres."""
+        states = pybullet.getJointStates(self._arm, self._driven, physicsClientId=self.client)
+        *joints, left, right = (state[0] for state in states)
+        return tuple(joints), left + right
+
+    def poses(self) -> dict[str, Pose]:
+        """Return where the objects are."""
+        return {entity: read_pose(self.client, body) for entity, body in self._bodies.items()}
+
+    def contacts(self) -> Mapping[tuple[int, int], float]:
+        """Return the normal force in newtons between bodies that press on each other.
+
+        Bodies are numbered: `PARTS` first, then the objects in the order in which the world was begun with.
+        """
+        number = {self._table: PARTS.index("table")}
+        number |= {body: len(PARTS) + i for i, body in enumerate(self._bodies.values())}
+        forces: dict[tuple[int, int], float] = {}
+        for point in pybullet.getContactPoints(physicsClientId=self.client):
+            one, two = (
+                self._part(link) if body == self._arm else number[body]
+                for body, link in ((point[1], point[3]), (point[2], point[4]))
+            )
+            if point[9] > 0.0:
+                pair = (min(one, two), max(one, two))
+                forces[pair] = forces.get(pair, 0.0) + point[9]
+        return dict(sorted(forces.items()))
+
+    def _part(self, link: int) -> int:
+        """Return the number of the part of the robot that a link belongs to."""
+        fingers = self.robot.finger_links
+        return 1 + fingers.index(link) if link in fingers else 0
+
+    def _load_arm(self) -> int:
+        """Load the robot, its fingers coupled, as the one motor of the real hand does, and with rubber pads."""
+        client = self.client
+        try:
+            with silenced(STDOUT):
+                flags = pybullet.URDF_IGNORE_VISUAL_SHAPES
+                arm = pybullet.loadURDF(str(self._urdf), useFixedBase=True, flags=flags, physicsClientId=client)
+        except pybullet.error as error:
+            raise SceneError(f"{self._urdf}: the robot cannot be loaded: {error}") from error
+        left, right = self.robot.finger_joints
+        ends = ([1, 0, 0], [0, 0, 0], [0, 0, 0])
+        gear = pybullet.createConstraint(arm, left, arm, right, pybullet.JOINT_GEAR, *ends, physicsClientId=client)
+        pybullet.changeConstraint(
+            gear, gearRatio=-1, erp=COUPLING_GAIN, maxForce=COUPLING_FORCE, physicsClientId=client
+        )
+        for link in self.robot.finger_links:
+            pybullet.changeDynamics(arm, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
+        return int(arm)
+
+
+@contextmanager
+def open_dynamics(scene: Scene) -> Iterator[Dynamics]:
+    """Open a world with forces, and close it afterwards.
+
+    Raises:
+        SceneError: the robot of the scene cannot be loaded.
+    """
+    with TemporaryDirectory(prefix="prag_asp_") as folder, open_client() as client:
+        yield Dynamics(scene, client, write_robot(ROBOTS[scene.robot], Path(folder)))

@@ -1,0 +1,116 @@
+"""Find paths of the arm that are free of collisions, with what it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.collisions import arm_collision, colliding
+from prag_asp.physics.geometry import Pose, compose, invert, raised, turn_between
+from prag_asp.physics.kinematics import inverse, tool_pose
+from prag_asp.physics.robot import Joints
+from prag_asp.physics.simulator import Simulator
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.support import riders
+from prag_asp.physics.trajectory import timed
+
+HEIGHTS = (0.08, 0.16, 0.24)
+STRIDE = 0.06
+RUNGS = 4
+STRAIGHT = 1e-3
+
+
+@dataclass(frozen=True)
+class Load:
+    """What moves with the gripper: its opening in metres, the object it holds and the pose of that in its frame."""
+
+    width: float
+    held: str | None = None
+    grasp: Pose | None = None
+
+
+def vertical(one: Joints, two: Joints) -> bool:
+    """Tell whether the tool is straight above or below where it is with other joint angles, turned the same way."""
+    (x, y, _), turn = tool_pose(one)
+    (other_x, other_y, _), other_turn = tool_pose(two)
+    return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT
+
+
+def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
+    """Return a path on which the tool moves straight from one pose to another that is turned the same way."""
+    first, last = tool_pose(start), tool_pose(goal)
+    path = [start]
+    for share in np.linspace(0.0, 1.0, RUNGS + 1)[1:-1].tolist():
+        position = tuple(a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
+        near = tuple(a + share * (b - a) for a, b in zip(start, goal, strict=True))
+        between = next(
+            inverse(simulator.robot, Pose((position[0], position[1], position[2]), last.quaternion), near), near
+        )
+        path.append(between)
+    return [*path, goal]
+
+
+def free_path(
+    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+) -> NDArray[np.float64] | None:
+    """Return the joint angles of every time step on a free way, shape (steps, 7); None where none is found."""
+    for path in _ways(simulator, start, goal):
+        angles = timed(path, time_step)
+        if _free(simulator, situation, load, start, angles):
+            return angles
+    return None
+
+
+def _ways(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
+    """Yield paths to try, the shortest first: direct, then over what stands around."""
+    yield start, goal
+    for height in HEIGHTS:
+        over_start, over_goal = _above(simulator, start, height), _above(simulator, goal, height)
+        if over_start is not None and over_goal is not None:
+            yield start, over_start, over_goal, goal
+        if over_start is not None:
+            yield start, over_start, goal
+        if over_goal is not None:
+            yield start, over_goal, goal
+    folded = simulator.robot.home[1:]
+    yield start, (start[0], *folded), (goal[0], *folded), goal
+
+
+def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None:
+    """Return joint angles near to others with the tool higher, None where there are none."""
+    return next(inverse(simulator.robot, raised(tool_pose(joints), height), near=joints), None)
+
+
+def _free(simulator: Simulator, situation: Situation, load: Load, start: Joints, angles: NDArray[np.float64]) -> bool:
+    """Tell whether the arm and what it holds meet nothing on the way; both ends are taken to be free."""
+    carried = () if load.held is None else (load.held, *_others_on(situation, load.held))
+    before, last = np.array(start), angles[-1]
+    for row in angles:
+        if np.abs(row - before).max() >= STRIDE:
+            if np.abs(row - last).max() < STRIDE / 2:
+                return True
+            before = row
+            if not _free_at(simulator, situation, load, carried, tuple(row.tolist())):
+                return False
+    return True
+
+
+def _others_on(situation: Situation, entity: str) -> list[str]:
+    """Return what rests on an object."""
+    return riders(situation, entity, [other for other in situation.poses if other != entity])
+
+
+def _free_at(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> bool:
+    """Tell whether the arm and what it carries meet nothing at joint angles."""
+    tool = tool_pose(joints)
+    if load.held is not None and load.grasp is not None:
+        delta = compose(compose(tool, load.grasp), invert(situation.poses[load.held]))
+        moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}
+        situation = situation.with_poses({**situation.poses, **moved})
+        if colliding(simulator, situation, carried, list(situation.poses)) is not None:
+            return False
+    placed = situation.with_tool(tool, load.width)
+    return arm_collision(simulator, placed, joints, load.width, load.held) is None

@@ -1,0 +1,47 @@
+"""When the arm is where on a path: smooth in time, slow enough for its motors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.robot import Joints
+
+SPEED = 1.6
+"""The highest speed of a joint in radians a second; Franka allows 2.2."""
+
+SHORTEST = 0.25
+ROUNDING = 0.12
+"""Seconds over which the corners of a path are rounded."""
+
+JERK_FREE_PEAK = 1.875
+"""The highest speed of a motion of minimal jerk, over its mean speed."""
+
+
+def timed(path: Sequence[Joints], time_step: float) -> NDArray[np.float64]:
+    """Return the joint angles of every time step along a path, shape (steps, 7), the first one left out.
+
+    The motion begins and ends at rest; along the path it has minimal jerk (Flash and Hogan 1985).
+    """
+    points = np.array(path)
+    lengths = np.abs(np.diff(points, axis=0)).max(axis=1)
+    reached = np.concatenate([[0.0], np.cumsum(lengths)])
+    corners = len(path) > 2
+    seconds = max(SHORTEST, JERK_FREE_PEAK * reached[-1] / SPEED)
+    steps = int(np.ceil(seconds / time_step))
+    share = np.arange(1, steps + 1) / steps
+    at = reached[-1] * share**3 * (10 - 15 * share + 6 * share**2)
+    angles = np.column_stack([np.interp(at, reached, column) for column in points.T])
+    return _rounded(angles, points, int(ROUNDING / time_step)) if corners else angles
+
+
+def _rounded(angles: NDArray[np.float64], points: NDArray[np.float64], window: int) -> NDArray[np.float64]:
+    """Return joint angles averaged over a window of steps; the motion takes as much longer."""
+    before, after = np.repeat(points[:1], window, axis=0), np.repeat(points[-1:], window, axis=0)
+    padded = np.concatenate([before, angles, after])
+    sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
+    averaged = (sums[window:] - sums[:-window]) / window
+    averaged[-1] = points[-1]
+    return averaged[1:]
