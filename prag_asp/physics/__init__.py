@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from prag_asp.physics.demonstration import Demonstration
+from prag_asp.physics.demonstration_check import check_demonstration
+from prag_asp.physics.perform import demonstrate
 from prag_asp.physics.pool import WorkerError, validate_tasks
 from prag_asp.physics.predicates import PREDICATES, Predicate
 from prag_asp.physics.render import PicturesMissingError, film_strip
@@ -15,6 +18,7 @@ __all__ = [
     "PREDICATES",
     "TIERS",
     "Budget",
+    "Demonstration",
     "Moment",
     "PicturesMissingError",
     "Predicate",
@@ -23,7 +27,9 @@ __all__ = [
     "Waypoint",
     "Witness",
     "WorkerError",
+    "check_demonstration",
     "check_witness",
+    "demonstrate",
     "film_strip",
     "open_validator",
     "validate_task",

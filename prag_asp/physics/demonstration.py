@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.domain.scene import Scene
-from prag_asp.errors import OutputError, QueryError, SceneError
-from prag_asp.physics.facts import problem
+from prag_asp.errors import OutputError, QueryError
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.space.task import Task
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
@@ -65,8 +63,8 @@ class Demonstration:
 
     def situation(self, scene: Scene, frame: int) -> Situation:
         """Return what a frame shows, for predicates to check."""
-        poses = {entity: _pose(row) for entity, row in zip(self.objects, self.poses[frame].tolist(), strict=True)}
-        return Situation(scene, poses, tool_pose(tuple(self.joints[frame].tolist())), float(self.widths[frame]))
+        arm = np.append(self.joints[frame], self.widths[frame])
+        return situation_of(scene, self.objects, arm, self.poses[frame])
 
     def save(self, path: Path) -> None:
         """Write the recording as a compressed .npz file, the same bytes for the same recording.
@@ -96,28 +94,11 @@ class Demonstration:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from error
 
 
-def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return which facts of the task do not hold in the recorded frames, nothing where the task is performed.
-
-    Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
-    """
-    states = problem(task, scene).states
-    if len(demonstration.ends) != len(states):
-        return [f"{len(demonstration.ends)} states are reached; the task has {len(states)}"]
-    found = []
-    for k, (frame, facts) in enumerate(zip(demonstration.ends.tolist(), states, strict=True)):
-        if not 0 <= frame < len(demonstration.times):
-            return [f"state {k}: there is no frame {frame}"]
-        situation = demonstration.situation(scene, frame)
-        for fact in facts:
-            try:
-                satisfied = fact.satisfied(situation)
-            except SceneError as error:
-                return [f"state {k}: {error}"]
-            if not satisfied:
-                found.append(f"state {k}: it does not hold that {fact.sentence()}")
-    return found
+def situation_of(scene: Scene, objects: Sequence[str], arm: Floats, poses: Floats) -> Situation:
+    """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7)."""
+    *joints, width = arm.tolist()
+    placed = {entity: _pose(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
+    return Situation(scene, placed, tool_pose(tuple(joints)), width)
 
 
 def _pose(row: list[float]) -> Pose:
@@ -132,14 +113,13 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     Raises:
         ValueError: their shapes do not belong together.
     """
-    objects, bodies = tuple(map(str, content["objects"].tolist())), tuple(map(str, content["bodies"].tolist()))
     frames, touches = len(content["times"]), len(content["forces"])
     wanted = {
         "times": (frames,),
         "joints": (frames, 7),
         "widths": (frames,),
         "commands": (frames, 8),
-        "poses": (frames, len(objects), 7),
+        "poses": (frames, len(content["objects"]), 7),
         "contacts": (touches, 3),
         "forces": (touches,),
         "ends": (len(content["ends"]),),
@@ -147,5 +127,17 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     for name, shape in wanted.items():
         if content[name].shape != shape:
             raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
-    arrays = {name: content[name].astype(np.int32 if name in ("contacts", "ends") else np.float32) for name in ARRAYS}
-    return Demonstration(objects, bodies, **arrays, cause=str(content["cause"]), detail=str(content["detail"]))
+    return Demonstration(
+        objects=tuple(map(str, content["objects"].tolist())),
+        bodies=tuple(map(str, content["bodies"].tolist())),
+        times=content["times"].astype(np.float32),
+        joints=content["joints"].astype(np.float32),
+        widths=content["widths"].astype(np.float32),
+        commands=content["commands"].astype(np.float32),
+        poses=content["poses"].astype(np.float32),
+        contacts=content["contacts"].astype(np.int32),
+        forces=content["forces"].astype(np.float32),
+        ends=content["ends"].astype(np.int32),
+        cause=str(content["cause"]),
+        detail=str(content["detail"]),
+    )

@@ -31,6 +31,9 @@ GRIP_FORCE = 10.0
 FINGER_FRICTION = 1.4
 """Of rubber: with the friction of the objects, 0.7, the coefficient is 1."""
 
+SLEEP = 1e-5
+"""A body that for two seconds moves with less than the root of this, 3 mm/s, is not simulated until it is touched."""
+
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
 PARTS = ("arm", "left finger", "right finger", "table")
 
@@ -61,6 +64,13 @@ class Dynamics:
             entity: make_body(self.client, self.scene, entity, moment.poses[entity].position) for entity in objects
         }
         for entity, body in self._bodies.items():
+            pybullet.changeDynamics(
+                body,
+                -1,
+                activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING,
+                sleepThreshold=SLEEP,
+                physicsClientId=self.client,
+            )
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
         values = [[angle] for angle in (*moment.joints, moment.width / 2, moment.width / 2)]
         pybullet.resetJointStatesMultiDof(self._arm, self._driven, values, physicsClientId=self.client)
@@ -98,23 +108,17 @@ class Dynamics:
 
         Bodies are numbered: `PARTS` first, then the objects in the order in which the world was begun with.
         """
-        number = {self._table: PARTS.index("table")}
-        number |= {body: len(PARTS) + i for i, body in enumerate(self._bodies.values())}
+        parts = {(self._table, -1): PARTS.index("table")}
+        parts |= {(body, -1): len(PARTS) + i for i, body in enumerate(self._bodies.values())}
+        parts |= {(self._arm, link): 1 + i for i, link in enumerate(self.robot.finger_links)}
         forces: dict[tuple[int, int], float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self.client):
-            one, two = (
-                self._part(link) if body == self._arm else number[body]
-                for body, link in ((point[1], point[3]), (point[2], point[4]))
-            )
-            if point[9] > 0.0:
-                pair = (min(one, two), max(one, two))
-                forces[pair] = forces.get(pair, 0.0) + point[9]
+            force = point[9]
+            if force > 0.0:
+                one, two = parts.get(point[1:4:2], 0), parts.get(point[2:5:2], 0)
+                pair = (one, two) if one < two else (two, one)
+                forces[pair] = forces.get(pair, 0.0) + force
         return dict(sorted(forces.items()))
-
-    def _part(self, link: int) -> int:
-        """Return the number of the part of the robot that a link belongs to."""
-        fingers = self.robot.finger_links
-        return 1 + fingers.index(link) if link in fingers else 0
 
     def _load_arm(self) -> int:
         """Load the robot, its fingers coupled, as the one motor of the real hand does, and with rubber pads."""

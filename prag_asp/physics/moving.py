@@ -12,7 +12,7 @@ from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.search import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.support import riders, unsupported
+from prag_asp.physics.support import STEADY, riders, unsupported
 from prag_asp.physics.verdict import Waypoint
 
 
@@ -72,5 +72,5 @@ def verify_objects(search: Search, situation: Situation, moved: Iterable[str], h
     """
     if colliding(search.simulator, situation, moved, search.objects) is not None:
         raise Failure(OBJECTS_COLLIDE)
-    if unsupported(situation, search.objects, held) is not None:
+    if unsupported(situation, search.objects, held, STEADY) is not None:
         raise Failure(UNSUPPORTED)

@@ -45,7 +45,7 @@ REST = 0.1
 SQUEEZE = 0.008
 """How much farther than an object is wide the gripper wants to close, in metres."""
 
-FINGER_SPEED = 0.12
+FINGER_SPEED = 0.16
 LARGEST_TURN = 0.3
 LARGEST_CORRECTION = 0.5
 STILL = (0.0,) * 7

@@ -21,8 +21,9 @@ Joints = tuple[float, ...]
 class Robot:
     """An arm of seven joints with a parallel gripper; metres and radians.
 
-    `torques` are the largest of the joints in newton metres, `home` is where the arm waits, `posture` what the inverse kinematics likes best, `tool_offset` how far the
-    tool is in front of the flange, `tool_turn` how far it is turned about the flange's axis. `finger_depth`
+    `torques` are the largest of the joints in newton metres, `home` is where the arm waits, `posture` what the
+    inverse kinematics likes best, `tool_offset` how far the tool is in front of the flange, `tool_turn` how far it
+    is turned about the flange's axis. `finger_depth`
     is how deep an object reaches between the fingers before it meets the palm, `fingertip` how far the tips
     extend past the tool. `finger_names` are the links of the fingers, each with the side on which it is;
     `finger_boxes` are centre and sizes of the boxes that make up the left one, in its frame.

@@ -44,12 +44,9 @@ def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
     first, last = tool_pose(start), tool_pose(goal)
     path = [start]
     for share in np.linspace(0.0, 1.0, RUNGS + 1)[1:-1].tolist():
-        position = tuple(a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
+        x, y, z = (a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
         near = tuple(a + share * (b - a) for a, b in zip(start, goal, strict=True))
-        between = next(
-            inverse(simulator.robot, Pose((position[0], position[1], position[2]), last.quaternion), near), near
-        )
-        path.append(between)
+        path.append(next(inverse(simulator.robot, Pose((x, y, z), last.quaternion), near), near))
     return [*path, goal]
 
 

@@ -25,6 +25,8 @@ from prag_asp.physics.solids import volume
 
 CONTACT = 0.002
 BALANCE = 1e-6
+STEADY = 0.003
+"""How far within its base the centre of mass of what is put somewhere should be, in metres."""
 TABLE = ""
 
 
@@ -68,8 +70,11 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
     return max(heights, default=0.0)
 
 
-def unsupported(situation: Situation, entities: Iterable[str], held: str | None) -> str | None:
-    """Return a body that would fall or tip over, None where all stay; a held body stays, and bears others."""
+def unsupported(situation: Situation, entities: Iterable[str], held: str | None, margin: float = 0.0) -> str | None:
+    """Return a body that would fall or tip over, None where all stay; a held body stays, and bears others.
+
+    With a `margin` in metres, so does one that is as near to tipping over. Of a small base half is enough.
+    """
     bodies = list(entities)
     loose = [body for body in bodies if body != held and body not in situation.scene.fixed]
     high = [body for body in loose if not _low_on_table(situation, body)]
@@ -78,7 +83,9 @@ def unsupported(situation: Situation, entities: Iterable[str], held: str | None)
     bearing = {contact.support for touching in resting.values() for contact in touching}
     resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
     for body, touching in resting.items():
-        if not touching or inside_by(_base(touching), _load(situation, body, resting)[1]) < -BALANCE:
+        base = _base(touching)
+        needed = min(margin, max(0.0, inside_by(base, _middle(base)) / 2)) if base else 0.0
+        if not base or inside_by(base, _load(situation, body, resting)[1]) < needed - BALANCE:
             return body
     return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,15 +10,15 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.robot import Joints
 
-SPEED = 1.6
-"""The highest speed of a joint in radians a second; Franka allows 2.2."""
+SPEED, ACCELERATION = 2.0, 6.0
+"""The highest of a joint, in radians a second (Franka allows 2.2) and a second squared (Franka: 7.5)."""
 
-SHORTEST = 0.25
+SHORTEST = 0.2
 ROUNDING = 0.12
 """Seconds over which the corners of a path are rounded."""
 
-JERK_FREE_PEAK = 1.875
-"""The highest speed of a motion of minimal jerk, over its mean speed."""
+PEAK_SPEED, PEAK_ACCELERATION = 1.875, 5.774
+"""Of a motion of minimal jerk over unit length in unit time."""
 
 
 def timed(path: Sequence[Joints], time_step: float) -> NDArray[np.float64]:
@@ -28,13 +29,13 @@ def timed(path: Sequence[Joints], time_step: float) -> NDArray[np.float64]:
     points = np.array(path)
     lengths = np.abs(np.diff(points, axis=0)).max(axis=1)
     reached = np.concatenate([[0.0], np.cumsum(lengths)])
-    corners = len(path) > 2
-    seconds = max(SHORTEST, JERK_FREE_PEAK * reached[-1] / SPEED)
+    length = float(reached[-1])
+    seconds = max(SHORTEST, PEAK_SPEED * length / SPEED, math.sqrt(PEAK_ACCELERATION * length / ACCELERATION))
     steps = int(np.ceil(seconds / time_step))
     share = np.arange(1, steps + 1) / steps
-    at = reached[-1] * share**3 * (10 - 15 * share + 6 * share**2)
+    at = length * share**3 * (10 - 15 * share + 6 * share**2)
     angles = np.column_stack([np.interp(at, reached, column) for column in points.T])
-    return _rounded(angles, points, int(ROUNDING / time_step)) if corners else angles
+    return _rounded(angles, points, int(ROUNDING / time_step)) if len(path) > 2 else angles
 
 
 def _rounded(angles: NDArray[np.float64], points: NDArray[np.float64], window: int) -> NDArray[np.float64]:
@@ -42,6 +43,6 @@ def _rounded(angles: NDArray[np.float64], points: NDArray[np.float64], window: i
     before, after = np.repeat(points[:1], window, axis=0), np.repeat(points[-1:], window, axis=0)
     padded = np.concatenate([before, angles, after])
     sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
-    averaged = (sums[window:] - sums[:-window]) / window
+    averaged: NDArray[np.float64] = (sums[window:] - sums[:-window]) / window
     averaged[-1] = points[-1]
     return averaged[1:]

@@ -11,8 +11,10 @@ import numpy as np
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.actions import advance
+from prag_asp.physics.demonstration import Demonstration
 from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.foresight import foresee
+from prag_asp.physics.perform import Performer, open_performer
 from prag_asp.physics.proofs import impossibility
 from prag_asp.physics.search import CAUSES, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.settling import Settling, open_settling
@@ -29,6 +31,7 @@ class Validator:
         self._resources = resources
         self._simulator = resources.enter_context(open_simulator(scene))
         self._settling: Settling | None = None
+        self._performer: Performer | None = None
 
     def validate(self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
         """Return the verdict on a task; it depends on nothing but the arguments and the scene.
@@ -52,7 +55,10 @@ class Validator:
         causes: Counter[str] = Counter()
         for restart in range(budget.restarts):
             witness = _attempt(seen, search, budget.samples, causes)
-            if witness is not None and self._passes(seen, witness, budget, causes):
+            if witness is None or not self._settles(seen, witness, budget, causes):
+                continue
+            demonstration = self._perform(seen, witness, budget, causes)
+            if demonstration is None or demonstration.success:
                 return Verdict(
                     "feasible",
                     budget,
@@ -61,14 +67,15 @@ class Validator:
                     causes=_ordered(causes),
                     restarts=restart + 1,
                     witness=witness,
+                    demonstration=demonstration,
                 )
         reason = causes.most_common(1)[0][0]
         return Verdict(
             "not_found", budget, seed, index, reason=reason, causes=_ordered(causes), restarts=budget.restarts
         )
 
-    def _passes(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> bool:
-        """Tell whether a witness passes the dearer tiers of a budget."""
+    def _settles(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> bool:
+        """Tell whether the states of a witness are stable, as far as a budget asks for it."""
         if not budget.includes("settling"):
             return True
         if self._settling is None:
@@ -77,6 +84,18 @@ class Validator:
         if failure is not None:
             causes[failure] += 1
         return failure is None
+
+    def _perform(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> Demonstration | None:
+        """Return the recording of the robot performing a witness, None where a budget does not ask for it."""
+        if not budget.includes("demonstration"):
+            return None
+        if self._performer is None:
+            opened = open_performer(self._simulator.scene, self._simulator)
+            self._performer = self._resources.enter_context(opened)
+        demonstration = self._performer.perform(seen, witness)
+        if not demonstration.success:
+            causes[demonstration.cause] += 1
+        return demonstration
 
 
 @contextmanager

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from prag_asp.errors import QueryError
+from prag_asp.physics.demonstration import Demonstration
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
 
 Status = Literal["feasible", "not_found", "infeasible"]
-Tier = Literal["kinematics", "settling"]
+Tier = Literal["kinematics", "settling", "demonstration"]
 TIERS: tuple[Tier, ...] = get_args(Tier)
 """The tiers of checks, the cheapest first."""
 
@@ -128,6 +129,7 @@ class Verdict:
 
     `reason` says why a task is proved infeasible or could not be looked at; `causes` counts why attempts
     failed; `restarts` is how many first states were tried. `seed` and `index` together repeat the search.
+    `demonstration` is there where the budget asks for one; it is too large for JSON, and has a file of its own.
     """
 
     status: Status
@@ -138,6 +140,7 @@ class Verdict:
     causes: Mapping[str, int] = field(default_factory=dict)
     restarts: int = 0
     witness: Witness | None = None
+    demonstration: Demonstration | None = None
 
     @property
     def feasible(self) -> bool:

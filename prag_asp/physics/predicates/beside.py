@@ -18,7 +18,7 @@ from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 
 GAP = 0.005
-MARGIN = 0.001
+MARGIN = 0.003
 SPREAD = 2.0
 SLANT = math.hypot(1.0, SPREAD)
 X, Y = 0, 1

@@ -14,6 +14,7 @@ from prag_asp.physics.situation import Situation
 CENTRE_TOLERANCE = 0.015
 BELOW = 0.005
 MARGIN = 0.001
+REACH_MARGIN = 0.003
 OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
 
@@ -85,7 +86,7 @@ def _reachable_violations(situation: Situation, arguments: Arguments) -> Iterato
 def _reachable_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the ring that the gripper reaches from above."""
     robot = _robot(situation)
-    inner, outer = robot.reach
+    inner, outer = robot.reach[0] + REACH_MARGIN, robot.reach[1] - REACH_MARGIN
     height = robot.reach_height - MARGIN
     ring = Ring(0.0, 0.0, inner, outer)
     return Volume((-outer, -outer, -math.inf), (outer, outer, height), rings=(ring,))
