@@ -120,6 +120,9 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
 @click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
 @options.workers
+@options.budget
+@options.tier
+@options.demonstrate
 @click.option("--max-draws", type=click.IntRange(min=1), metavar="K", help="Give up after K draws.  [1000 a task]")
 @options.form
 @options.output
@@ -133,6 +136,9 @@ def sample(
     by: Any,
     physics: bool | None,
     workers: int,
+    budget: str,
+    tier: str,
+    demonstrate: str | None,
     max_draws: int | None,
     form: str,
     output: str | None,
@@ -151,13 +157,14 @@ def sample(
                 for task in islice(drawn, wanted):
                     write(line(Record(task)))
             return
-        from prag_asp.cli.physics import Tally, feasible
+        from prag_asp.cli.physics import Recordings, Tally, feasible
 
         tally, limit = Tally(), max_draws or DRAWS_FOR_EACH * wanted
-        scene = options.scene_of(space.domain)
+        scene, allowed = options.scene_of(space.domain), options.parse_budget(budget, tier, demonstrate)
         try:
             with writer(output) as write:
-                for record in islice(feasible(islice(drawn, limit), scene, seed, workers, tally), wanted):
+                found = feasible(islice(drawn, limit), scene, seed, workers, allowed, Recordings(demonstrate), tally)
+                for record in islice(found, wanted):
                     write(line(record))
                     tell(str(tally))
         finally:
@@ -171,8 +178,21 @@ def sample(
 @click.option("--domain", "name", metavar="DOMAIN", help="Domain of the tasks.  [default: the one that they name]")
 @options.seed
 @options.workers
+@options.budget
+@options.tier
+@options.demonstrate
 @click.option("--witness-only", is_flag=True, help="Check the witnesses in the file, and look for no new ones.")
-def validate(*, file: str, name: str | None, seed: int, workers: int, witness_only: bool) -> None:
+def validate(
+    *,
+    file: str,
+    name: str | None,
+    seed: int,
+    workers: int,
+    budget: str,
+    tier: str,
+    demonstrate: str | None,
+    witness_only: bool,
+) -> None:
     """Check tasks of a file again: that their plans are valid, and that a robot can do them.
 
     Prints a line for each task: its number, its verdict and the reason.
@@ -183,16 +203,25 @@ def validate(*, file: str, name: str | None, seed: int, workers: int, witness_on
         records = list(read_lines(lines, file))
     if not records:
         raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
-    from prag_asp.cli.physics import check_again
+    from prag_asp.cli.physics import Recordings, check_again
 
-    passed = 0
+    passed, allowed = 0, options.parse_budget(budget, tier, demonstrate)
     with progress() as tell:
-        results = check_again(records, name, seed=seed, workers=workers, witness_only=witness_only)
+        results = check_again(
+            records,
+            name,
+            seed=seed,
+            workers=workers,
+            budget=allowed,
+            recordings=Recordings(demonstrate),
+            witness_only=witness_only,
+        )
         for number, (status, reason) in zip(range(1, len(records) + 1), results, strict=True):
             passed += status == "feasible"
             click.echo(f"{number}\t{status}\t{reason}".rstrip())
             tell(f"{number} of {len(records)} tasks")
-    click.echo(f"{passed} of {len(records)} tasks passed", err=True)
+    checked = f"the witness, {allowed.tier}" if witness_only else f"budget {allowed}"
+    click.echo(f"{passed} of {len(records)} tasks passed ({checked})", err=True)
     if passed < len(records):
         raise click.exceptions.Exit(FAILED)
 

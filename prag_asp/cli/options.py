@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.domain.scene import Scene
+    from prag_asp.physics import Budget
     from prag_asp.space.task_space import TaskSpace
 
 Function = Callable[..., Any]
@@ -78,6 +79,25 @@ workers = click.option(
     "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics."
 )
 
+budget = click.option(
+    "--budget",
+    metavar="RxS",
+    default="10x10",
+    show_default=True,
+    help="How hard physics looks: first states tried for a task x attempts at each action.",
+)
+tier = click.option(
+    "--tier",
+    type=click.Choice(["kinematics", "settling", "demonstration"]),
+    default="kinematics",
+    show_default=True,
+    help="Dearest tier of checks: arrangements and arm, also that objects stay in a simulation, also that the "
+    "robot performs the task in it.",
+)
+demonstrate = click.option(
+    "--demonstrate", metavar="DIR", help="Let the robot perform each task, and write recordings (.npz) into DIR."
+)
+
 
 def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Function], Function]:
     """Give a command these options, as one value `asked`."""
@@ -108,6 +128,21 @@ def scene_of(domain: Domain) -> Scene:
         raise QueryError(f"{domain.name} has no [scene] in its domain.toml; add one, or draw with --no-physics")
     entities = {str(entity): name for entity, name in domain.facts.entities.items()}
     return parse_scene(domain.settings.scene, domain.facts.parents, entities)
+
+
+def parse_budget(text: str, tier: str, demonstrate: str | None) -> Budget:
+    """Return the budget that options state; whoever asks for recordings asks for demonstrations.
+
+    Raises:
+        QueryError: the text is not of the form RxS with positive numbers.
+    """
+    from prag_asp.physics import TIERS, Budget
+
+    restarts, _, samples = text.partition("x")
+    if not (restarts.isdecimal() and samples.isdecimal()):
+        raise QueryError(f"--budget {text}: write RESTARTSxSAMPLES, such as 10x10")
+    dearest = "demonstration" if demonstrate is not None else tier
+    return Budget(int(restarts), int(samples), TIERS[TIERS.index(dearest)])
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:

@@ -6,17 +6,50 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import closing
 from itertools import groupby, tee
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.cli.options import Asked, scene_of
 from prag_asp.dataset.jsonl import Record
-from prag_asp.errors import QueryError
-from prag_asp.physics import Verdict, Witness, check_witness, validate_tasks
+from prag_asp.errors import OutputError, QueryError
+from prag_asp.physics import (
+    Budget,
+    Demonstration,
+    Verdict,
+    Witness,
+    check_witness,
+    demonstrate,
+    settle,
+    validate_tasks,
+)
 
 if TYPE_CHECKING:
     from prag_asp.domain.scene import Scene
     from prag_asp.space.task import Task
     from prag_asp.space.task_space import TaskSpace
+
+
+class Recordings:
+    """The folder of the demonstrations of some tasks, made when the first is written; no folder, no files."""
+
+    def __init__(self, folder: str | None):
+        self._folder = None if folder is None else Path(folder)
+
+    def write(self, number: int, demonstration: Demonstration | None) -> str | None:
+        """Write the demonstration of the task on a line, counted from 1, and return the name of its file.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        if self._folder is None or demonstration is None:
+            return None
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"{self._folder}: the folder cannot be made: {error}") from error
+        name = f"{number:06d}.npz"
+        demonstration.save(self._folder / name)
+        return name
 
 
 class Tally:
@@ -41,38 +74,53 @@ class Tally:
         return f"{self.drawn} drawn, {self.passed} passed{share}{reasons}"
 
 
-def feasible(tasks: Iterator[Task], scene: Scene, seed: int, workers: int, tally: Tally) -> Iterator[Record]:
-    """Yield the feasible tasks with verdict and witness, and count all of them."""
+def feasible(
+    tasks: Iterator[Task], scene: Scene, seed: int, workers: int, budget: Budget, recordings: Recordings, tally: Tally
+) -> Iterator[Record]:
+    """Yield the feasible tasks with verdict and witness, write their demonstrations, and count all of them."""
     asked, kept = tee(tasks)
-    with closing(validate_tasks(asked, scene, seed=seed, workers=workers)) as verdicts:
+    with closing(validate_tasks(asked, scene, seed=seed, workers=workers, budget=budget)) as verdicts:
         for task, verdict in zip(kept, verdicts, strict=False):
             tally.add(verdict)
             if verdict.feasible:
                 told = verdict.to_json()
                 witness = told.pop("witness")
+                name = recordings.write(tally.passed, verdict.demonstration)
+                if name is not None:
+                    told["demonstration"] = name
                 yield Record(task, told, witness)
 
 
 def check_again(
-    records: Sequence[Record], name: str | None, *, seed: int, workers: int, witness_only: bool
+    records: Sequence[Record],
+    name: str | None,
+    *,
+    seed: int,
+    workers: int,
+    budget: Budget,
+    recordings: Recordings,
+    witness_only: bool,
 ) -> Iterator[tuple[str, str]]:
     """Yield for each record its verdict and the reason: whether its plan is valid, and whether physics agrees.
 
     `name` is the domain of all records; without it, each names its own.
     """
+    number = 0
     for own, group in groupby(records, key=lambda record: record.task.domain):
         space = Asked(name or own).space()
         scene = scene_of(space.domain)
         found = [(record, _fault(record.task, space)) for record in group]
         asked = (record.task for record, fault in found if not fault and not witness_only)
-        with closing(validate_tasks(asked, scene, seed=seed, workers=workers)) as verdicts:
+        with closing(validate_tasks(asked, scene, seed=seed, workers=workers, budget=budget)) as verdicts:
             for record, fault in found:
+                number += 1
                 if fault:
                     yield "invalid", fault
                 elif witness_only:
-                    yield _check_witness(record, scene)
+                    yield _check_witness(record, scene, budget, number, recordings)
                 else:
                     verdict = next(verdicts)
+                    recordings.write(number, verdict.demonstration)
                     yield verdict.status, verdict.reason
 
 
@@ -86,7 +134,10 @@ def _fault(task: Task, space: TaskSpace) -> str:
     return f"its {', '.join(wrong)} are not what its actions make" if wrong else ""
 
 
-def _check_witness(record: Record, scene: Scene) -> tuple[str, str]:
+def _check_witness(
+    record: Record, scene: Scene, budget: Budget, number: int, recordings: Recordings
+) -> tuple[str, str]:
+    """Return the verdict on the witness of a record by the tiers of a budget, and the reason."""
     if record.witness is None:
         return "not_found", "the file has no witness for it"
     try:
@@ -94,4 +145,15 @@ def _check_witness(record: Record, scene: Scene) -> tuple[str, str]:
     except QueryError as error:
         return "witness_fails", str(error)
     problems = check_witness(record.task, witness, scene)
-    return ("witness_fails", problems[0]) if problems else ("feasible", "")
+    if problems:
+        return "witness_fails", problems[0]
+    if budget.includes("settling"):
+        failure = settle(record.task, witness, scene)
+        if failure is not None:
+            return "witness_fails", failure
+    if budget.includes("demonstration"):
+        demonstration = demonstrate(record.task, witness, scene)
+        if not demonstration.success:
+            return "witness_fails", demonstration.detail
+        recordings.write(number, demonstration)
+    return "feasible", ""

@@ -7,8 +7,9 @@ from prag_asp.physics.demonstration_check import check_demonstration
 from prag_asp.physics.perform import demonstrate
 from prag_asp.physics.pool import WorkerError, validate_tasks
 from prag_asp.physics.predicates import PREDICATES, Predicate
-from prag_asp.physics.render import PicturesMissingError, film_strip
+from prag_asp.physics.render import PicturesMissingError, animate, film_strip
 from prag_asp.physics.search import CAUSES
+from prag_asp.physics.settling import settle
 from prag_asp.physics.validator import Validator, open_validator, validate_task
 from prag_asp.physics.verdict import TIERS, Budget, Moment, Verdict, Waypoint, Witness
 from prag_asp.physics.witness_check import check_witness
@@ -27,11 +28,13 @@ __all__ = [
     "Waypoint",
     "Witness",
     "WorkerError",
+    "animate",
     "check_demonstration",
     "check_witness",
     "demonstrate",
     "film_strip",
     "open_validator",
+    "settle",
     "validate_task",
     "validate_tasks",
 ]

@@ -7,13 +7,10 @@ from typing import NamedTuple
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.errors import SceneError
+from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.geometry import Vector
-from prag_asp.physics.silence import STDERR, STDOUT, silenced
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.solids import container_boxes, volume
-
-with silenced(STDOUT, STDERR):  # the import announces when PyBullet was built
-    import pybullet
 
 PARKING = (20.0, 20.0, 5.0)
 DENSITY = 400.0

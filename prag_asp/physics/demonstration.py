@@ -97,11 +97,11 @@ class Demonstration:
 def situation_of(scene: Scene, objects: Sequence[str], arm: Floats, poses: Floats) -> Situation:
     """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7)."""
     *joints, width = arm.tolist()
-    placed = {entity: _pose(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
+    placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
     return Situation(scene, placed, tool_pose(tuple(joints)), width)
 
 
-def _pose(row: list[float]) -> Pose:
+def pose_of(row: list[float]) -> Pose:
     """Return a pose from its seven numbers."""
     x, y, z, qx, qy, qz, qw = row
     return Pose((x, y, z), (qx, qy, qz, qw))

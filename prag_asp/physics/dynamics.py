@@ -7,11 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import pybullet
-
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.bodies import make_body, make_table
+from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import ROBOTS, Joints
 from prag_asp.physics.robot_file import write_robot

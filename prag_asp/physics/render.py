@@ -1,17 +1,20 @@
-"""Draw a witness: a film strip of the first state and the state after each action, with captions."""
+"""Draw witnesses and demonstrations: film strips of the states with captions, and animations."""
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
 
 from prag_asp.domain.atom import Atom
 from prag_asp.domain.scene import Scene
-from prag_asp.errors import PragError, QueryError
+from prag_asp.errors import OutputError, PragError, QueryError
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.demonstration import Demonstration, pose_of
 from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.simulator import Simulator, open_simulator
@@ -27,6 +30,8 @@ SKY, GROUND = (247, 249, 252), (214, 221, 230)
 INK, QUIET, PAPER = (33, 37, 41), (108, 117, 125), (255, 255, 255)
 OVERSAMPLING = 2
 MARGIN, GUTTER = 14, 12
+LAST_PAUSE = 1500
+"""Milliseconds for which an animation stops at its end."""
 TOLD_FIRST = (
     "holding",
     "on_top",
@@ -47,34 +52,103 @@ class PicturesMissingError(PragError):
 
 def film_strip(
     task: Task,
-    witness: Witness,
+    shown: Witness | Demonstration,
     scene: Scene,
     *,
     frames: int = 5,
     size: tuple[int, int] = (360, 320),
     headings: Sequence[str] | None = None,
 ) -> Image.Image:
-    """Return a picture of at most `frames` states of a witness side by side, the first and the last included.
+    """Return a picture of at most `frames` states of a witness or a demonstration, the first and the last included.
 
-    `size` is that of one frame in pixels. Under each frame stand the action and what it made true, in plain
-    words; `headings` replace the words for the actions.
+    They stand side by side; `size` is that of one frame in pixels. Under each stand the action and what it made
+    true, in plain words; `headings` replace the words for the actions.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: less than two frames are asked for, or the witness belongs to another task.
+        QueryError: less than two frames are asked for, or what is shown belongs to another task.
     """
     if frames < 2:
         raise QueryError(f"a film strip needs at least 2 frames; got {frames}")
-    if len(witness.moments) != len(task.actions) + 1:
-        raise QueryError(f"the witness has {len(witness.moments)} states, the task {len(task.actions)} actions")
-    if headings is not None and len(headings) != len(task.actions):
-        raise QueryError(f"{len(headings)} headings are given for {len(task.actions)} actions")
+    moments = _moments(task, shown)
+    _check_headings(task, headings)
     _pillow()
     chosen = sorted({round(i * len(task.actions) / (frames - 1)) for i in range(frames)})
     with open_simulator(scene, visual=True) as simulator:
-        pictures = [picture(simulator, witness.moments[k], size) for k in chosen]
+        pictures = [picture(simulator, moments[k], size) for k in chosen]
     captions = [_caption(task, scene, k, headings) for k in chosen]
     return _strip(pictures, captions, size)
+
+
+def animate(
+    task: Task,
+    demonstration: Demonstration,
+    scene: Scene,
+    path: Path,
+    *,
+    size: tuple[int, int] = (480, 420),
+    every: int = 2,
+    headings: Sequence[str] | None = None,
+) -> None:
+    """Write an animation of a demonstration, as long as it took: a .gif or .webp, by the name of the file.
+
+    It shows each `every`-th frame in `size` pixels, and under it the action that is performed.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed.
+        QueryError: the file is neither .gif nor .webp, `every` is not positive, or the demonstration belongs to
+            another task.
+        OutputError: the file cannot be written.
+    """
+    if path.suffix not in (".gif", ".webp") or every < 1:
+        raise QueryError(f"an animation is a .gif or a .webp of every n-th frame; got {path} and {every}")
+    _moments(task, demonstration)
+    _check_headings(task, headings)
+    _pillow()
+    frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
+    pictures = []
+    with open_simulator(scene, visual=True) as simulator:
+        for frame in frames:
+            k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
+            shown = picture(simulator, _moment(demonstration, frame), size)
+            pictures.append(_strip([shown], [(_caption(task, scene, k, headings)[0], "")], size))
+    times = demonstration.times[frames] * 1000
+    pauses = [*(int(pause) for pause in np.round(np.diff(times))), LAST_PAUSE]
+    try:
+        pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0)
+    except OSError as error:
+        raise OutputError(f"{path}: the animation cannot be written: {error}") from error
+
+
+def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
+    """Return the states of a task as a witness or a demonstration has them.
+
+    Raises:
+        QueryError: they are not as many as the task has.
+    """
+    if isinstance(shown, Witness):
+        moments, what = shown.moments, "witness"
+    else:
+        moments, what = tuple(_moment(shown, frame) for frame in shown.ends.tolist()), "demonstration"
+    if len(moments) != len(task.actions) + 1:
+        raise QueryError(f"the {what} has {len(moments)} states, the task {len(task.actions)} actions")
+    return moments
+
+
+def _moment(demonstration: Demonstration, frame: int) -> Moment:
+    """Return what a frame of a demonstration shows."""
+    poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
+    return Moment(poses, tuple(demonstration.joints[frame].tolist()), float(demonstration.widths[frame]))
+
+
+def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
+    """Check that there is a heading for each action.
+
+    Raises:
+        QueryError: there is not.
+    """
+    if headings is not None and len(headings) != len(task.actions):
+        raise QueryError(f"{len(headings)} headings are given for {len(task.actions)} actions")
 
 
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int]) -> Image.Image:

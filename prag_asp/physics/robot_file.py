@@ -10,9 +10,8 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree
 
-import pybullet_data
-
 from prag_asp.errors import SceneError
+from prag_asp.physics.bullet import pybullet_data
 from prag_asp.physics.geometry import Vector
 from prag_asp.physics.robot import Robot
 

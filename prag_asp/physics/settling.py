@@ -10,17 +10,17 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-import pybullet
-
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.bodies import make_body, make_table, mass, parking_place
-from prag_asp.physics.facts import Problem
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.geometry import Pose, turn_between
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.search import UNSETTLED, UNSTABLE
 from prag_asp.physics.simulator import open_client, read_pose, start_world
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.space.task import Task
 
 TIME_STEP = 1 / 240
 STEPS = 60
@@ -93,6 +93,16 @@ def open_settling(scene: Scene) -> Iterator[Settling]:
     """Open a world to settle witnesses in, and close it afterwards."""
     with open_client() as client:
         yield Settling(scene, client)
+
+
+def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
+    """Return why a state of a witness is not stable (one of `CAUSES`), None where all are.
+
+    Raises:
+        SceneError: the task speaks about something for which the scene has no shape.
+    """
+    with open_settling(scene) as settling:
+        return settling.failure(problem(task, scene), witness)
 
 
 def _as_stable(before: Moment, after: Moment) -> bool:

@@ -15,13 +15,10 @@ from pathlib import Path
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.bodies import make_body, make_table, parking_place
+from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.geometry import Pose, Vector, finite
 from prag_asp.physics.robot import ROBOTS, Joints, Robot
-from prag_asp.physics.silence import STDERR, STDOUT, silenced
-
-with silenced(STDOUT, STDERR):  # the import announces when PyBullet was built
-    import pybullet
-    import pybullet_data
+from prag_asp.physics.silence import STDOUT, silenced
 
 COLLISION = -0.0015
 """Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""

@@ -172,7 +172,7 @@ class Verdict:
                 raise ValueError(data["status"])
             return cls(
                 status=data["status"],
-                budget=Budget(**data["budget"]),
+                budget=Budget(data["budget"]["restarts"], data["budget"]["samples"], data["budget"]["tier"]),
                 seed=int(data["seed"]),
                 index=int(data["index"]),
                 reason=str(data["reason"]),
