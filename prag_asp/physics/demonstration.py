@@ -88,7 +88,7 @@ class Demonstration:
             QueryError: the file cannot be read, or holds something else.
         """
         try:
-            with np.load(path, allow_pickle=False) as content:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
                 return _from_arrays({name: content[name] for name in (*ARRAYS, *TEXTS)})
         except (OSError, KeyError, ValueError, IndexError, EOFError, zipfile.BadZipFile) as error:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from error

@@ -133,10 +133,12 @@ class _Performance:
         while self._steps % FRAME_STEPS:
             self._step(self._joints, STILL)
         situation = self.recorder.end_state()
-        for fact in facts:
-            if not fact.satisfied(situation):
-                cause = LOST if fact.predicate.name == "holding" and fact.value else NOT_REACHED
-                raise _Stopped(cause, f"after {after} it does not hold that {fact.sentence()}")
+        broken = [fact for fact in facts if not fact.satisfied(situation)]
+        lost = [fact for fact in broken if fact.predicate.name == "holding" and fact.value]
+        if broken:
+            worst = (lost or broken)[0]
+            what = f"after {after} it does not hold that {worst.sentence()}"
+            raise _Stopped(LOST if lost else NOT_REACHED, what)
 
     def _follow(self, waypoint: Waypoint, target: str | None, around: tuple[Moment, ...], effect: Effect) -> None:
         """Bring the arm to a waypoint, and close or open the gripper there."""

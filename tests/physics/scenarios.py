@@ -52,15 +52,15 @@ def stacking() -> Task:
     )
 
 
-def carrying() -> Task:
-    """Fetch an apple into the bowl, turn it, let it go and leave."""
-    gone = state("-at(panda,apple_1)", "open(panda)")
+def carrying(thing: str = "apple_1") -> Task:
+    """Fetch a thing into the bowl, turn it, let it go and leave."""
+    gone = state(f"-at(panda,{thing})", "open(panda)")
     return task(
         gone,
-        ("approach(panda,apple_1)", state("at(panda,apple_1)")),
-        ("grasp(panda,apple_1)", state("holding(panda,apple_1)", "-open(panda)")),
-        ("move(panda,apple_1,bowl_1)", state("located(apple_1,bowl_1)", "-located(apple_1,crate_1)")),
-        ("rotate(panda,apple_1,straight)", state("rotated(apple_1,straight)")),
-        ("drop(panda,apple_1)", state("-holding(panda,apple_1)", "open(panda)")),
-        ("withdraw(panda,apple_1)", state("-at(panda,apple_1)")),
+        (f"approach(panda,{thing})", state(f"at(panda,{thing})")),
+        (f"grasp(panda,{thing})", state(f"holding(panda,{thing})", "-open(panda)")),
+        (f"move(panda,{thing},bowl_1)", state(f"located({thing},bowl_1)", f"-located({thing},crate_1)")),
+        (f"rotate(panda,{thing},straight)", state(f"rotated({thing},straight)")),
+        (f"drop(panda,{thing})", state(f"-holding(panda,{thing})", "open(panda)")),
+        (f"withdraw(panda,{thing})", state(f"-at(panda,{thing})")),
     )

@@ -1,0 +1,236 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice, pairwise
+
+import numpy as np
+import pytest
+
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import OutputError, QueryError
+from prag_asp.physics import (
+    Budget,
+    Demonstration,
+    Verdict,
+    check_demonstration,
+    demonstrate,
+    dynamics,
+    validate_tasks,
+)
+from prag_asp.physics.bodies import FRICTION, mass
+from prag_asp.physics.facts import problem
+from prag_asp.physics.perform import Performer, open_performer
+from prag_asp.physics.robot import PANDA
+from prag_asp.physics.search import LOST, NOT_REACHED
+from prag_asp.physics.simulator import open_simulator
+from tests.physics.random_tasks import random_tasks
+from tests.physics.scenarios import carrying, stacking, state, task
+
+GRAVITY = 9.81
+FASTEST = 2.0
+
+
+@pytest.fixture(scope="module")
+def performer(tabletop: Scene) -> Iterator[Performer]:
+    with open_simulator(tabletop) as planner, open_performer(tabletop, planner) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def witness(tabletop_validator):
+    return tabletop_validator.validate(stacking(), seed=1).witness
+
+
+@pytest.fixture(scope="module")
+def stacked(performer, witness, tabletop) -> Demonstration:
+    return performer.perform(problem(stacking(), tabletop), witness)
+
+
+def _touches(demonstration: Demonstration, one: str, two: str) -> dict[int, float]:
+    """Return the force between two bodies in every frame in which they touch."""
+    pair = {demonstration.bodies.index(one), demonstration.bodies.index(two)}
+    rows = zip(demonstration.contacts.tolist(), demonstration.forces.tolist(), strict=True)
+    return {frame: force for (frame, *bodies), force in rows if set(bodies) == pair}
+
+
+def test_the_robot_stacks_a_cube_on_a_brick(stacked, tabletop):
+    assert stacked.success and len(stacked.ends) == 3
+    assert check_demonstration(stacking(), stacked, tabletop) == []
+    cube = stacked.poses[:, stacked.objects.index("cube_1")]
+    assert cube[0, 2] == pytest.approx(0.025) and cube[-1, 2] == pytest.approx(0.065, abs=0.001)
+
+
+@pytest.mark.parametrize("thing", ["box_1", "can_1"])
+def test_the_robot_fetches_turns_drops_and_leaves_an_object(prag, prag_validator, thing):
+    made = carrying(thing)
+    demonstration = demonstrate(made, prag_validator.validate(made, seed=1).witness, prag)
+    assert demonstration.success, demonstration.detail
+    assert check_demonstration(made, demonstration, prag) == []
+
+
+def test_what_is_recorded_is_a_motion_that_the_robot_can_make(stacked):
+    frames = len(stacked.times)
+    assert np.diff(stacked.times) == pytest.approx(0.05, abs=1e-5)
+    assert stacked.joints.shape == (frames, 7) and stacked.commands.shape == (frames, 8)
+    assert stacked.poses.shape == (frames, len(stacked.objects), 7)
+    assert all(PANDA.within_limits(row, 1e-3) for row in stacked.joints.tolist())
+    assert np.abs(np.diff(stacked.commands[:, :7], axis=0)).max() <= 0.05 * FASTEST + 1e-6
+    assert np.abs(stacked.joints - stacked.commands[:, :7]).max() < 0.05
+    assert stacked.widths.min() > 0.045 and stacked.widths.max() < 0.081
+
+
+def test_an_object_moves_only_while_the_robot_touches_it_and_never_jumps(stacked):
+    for i, name in enumerate(stacked.objects):
+        steps = np.linalg.norm(np.diff(stacked.poses[:, i, :3], axis=0), axis=1)
+        assert steps.max() < 0.05 * FASTEST
+        if name != "cube_1":
+            assert steps.max() < 0.001
+    held = stacked.poses[: stacked.ends[1] + 1, stacked.objects.index("cube_1")]
+    moving = np.flatnonzero(np.linalg.norm(np.diff(held[:, :3], axis=0), axis=1) > 0.001)
+    left, right = _touches(stacked, "left finger", "cube_1"), _touches(stacked, "right finger", "cube_1")
+    assert len(moving) > 5
+    assert all(frame in left and frame in right for frame in moving.tolist())
+
+
+def test_friction_alone_carries_the_object(stacked, tabletop):
+    lifted = int(stacked.ends[1])
+    forces = [_touches(stacked, f"{side} finger", "cube_1")[lifted] for side in ("left", "right")]
+    assert not any(lifted in _touches(stacked, other, "cube_1") for other in ("table", "brick_1", "arm"))
+    assert sum(forces) * FRICTION * dynamics.FINGER_FRICTION > mass(tabletop, "cube_1") * GRAVITY
+    assert max(forces) < 3 * dynamics.GRIP_FORCE
+
+
+def test_without_friction_the_object_stays_behind(performer, witness, tabletop, monkeypatch):
+    monkeypatch.setattr(dynamics, "FINGER_FRICTION", 0.0)
+    failed = performer.perform(problem(stacking(), tabletop), witness)
+    assert failed.cause == LOST and len(failed.ends) == 2
+    assert failed.detail == ("after pick(panda,cube_1,table_1) it does not hold that cube 1 is held by the gripper")
+    assert failed.poses[-1, failed.objects.index("cube_1"), 2] < 0.05
+
+
+def test_a_grasp_beside_the_object_fails(performer, witness, tabletop):
+    above = witness.motions[0][0]
+    high = tuple(replace(each, joints=above.joints) if each.name == "at" else each for each in witness.motions[0])
+    failed = performer.perform(problem(stacking(), tabletop), replace(witness, motions=(high, witness.motions[1])))
+    assert failed.cause == LOST
+    assert check_demonstration(stacking(), failed, tabletop) == ["2 states are reached; the task has 3"]
+
+
+def test_a_relation_that_the_motion_does_not_bring_about_is_the_cause(performer, witness, tabletop):
+    idle = replace(witness.motions[1][-1], name="stay", joints=witness.moments[1].joints)
+    failed = performer.perform(problem(stacking(), tabletop), replace(witness, motions=(witness.motions[0], (idle,))))
+    assert failed.cause == NOT_REACHED and "stack(panda,cube_1,brick_1)" in failed.detail
+
+
+def test_what_stands_on_a_carried_object_is_carried_along_by_friction(tabletop, tabletop_validator):
+    lifting = task(
+        state("on_top(cube_1,brick_1)", "on_top(brick_1,table_1)"),
+        ("pick(panda,brick_1,table_1)", state("holding(panda,brick_1)", "-on_top(brick_1,table_1)")),
+    )
+    demonstration = demonstrate(lifting, tabletop_validator.validate(lifting, seed=0).witness, tabletop)
+    assert demonstration.success, demonstration.detail
+    cube, brick = (demonstration.poses[-1, demonstration.objects.index(name), 2] for name in ("cube_1", "brick_1"))
+    assert brick > 0.1 and cube - brick == pytest.approx(0.045, abs=0.002)
+    assert len(demonstration.times) - 1 in _touches(demonstration, "cube_1", "brick_1")
+
+
+@pytest.mark.parametrize("name", ["tabletop", "prag"])
+def test_most_witnesses_of_random_tasks_can_be_performed(request, name):
+    scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
+    tasks = [made for length in (3, 5) for made in islice(random_tasks(name, length, 21), 6)]
+    done = 0
+    with open_simulator(scene) as planner, open_performer(scene, planner) as opened:
+        for index, made in enumerate(tasks):
+            verdict = validator.validate(made, seed=2, index=index)
+            demonstration = opened.perform(problem(made, scene), verdict.witness)
+            done += demonstration.success
+            assert demonstration.success == (check_demonstration(made, demonstration, scene) == [])
+    assert done >= 11
+
+
+def test_demonstrations_are_the_same_bytes_with_two_workers_and_in_any_order(tabletop, tabletop_validator, tmp_path):
+    tasks = list(islice(random_tasks("tabletop", 3, 8), 6))
+    budget = Budget(3, 10, "demonstration")
+    alone = list(validate_tasks(tasks, tabletop, seed=3, budget=budget))
+    together = list(validate_tasks(tasks, tabletop, seed=3, budget=budget, workers=2))
+    assert sum(verdict.feasible for verdict in alone) >= 5
+    for index in (4, 1):
+        again = tabletop_validator.validate(tasks[index], seed=3, index=index, budget=budget)
+        assert again.demonstration == alone[index].demonstration
+    for one, two in zip(alone, together, strict=True):
+        assert one == two and one.demonstration == two.demonstration
+        if one.demonstration is None:
+            continue
+        one.demonstration.save(tmp_path / "one.npz")
+        two.demonstration.save(tmp_path / "two.npz")
+        assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "two.npz").read_bytes()
+    assert all(one != two for one, two in pairwise(verdict.demonstration for verdict in alone if verdict.feasible))
+
+
+def test_a_verdict_with_a_demonstration_goes_to_json_without_it(tabletop_validator):
+    verdict = tabletop_validator.validate(stacking(), seed=1, budget=Budget(2, 5, "demonstration"))
+    assert verdict.demonstration.success
+    assert Verdict.from_json(verdict.to_json()) == replace(verdict, demonstration=None)
+
+
+def test_the_search_goes_on_where_a_witness_cannot_be_performed(tabletop_validator, monkeypatch):
+    monkeypatch.setattr(dynamics, "FINGER_FRICTION", 0.0)
+    verdict = tabletop_validator.validate(stacking(), seed=1, budget=Budget(2, 10, "demonstration"))
+    assert (verdict.status, verdict.reason, verdict.causes[LOST]) == ("not_found", LOST, 2)
+
+
+def test_a_recording_comes_back_from_its_file_as_it_was(stacked, tmp_path):
+    stacked.save(tmp_path / "stack.npz")
+    loaded = Demonstration.load(tmp_path / "stack.npz")
+    assert loaded == stacked and loaded.poses.dtype == np.float32
+    assert loaded != replace(stacked, widths=stacked.widths + 1)
+    with pytest.raises(OutputError, match="cannot be written"):
+        stacked.save(tmp_path / "missing" / "stack.npz")
+
+
+def test_files_that_hold_no_recording_are_refused(stacked, tmp_path):
+    path = tmp_path / "bad.npz"
+    stacked.save(path)
+    whole = path.read_bytes()
+    for content in (b"", b"not a recording", whole[: len(whole) // 2]):
+        path.write_bytes(content)
+        with pytest.raises(QueryError, match=r"bad.npz: this is not a demonstration"):
+            Demonstration.load(path)
+    np.savez(path, joints=stacked.joints)
+    with pytest.raises(QueryError, match="not a demonstration"):
+        Demonstration.load(path)
+    replace(stacked, joints=stacked.joints[:, :6]).save(path)
+    with pytest.raises(QueryError, match=r"joints has the shape \(\d+, 6\) in place of \(\d+, 7\)"):
+        Demonstration.load(path)
+
+
+def test_a_recording_that_was_changed_does_not_pass_the_check(stacked, tabletop):
+    poses = stacked.poses.copy()
+    poses[-1, stacked.objects.index("cube_1"), 2] += 0.01
+    found = check_demonstration(stacking(), replace(stacked, poses=poses), tabletop)
+    assert found == ["state 2: it does not hold that cube 1 is on brick 1"]
+    ends = stacked.ends.copy()
+    ends[1] = 10_000
+    assert check_demonstration(stacking(), replace(stacked, ends=ends), tabletop) == [
+        "state 1: there is no frame 10000"
+    ]
+    names = tuple("cube_2" if name == "brick_1" else name for name in stacked.objects)
+    assert (
+        "brick_1 is not in this situation"
+        in check_demonstration(stacking(), replace(stacked, objects=names), tabletop)[0]
+    )
+
+
+def test_the_opening_of_the_gripper_is_the_gap_between_its_pads(tabletop, witness):
+    from prag_asp.physics.bullet import pybullet
+
+    with dynamics.open_dynamics(tabletop) as world:
+        for width in (0.02, 0.05, 0.08):
+            world.begin((), replace(witness.moments[0], width=width, poses={}))
+            points = pybullet.getClosestPoints(
+                world._arm, world._arm, 0.1, *PANDA.finger_links, physicsClientId=world.client
+            )
+            assert min(point[8] for point in points) == pytest.approx(width, abs=1e-4)
+    assert math.isclose(PANDA.opening, 0.08)

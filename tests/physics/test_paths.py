@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.physics.geometry import Pose
+from prag_asp.physics.kinematics import inverse, tool_pose
+from prag_asp.physics.robot import PANDA, Joints
+from prag_asp.physics.route import Load, free_path, straight, vertical
+from prag_asp.physics.simulator import Simulator, open_simulator
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.trajectory import ACCELERATION, SPEED, timed
+
+DOWN = (1.0, 0.0, 0.0, 0.0)
+TIME_STEP = 1 / 120
+
+angles = st.floats(-2.5, 2.5)
+paths = st.lists(st.tuples(*[angles] * 7), min_size=2, max_size=5)
+
+
+@settings(deadline=None)
+@given(path=paths)
+def test_a_timed_path_ends_where_it_should_and_keeps_to_the_limits(path):
+    rows = timed(path, TIME_STEP)
+    assert rows[-1] == pytest.approx(path[-1], abs=1e-9)
+    whole = np.concatenate([np.array(path[:1]), rows])
+    speeds = np.diff(whole, axis=0) / TIME_STEP
+    assert np.abs(speeds).max() <= SPEED * 1.001
+    if len(path) == 2:
+        accelerations = np.diff(speeds, axis=0, prepend=np.zeros((1, 7)), append=np.zeros((1, 7))) / TIME_STEP
+        assert np.abs(accelerations).max() <= ACCELERATION * 1.05
+
+
+@given(path=paths)
+def test_a_timed_path_stays_within_the_box_of_its_points(path):
+    rows = timed(path, TIME_STEP)
+    points = np.array(path)
+    assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
+
+
+def _reach(x: float, y: float, z: float) -> Joints:
+    return next(inverse(PANDA, Pose((x, y, z), DOWN)))
+
+
+def test_a_straight_path_is_straight(simulator):
+    high = _reach(0.5, 0.2, 0.2)
+    low = next(inverse(PANDA, Pose((0.5, 0.2, 0.1), DOWN), near=high))
+    assert vertical(high, low) and not vertical(high, _reach(0.5, 0.25, 0.2))
+    for row in timed(straight(simulator, high, low), TIME_STEP).tolist():
+        x, y, z = tool_pose(tuple(row)).position
+        assert (x, y) == pytest.approx((0.5, 0.2), abs=0.002) and 0.099 < z < 0.201
+
+
+def _walled(scene: Scene, height: float) -> Scene:
+    """Return a scene with a wall across the reach of the arm; a viewer sees it from its narrow side."""
+    return replace(
+        scene,
+        shapes={**scene.shapes, "brick_1": Shape("box", (0.8, 0.03, height)), "cube_1": Shape("box", (0.05,) * 3)},
+    )
+
+
+def _gap(simulator: Simulator, rows: np.ndarray, held: bool) -> float:
+    """Return how near the arm, and a cube 5 mm below its tool, come to the wall: every row is looked at."""
+    smallest = 1.0
+    for row in rows.tolist():
+        simulator.pose_arm(tuple(row), 0.05)
+        poses = {"brick_1": simulator.read("brick_1")}
+        if held:
+            x, y, z = tool_pose(tuple(row)).position
+            poses["cube_1"] = Pose((x, y, z - 0.005), (0, 0, 0, 1))
+        simulator.place(poses)
+        smallest = min([smallest, *(gap for _, gap in simulator.arm_contacts(simulator.body("brick_1")))])
+        if held:
+            smallest = min(smallest, simulator.overlap(simulator.body("brick_1"), simulator.body("cube_1")))
+    return smallest
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
+    start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
+    with open_simulator(_walled(tabletop, 0.2)) as simulator:
+        poses = {"brick_1": Pose((0.6, 0.0, 0.1))}
+        load = Load(0.05)
+        if held:
+            poses["cube_1"] = Pose((0.5, -0.2, 0.115))
+            load = Load(0.05, "cube_1", Pose((0.0, 0.0, 0.005), DOWN))
+        situation = Situation(simulator.scene, poses, tool_pose(start), 0.05)
+        direct = timed([start, goal], TIME_STEP)
+        simulator.place({"brick_1": poses["brick_1"]})
+        assert _gap(simulator, direct, held) < -0.01
+        found = free_path(simulator, situation, load, start, goal, TIME_STEP)
+        assert found is not None and found[-1] == pytest.approx(goal)
+        simulator.place({"brick_1": poses["brick_1"]})
+        assert _gap(simulator, found, held) > -0.005
+
+
+def test_no_path_is_made_up_where_there_is_none(tabletop):
+    start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
+    with open_simulator(_walled(tabletop, 1.8)) as simulator:
+        situation = Situation(simulator.scene, {"brick_1": Pose((0.6, 0.0, 0.9))}, tool_pose(start), 0.05)
+        assert free_path(simulator, situation, Load(0.05), start, goal, TIME_STEP) is None
