@@ -26,6 +26,7 @@ NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
 POSTURE_WEIGHTS = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)
 EVEN_WEIGHTS = (1.0,) * 7
 APART = 0.4
+ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 MAX_SOLUTIONS = 4
 
 Rows = tuple[tuple[float, ...], ...]
@@ -65,6 +66,31 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
                 yield joints
                 if len(found) == MAX_SOLUTIONS:
                     return
+
+
+def adjusted(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
+    """Return joint angles next to others that bring the tool to a pose not far away, None where none are found.
+
+    Damped least squares, which changes the posture no more than it has to, unlike a sweep over joint 7.
+    """
+    target, joints = matrix(tool), np.array(near)
+    for _ in range(ADJUSTMENTS):
+        here = frankik.fk(joints)
+        error = _twist(here, target)
+        if np.abs(error).max() < ACCURACY:
+            found = tuple(joints.tolist())
+            return found if robot.within_limits(found) else None
+        columns = [_twist(here, frankik.fk(joints + row)) / DIFFERENCE for row in DIFFERENCE * np.eye(len(joints))]
+        jacobian = np.array(columns).T
+        joints = joints + jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING * np.eye(6), error)
+    return None
+
+
+def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how one pose has to move and turn to become another that is near, shape (6,); metres and radians."""
+    turn = two[:3, :3] @ one[:3, :3].T
+    vector = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
+    return np.concatenate([two[:3, 3] - one[:3, 3], np.array(vector) / 2])
 
 
 def _sweeps(robot: Robot, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:

@@ -28,7 +28,7 @@ from prag_asp.physics.geometry import (
     yaw_of,
     yaw_quaternion,
 )
-from prag_asp.physics.kinematics import inverse, tool_pose
+from prag_asp.physics.kinematics import adjusted, tool_pose
 from prag_asp.physics.recording import FRAME_STEPS, Recorder
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.route import Load, free_path, straight, vertical
@@ -47,7 +47,6 @@ SQUEEZE = 0.008
 
 FINGER_SPEED = 0.16
 LARGEST_TURN = 0.3
-LARGEST_CORRECTION = 0.5
 STILL = (0.0,) * 7
 
 
@@ -158,24 +157,22 @@ class _Performance:
             _Stopped: there is no free path.
         """
         situation = self._situation()
+        load = self._load(situation)
         upright = vertical(self._planned, waypoint.joints)
         if upright:
             height = tool_pose(waypoint.joints).position[2] - tool_pose(self._planned).position[2]
-            goal = self._near(raised(tool_pose(self._joints), height), waypoint.joints)
-            angles = timed(straight(self._planner, self._joints, goal), TIME_STEP)
+            tool = raised(tool_pose(self._joints), height)
+            goal = adjusted(self._planner.robot, tool, waypoint.joints) or waypoint.joints
+            angles = timed(straight(self._planner, self._joints, goal), TIME_STEP, load.acceleration)
         else:
-            goal = self._near(_corrected(waypoint, target, around, situation), waypoint.joints)
-            path = free_path(self._planner, situation, self._load(situation), self._joints, goal, TIME_STEP)
+            tool = _corrected(waypoint, target, around, situation)
+            goal = adjusted(self._planner.robot, tool, waypoint.joints) or waypoint.joints
+            path = free_path(self._planner, situation, load, self._joints, goal, TIME_STEP)
             if path is None:
                 raise _Stopped(NO_PATH, f"{effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
             angles = path
         self._drive(angles)
         self._joints, self._planned = goal, waypoint.joints
-
-    def _near(self, tool: Pose, joints: Joints) -> Joints:
-        """Return joint angles near to others that bring the tool to a pose, those others where there are none."""
-        found = next(inverse(self._planner.robot, tool, near=joints), joints)
-        return found if math.dist(found, joints) < LARGEST_CORRECTION else joints
 
     def _load(self, situation: Situation) -> Load:
         """Return what the gripper carries, as it lies in it."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from prag_asp.physics.demonstration import Demonstration, Floats, situation_of
+from prag_asp.physics.demonstration import Demonstration, situation_of
 from prag_asp.physics.dynamics import PARTS, TIME_STEP, Dynamics
 from prag_asp.physics.situation import Situation
 
@@ -20,9 +20,9 @@ class Recorder:
     def __init__(self, world: Dynamics, objects: Sequence[str]):
         self._world = world
         self._objects = tuple(objects)
-        self._arms: list[Floats] = []
+        self._arms: list[list[float]] = []
         self._commands: list[Sequence[float]] = []
-        self._poses: list[Floats] = []
+        self._poses: list[list[list[float]]] = []
         self._contacts: list[tuple[int, int, int]] = []
         self._forces: list[float] = []
         self._ends: list[int] = []
@@ -34,18 +34,19 @@ class Recorder:
         for (one, two), force in self._world.contacts().items():
             self._contacts.append((len(self._arms), one, two))
             self._forces.append(force)
-        self._arms.append(np.array([*joints, width], dtype=np.float32))
+        self._arms.append([*joints, width])
         self._commands.append(command)
-        self._poses.append(np.array(rows, dtype=np.float32).reshape(-1, 7))
+        self._poses.append(rows)
 
     def end_state(self) -> Situation:
         """Note that a state of the task ends with the last frame, and return what that shows, as it is recorded."""
         self._ends.append(len(self._arms) - 1)
-        return situation_of(self._world.scene, self._objects, self._arms[-1], self._poses[-1])
+        arm, poses = np.array(self._arms[-1], dtype=np.float32), np.array(self._poses[-1], dtype=np.float32)
+        return situation_of(self._world.scene, self._objects, arm, poses)
 
     def finish(self, cause: str = "", detail: str = "") -> Demonstration:
         """Return the recording."""
-        arm, frames = np.array(self._arms), len(self._arms)
+        arm, frames = np.array(self._arms, dtype=np.float32), len(self._arms)
         return Demonstration(
             objects=self._objects,
             bodies=(*PARTS, *self._objects),
@@ -53,7 +54,7 @@ class Recorder:
             joints=arm[:, :7],
             widths=arm[:, 7],
             commands=np.array(self._commands, dtype=np.float32),
-            poses=np.array(self._poses),
+            poses=np.array(self._poses, dtype=np.float32).reshape(frames, len(self._objects), 7),
             contacts=np.array(self._contacts, dtype=np.int32).reshape(-1, 3),
             forces=np.array(self._forces, dtype=np.float32),
             ends=np.array(self._ends, dtype=np.int32),

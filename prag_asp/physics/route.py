@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.collisions import arm_collision, colliding
 from prag_asp.physics.geometry import Pose, compose, invert, raised, turn_between
-from prag_asp.physics.kinematics import inverse, tool_pose
+from prag_asp.physics.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.simulator import Simulator
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import riders
-from prag_asp.physics.trajectory import timed
+from prag_asp.physics.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
 
 HEIGHTS = (0.08, 0.16, 0.24)
 STRIDE = 0.06
@@ -30,6 +30,11 @@ class Load:
     width: float
     held: str | None = None
     grasp: Pose | None = None
+
+    @property
+    def acceleration(self) -> float:
+        """How fast the arm may gather speed, in radians a second squared."""
+        return ACCELERATION if self.held is None else LOADED_ACCELERATION
 
 
 def vertical(one: Joints, two: Joints) -> bool:
@@ -46,7 +51,7 @@ def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
     for share in np.linspace(0.0, 1.0, RUNGS + 1)[1:-1].tolist():
         x, y, z = (a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
         near = tuple(a + share * (b - a) for a, b in zip(start, goal, strict=True))
-        path.append(next(inverse(simulator.robot, Pose((x, y, z), last.quaternion), near), near))
+        path.append(adjusted(simulator.robot, Pose((x, y, z), last.quaternion), near) or near)
     return [*path, goal]
 
 
@@ -55,7 +60,7 @@ def free_path(
 ) -> NDArray[np.float64] | None:
     """Return the joint angles of every time step on a free way, shape (steps, 7); None where none is found."""
     for path in _ways(simulator, start, goal):
-        angles = timed(path, time_step)
+        angles = timed(path, time_step, load.acceleration)
         if _free(simulator, situation, load, start, angles):
             return angles
     return None

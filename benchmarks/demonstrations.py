@@ -1,0 +1,127 @@
+"""How many witnesses of random tasks the robot performs in a world with forces, how fast, and why the rest fail.
+
+    python benchmarks/demonstrations.py tabletop --count 80
+
+The witness of a task is the first that kinematics accepts, and it is performed once: no second try hides a failure.
+Only the performing is timed, on one core, by processor time. Tasks whose robot touches a ball are told apart.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+
+from rich.console import Console
+from rich.table import Table
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.domain.scene import Scene, parse_scene
+from prag_asp.physics import open_validator
+from prag_asp.physics.facts import Problem, problem
+from prag_asp.physics.perform import open_performer
+from prag_asp.physics.simulator import open_simulator
+
+KINDS = ("boxes and cans", "balls")
+
+
+@dataclass
+class Outcome:
+    """What became of the tasks of one kind and length."""
+
+    tasks: int = 0
+    seconds: float = 0.0
+    frames: int = 0
+    causes: Counter[str] = field(default_factory=Counter)
+
+
+def main() -> None:
+    """Draw tasks, find witnesses, perform them, print two tables."""
+    options = _options()
+    domain = load_domain(options.domain)
+    entities = {str(entity): str(name) for entity, name in domain.facts.entities.items()}
+    scene = parse_scene(domain.settings.scene, domain.facts.parents, entities)
+    outcomes = {(kind, length): Outcome() for kind in KINDS for length in options.lengths}
+    with (
+        open_validator(scene) as validator,
+        open_simulator(scene) as planner,
+        open_performer(scene, planner) as performer,
+    ):
+        for length in options.lengths:
+            drawn = TaskSpace(domain, length).sample(options.count, seed=options.seed, weights={})
+            for index, task in enumerate(drawn):
+                witness = validator.validate(task, seed=options.seed, index=index).witness
+                if witness is None:
+                    continue
+                seen = problem(task, scene)
+                outcome = outcomes[KINDS[_touches_ball(seen, scene)], length]
+                begun = time.process_time()
+                demonstration = performer.perform(seen, witness)
+                outcome.seconds += time.process_time() - begun
+                outcome.tasks += 1
+                outcome.frames += len(demonstration.times)
+                outcome.causes[demonstration.cause] += 1
+    console = Console()
+    console.print(_successes(outcomes, f"{options.domain}: witnesses performed, seed {options.seed}"))
+    console.print(_causes(outcomes))
+    console.print(f"largest memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
+
+
+def _options() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description="Let the robot perform witnesses of random tasks.")
+    parser.add_argument("domain", nargs="?", default="tabletop")
+    parser.add_argument("--lengths", type=int, nargs="+", default=[3, 4, 5, 6])
+    parser.add_argument("--count", type=int, default=80, help="tasks of each length")
+    parser.add_argument("--seed", type=int, default=1)
+    return parser.parse_args()
+
+
+def _touches_ball(seen: Problem, scene: Scene) -> bool:
+    """Tell whether the robot goes to a ball, or holds one."""
+    touched = {each for e in seen.effects for each in (e.grasps, e.holds, e.releases, e.visits) if each}
+    return any(scene.shapes[entity].kind == "sphere" for entity in touched)
+
+
+def _successes(outcomes: dict[tuple[str, int], Outcome], title: str) -> Table:
+    """Return the table of successes and speeds."""
+    table = Table(title=title)
+    for name in ("kind", "length", "tasks", "performed", "share", "tasks/s/core", "seconds of the robot"):
+        table.add_column(name, justify="right")
+    for kind in KINDS:
+        rows = [(str(length), outcome) for (each, length), outcome in outcomes.items() if each == kind]
+        total = Outcome()
+        for _, outcome in rows:
+            total.tasks, total.frames = total.tasks + outcome.tasks, total.frames + outcome.frames
+            total.seconds += outcome.seconds
+            total.causes.update(outcome.causes)
+        for name, outcome in [*rows, ("all", total)]:
+            if outcome.tasks:
+                table.add_row(
+                    kind, name, str(outcome.tasks), str(outcome.causes[""]),
+                    f"{100 * outcome.causes[''] / outcome.tasks:.1f} %", f"{outcome.tasks / outcome.seconds:.1f}",
+                    f"{outcome.frames / 20 / outcome.tasks:.1f}",
+                )  # fmt: skip
+        table.add_section()
+    return table
+
+
+def _causes(outcomes: dict[tuple[str, int], Outcome]) -> Table:
+    """Return the table of why tasks failed."""
+    table = Table(title="tasks that failed, by cause")
+    table.add_column("cause")
+    for kind in KINDS:
+        table.add_column(kind, justify="right")
+    counts = {
+        kind: sum((outcome.causes for (each, _), outcome in outcomes.items() if each == kind), Counter[str]())
+        for kind in KINDS
+    }
+    for cause in sorted({cause for counter in counts.values() for cause in counter if cause}):
+        table.add_row(cause, *(str(counts[kind][cause]) for kind in KINDS))
+    return table
+
+
+if __name__ == "__main__":
+    main()
