@@ -60,12 +60,14 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
         DomainError: clingo cannot ground the program.
     """
     seeds = _seeds(facts, reads)
+    initial: frozenset[clingo.Symbol] = frozenset()
     while True:
-        ground = _ground_once(program, seeds, facts, reads)
+        ground = _ground_once(program, seeds, initial, facts, reads)
         made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
-        if made | ground.initial <= seeds:
+        if made | ground.initial <= seeds and ground.initial == initial:
             return ground
         seeds |= made | ground.initial
+        initial = ground.initial
 
 
 def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
@@ -107,12 +109,16 @@ class _Recorder(clingo.Observer):
         self.obstacles.append("the program uses a theory")
 
 
-def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads) -> GroundStep:
+def _ground_once(
+    program: Program, seeds: set[clingo.Symbol], initial: frozenset[clingo.Symbol], facts: Facts, reads: StepReads
+) -> GroundStep:
     grounder, recorder = _start(program)
     recorder.part = "before"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
     told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
-    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told]
+    # The check of a plan without a step reads the start, which may have atoms that no step makes.
+    started = [clingo.Function(s.name, [*s.arguments, NOW]) for s in sorted(initial)]
+    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told, *started]
     grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
     grounder.ground([("before", [])])
     for part in ("step", "hindsight", "check", "ending"):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import log
+from typing import overload
 
 from prag_asp.domain.atom import Atom
 from prag_asp.domain.load import Domain
@@ -15,11 +17,15 @@ from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
+from prag_asp.space.conditions import Condition, Part, conditioned
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
+from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
 from prag_asp.space.ranks import distinct_ranks
+from prag_asp.space.shuffle import Shuffle
+from prag_asp.space.split import classes_for, divided, parse_shares
 from prag_asp.space.task import Task
 from prag_asp.space.weights import Number, Weights, parse_weights
 
@@ -41,15 +47,32 @@ class TaskSpace:
         self._shared = _Shared(Model(domain), engine, progress)
         self.domain = domain
         self.length = _checked(length)
+        self.condition = Condition()
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of another length, which shares all that was computed."""
-        space = object.__new__(TaskSpace)
-        space._shared, space.domain, space.length = self._shared, self.domain, _checked(length)
+        space = copy(self)
+        space.length = _checked(length)
+        return space
+
+    def where(self, *conditions: str | Condition) -> TaskSpace:
+        """Return the space of those tasks that satisfy all of some conditions, each a value or its words.
+
+        Entities that a condition tells apart are not interchangeable in that space.
+
+        Raises:
+            QueryError: a condition is none, or speaks of something that the domain does not have.
+        """
+        space = copy(self)
+        for condition in conditions:
+            space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
+        domain = conditioned(self.domain, space.condition)
+        space._shared = _Shared(Model(domain), self._shared.engine, self._shared.progress)
         return space
 
     def __repr__(self) -> str:
-        return f"TaskSpace({self.domain.name!r}, length={self.length})"
+        where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
+        return f"TaskSpace({self.domain.name!r}, length={self.length}){where}"
 
     def count(self, by: Level = "task", prefix: Prefix = ()) -> int:
         """Return the exact number of plans, tasks or skeletons that begin with `prefix`.
@@ -57,7 +80,11 @@ class TaskSpace:
         Raises:
             QueryError: no such level, or the prefix names no action of the domain.
         """
-        return self._engine(by).count(self.length, self._prefix(by, prefix))
+        first = self._prefix(by, prefix)
+        key = (by, self.length, first)
+        if key not in self._shared.counts:
+            self._shared.counts[key] = self._engine(by).count(self.length, first)
+        return self._shared.counts[key]
 
     def words(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
         """Yield plans, tasks or skeletons as texts of actions or as names, in rank order, lazily, each once.
@@ -81,17 +108,68 @@ class TaskSpace:
             return False
         return self._engine("plan").contains(tuple(map(str, task)))
 
-    def __getitem__(self, rank: int) -> Task:
-        """Return the task of a rank: actions in clingo's order of terms, tasks in lexicographic order.
+    @overload
+    def __getitem__(self, rank: int) -> Task: ...
+    @overload
+    def __getitem__(self, rank: slice) -> RankedTasks: ...
+    def __getitem__(self, rank: int | slice) -> Task | RankedTasks:
+        """Return the task of a rank, or a lazy range: actions in clingo's order of terms, tasks lexicographically.
 
         Raises:
             IndexError: the rank is not below the number of tasks; a negative one counts from the end.
         """
-        total = self.count()
-        if not -total <= rank < total:
-            raise IndexError(f"rank {rank} of {total} tasks")
-        word = self._engine("task").unrank(self.length, rank % total)
-        return next(self.narrate(iter([word])))
+        return self._ranked()[rank]
+
+    def _ranked(self) -> RankedTasks:
+        return RankedTasks(Interval(range(self.count())), self._told, self.index)
+
+    def _told(self, ranks: Iterable[int]) -> Iterator[Task]:
+        """Yield the tasks of ranks."""
+        engine = self._engine("task")
+        return self.narrate(engine.unrank(self.length, rank) for rank in ranks)
+
+    def split(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, RankedTasks]:
+        """Return disjoint random parts that have these shares of the tasks, each rounded by less than one task.
+
+        Raises:
+            QueryError: the shares do not add up to 1.
+        """
+        order = Shuffle(self.count(), seed)
+        parts = divided(order.size, parse_shares(shares))
+        return {
+            name: RankedTasks(Shuffled(order, Interval(places)), self._told, self.index)
+            for name, places in parts.items()
+        }
+
+    def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
+        """Return disjoint random parts without a common skeleton, each a task space with about its share of them.
+
+        Raises:
+            QueryError: the shares do not add up to 1.
+        """
+        found = parse_shares(shares)
+        classes = classes_for(found)
+        parts = divided(classes, found)
+        return {
+            name: self.where(Condition((Part(tuple(residues), classes, seed),))) for name, residues in parts.items()
+        }
+
+    def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
+        """Return the tasks without and those with something: an entity, a class, an action's name or a pair of names.
+
+        The first part is for training; the second has a composition that training never showed.
+
+        Raises:
+            QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
+        """
+        for group in self._shared.model.groups(self.length):
+            if what in map(str, group):
+                others = ", ".join(str(entity) for entity in group if str(entity) != what)
+                raise QueryError(f"{what} is interchangeable with {others}, so it is nothing new; hold out its class")
+        facts = self.domain.facts
+        is_action = what in map(action_name, facts.actions) or ">" in what or what in map(str, facts.actions)
+        without, having = ("lacks", "has") if is_action else ("avoids", "uses")
+        return self.where(f"{without} {what}"), self.where(f"{having} {what}")
 
     def index(self, task: Task) -> int:
         """Return the rank of a task; interchangeable entities may have any of their names.
@@ -193,6 +271,7 @@ class _Shared:
     engine: str
     progress: Progress | None
     engines: dict[Level, Engine] = field(default_factory=dict)
+    counts: dict[tuple[Level, int, tuple[str, ...]], int] = field(default_factory=dict)
 
     def engine_for(self, by: Level) -> Engine:
         if by not in self.engines:
