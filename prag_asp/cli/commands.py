@@ -9,6 +9,8 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.split import split
+from prag_asp.cli.task import task
 from prag_asp.cli.terminal import FAILED, Command, progress, writer
 from prag_asp.errors import OutputError, QueryError
 
@@ -195,6 +197,10 @@ def validate(*, file: str, name: str | None, seed: int, workers: int, witness_on
     click.echo(f"{passed} of {len(records)} tasks passed", err=True)
     if passed < len(records):
         raise click.exceptions.Exit(FAILED)
+
+
+cli.add_command(task)
+cli.add_command(split)
 
 
 def _split(prefix: str | None) -> list[str]:

@@ -29,6 +29,7 @@ class Asked:
     encodings: str | None = None
     length: int = 0
     engine: str = "auto"
+    where: tuple[str, ...] = ()
 
     def domain(self) -> Domain:
         """Load the domain."""
@@ -40,7 +41,7 @@ class Asked:
         """Return the task space, which tells its progress to `tell`."""
         from prag_asp.space.task_space import TaskSpace
 
-        return TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell)
+        return TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell).where(*self.where)
 
 
 DOMAIN = (
@@ -53,6 +54,9 @@ DOMAIN = (
 SPACE = (
     *DOMAIN,
     click.option("-n", "--length", type=int, required=True, metavar="N", help="Number of actions of a task."),
+    click.option(
+        "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
+    ),
     click.option("--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton or clingo."),
 )
 

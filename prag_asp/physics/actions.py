@@ -88,9 +88,7 @@ def verify_objects(search: Search, situation: Situation, moved: Iterable[str], h
         raise Failure(UNSUPPORTED)
 
 
-def _verify(
-    search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[Fact], facts: Iterable[Fact]
-) -> None:
+def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[Fact], facts: Iterable[Fact]) -> None:
     """Check the facts that an action can have changed or that the state newly knows."""
     known_again = set(fresh)
     changed = {
@@ -129,9 +127,7 @@ def _raise(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> Sna
     return after
 
 
-def _visit(
-    search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoints: list[Waypoint]
-) -> Snapshot:
+def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
     """Lower the open gripper to an object."""
     options = grasps(search, snapshot.situation, entity)
     if attempt >= len(options):
@@ -155,9 +151,7 @@ def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
     return closed
 
 
-def _grasp(
-    search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]
-) -> Snapshot:
+def _grasp(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
     """Take hold of an object, and lift it where it leaves what it stands on."""
     entity = effect.grasps
     assert entity is not None
@@ -212,9 +206,7 @@ def _rest_pose(search: Search, snapshot: Snapshot, entity: str, effect: Effect) 
     return raised(situation.poses[entity], height - situation.bottom(entity))
 
 
-def _lower(
-    search: Search, snapshot: Snapshot, entity: str, poses: Mapping[str, Pose]
-) -> tuple[Joints, Joints]:
+def _lower(search: Search, snapshot: Snapshot, entity: str, poses: Mapping[str, Pose]) -> tuple[Joints, Joints]:
     """Return the configurations at and above where the held object is put down."""
     assert snapshot.grasp is not None
     situation = snapshot.situation
@@ -228,9 +220,7 @@ def _lower(
     return joints
 
 
-def _carry(
-    search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypoints: list[Waypoint]
-) -> Snapshot:
+def _carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
     """Move the held object where the facts want it, clear of what is below."""
     assert snapshot.grasp is not None
     situation = snapshot.situation
@@ -296,9 +286,7 @@ def _changed(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
     return [entity for entity, pose in poses.items() if snapshot.situation.poses[entity] != pose]
 
 
-def _moved_arm(
-    snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose], above: Joints | None
-) -> Snapshot:
+def _moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose], above: Joints | None) -> Snapshot:
     """Return a snapshot with the arm elsewhere; the held object goes along as `poses` say."""
     situation = snapshot.situation.with_poses(poses).with_tool(tool_pose(joints), snapshot.situation.width)
     return replace(snapshot, situation=situation, joints=joints, above=above)

@@ -31,11 +31,7 @@ def boxes_meet(one: Box, two: Box) -> bool:
     """Tell whether two bounding boxes overlap."""
     (ax, ay, az), (ahx, ahy, ahz) = one
     (bx, by, bz), (bhx, bhy, bhz) = two
-    return (
-        abs(ax - bx) < ahx + bhx
-        and abs(ay - by) < ahy + bhy
-        and abs(az - bz) < ahz + bhz + COLLISION
-    )
+    return abs(ax - bx) < ahx + bhx and abs(ay - by) < ahy + bhy and abs(az - bz) < ahz + bhz + COLLISION
 
 
 def colliding(
@@ -46,10 +42,7 @@ def colliding(
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in moved:
         done.add(one)
-        if (
-            situation.bottom(one) < 0.0
-            and simulator.overlap(simulator.body(one), simulator.table) < COLLISION
-        ):
+        if situation.bottom(one) < 0.0 and simulator.overlap(simulator.body(one), simulator.table) < COLLISION:
             return one, "the table"
         for two, other in boxes.items():
             if two in done or not boxes_meet(boxes[one], other):

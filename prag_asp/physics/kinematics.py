@@ -102,9 +102,7 @@ def _ranked(
 
 def _error(rows: Rows, goal: list[list[float]]) -> float:
     """Return the largest difference of two homogeneous matrices."""
-    return max(
-        abs(a - b) for row, other in zip(rows[:3], goal, strict=False) for a, b in zip(row, other, strict=True)
-    )
+    return max(abs(a - b) for row, other in zip(rows[:3], goal, strict=False) for a, b in zip(row, other, strict=True))
 
 
 def _facing(robot: Robot, tool: Pose) -> Joints:

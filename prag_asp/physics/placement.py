@@ -32,11 +32,7 @@ Neighbour = tuple[float, float, float, float]
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
     """Return what an object stands on or in by the facts, `TABLE` for the table, None where unknown."""
     for fact in facts:
-        if (
-            fact.value
-            and fact.predicate.name in ("on_top", "inside", "located")
-            and fact.arguments[0] == entity
-        ):
+        if fact.value and fact.predicate.name in ("on_top", "inside", "located") and fact.arguments[0] == entity:
             support = fact.arguments[1]
             return TABLE if situation.is_table(support) else support
     return None
@@ -55,11 +51,7 @@ def any_support(search: Search, situation: Situation, entity: str, facts: Iterab
     }
     if not any(situation.is_table(support) for support in ruled_out):
         return TABLE
-    options = [
-        other
-        for other in situation.poses
-        if other not in ruled_out and situation.shape(other).kind != "sphere"
-    ]
+    options = [other for other in situation.poses if other not in ruled_out and situation.shape(other).kind != "sphere"]
     if not options:
         raise Failure(EMPTY_VOLUME)
     return options[int(search.rng.integers(len(options)))]
@@ -185,9 +177,7 @@ def _shapes_volume(fact: Fact, entity: str) -> bool:
     return fact.value and (subject == entity or fact.predicate.inverse is not None)
 
 
-def _volume(
-    situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact]
-) -> Volume:
+def _volume(situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact]) -> Volume:
     """Return where an object, turned as it will be, can be put down on a support as the facts want it.
 
     What is put on the table has to be within reach, unless it is known not to be.
@@ -219,9 +209,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
     return volume
 
 
-def _surface(
-    situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool
-) -> Volume:
+def _surface(situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool) -> Volume:
     """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
     if support != TABLE:
         name = "inside" if situation.shape(support).kind == "container" else "on_top"
@@ -262,9 +250,7 @@ def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[
     yield from repeat((everything, SPACING if support == TABLE else 0.0), TRIES)
 
 
-def _yaws(
-    search: Search, situation: Situation, entity: str, support: str, about: Iterable[Fact]
-) -> Iterator[float]:
+def _yaws(search: Search, situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
     """Yield yaws in radians: one in the range that facts want, else square to the support, else any, then square."""
     wanted = yaw_range(situation, entity, about)
     if wanted is not None:

@@ -185,6 +185,4 @@ def _validate_chunk(chunk: Chunk, seed: int, budget: Budget) -> list[Verdict]:
     validator, error = _worker[0].validator, _worker[0].error
     if validator is None:
         raise error or SceneError("the scene cannot be built")
-    return [
-        validator.validate(task, seed=seed, index=start + i, budget=budget) for i, task in enumerate(tasks)
-    ]
+    return [validator.validate(task, seed=seed, index=start + i, budget=budget) for i, task in enumerate(tasks)]

@@ -32,9 +32,7 @@ def impossibility(problem: Problem, scene: Scene) -> str | None:
     return None
 
 
-def _reasons(
-    facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, still: Situation
-) -> Iterator[str]:
+def _reasons(facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, still: Situation) -> Iterator[str]:
     """Yield the proofs that a state cannot be; `fresh` are its facts that no state before it has."""
     true = [fact for fact in facts if fact.value]
     for fact in fresh:
@@ -120,9 +118,7 @@ def _room_reasons(true: list[Fact], scene: Scene) -> Iterator[str]:
     of both objects, as thin as they can be, and the gap of the relation.
     """
     on_table = {
-        f.arguments[0]
-        for f in true
-        if f.predicate.name == "on_top" and scene.shapes[f.arguments[1]].kind == "table"
+        f.arguments[0] for f in true if f.predicate.name == "on_top" and scene.shapes[f.arguments[1]].kind == "table"
     }
     bound = on_table & {f.arguments[1] for f in true if f.predicate.name == "reachable"}
     for axis in (0, 1):
@@ -182,9 +178,7 @@ def _fixed_reasons(facts: Iterable[Fact], scene: Scene, situation: Situation) ->
     for fact in facts:
         if fact.predicate.of_gripper or fact.arguments[fact.predicate.subject] not in situation.poses:
             continue
-        bodies = [
-            entity for entity in fact.arguments if scene.shapes.get(entity, Shape("robot")).kind != "robot"
-        ]
+        bodies = [entity for entity in fact.arguments if scene.shapes.get(entity, Shape("robot")).kind != "robot"]
         still = all(entity in situation.poses or scene.shapes[entity].kind == "table" for entity in bodies)
         if still and not fact.satisfied(situation):
             yield f"{fact.sentence()} cannot hold, for nothing of it can move"

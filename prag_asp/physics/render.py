@@ -66,9 +66,7 @@ def film_strip(
     if frames < 2:
         raise QueryError(f"a film strip needs at least 2 frames; got {frames}")
     if len(witness.moments) != len(task.actions) + 1:
-        raise QueryError(
-            f"the witness has {len(witness.moments)} states, the task {len(task.actions)} actions"
-        )
+        raise QueryError(f"the witness has {len(witness.moments)} states, the task {len(task.actions)} actions")
     if headings is not None and len(headings) != len(task.actions):
         raise QueryError(f"{len(headings)} headings are given for {len(task.actions)} actions")
     _pillow()
@@ -122,9 +120,7 @@ def _render(simulator: Simulator, size: tuple[int, int]) -> NDArray[np.uint8]:
         physicsClientId=simulator.client,
     )
     # A PyBullet that was built without NumPy returns flat tuples.
-    colors: NDArray[np.uint8] = (
-        np.asarray(result[2], dtype=np.uint8).reshape(height, width, 4)[:, :, :3].copy()
-    )
+    colors: NDArray[np.uint8] = np.asarray(result[2], dtype=np.uint8).reshape(height, width, 4)[:, :, :3].copy()
     nothing = np.asarray(result[4], dtype=np.int64).reshape(height, width) < 0
     share = np.linspace(0.0, 1.0, height)[:, None]
     rows = np.asarray(SKY) * (1 - share) + np.asarray(GROUND) * share
@@ -152,16 +148,12 @@ def _action_words(action: Atom, scene: Scene) -> str:
 def _told(made: Sequence[Fact]) -> str:
     """Return what is most worth telling of some facts."""
     order = {name: position for position, name in enumerate(TOLD_FIRST)}
-    known = sorted(
-        (fact for fact in made if fact.predicate.name in order), key=lambda f: order[f.predicate.name]
-    )
+    known = sorted((fact for fact in made if fact.predicate.name in order), key=lambda f: order[f.predicate.name])
     told = known[:2] or list(made[:1])
     return ", ".join(fact.sentence() for fact in told)
 
 
-def _strip(
-    pictures: Sequence[Image.Image], captions: Sequence[tuple[str, str]], size: tuple[int, int]
-) -> Image.Image:
+def _strip(pictures: Sequence[Image.Image], captions: Sequence[tuple[str, str]], size: tuple[int, int]) -> Image.Image:
     """Return pictures side by side, each above its caption."""
     from PIL import ImageDraw, ImageFont  # noqa: PLC0415 - pictures are optional
 

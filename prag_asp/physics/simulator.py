@@ -80,9 +80,7 @@ class Simulator:
             known = self._poses.get(entity)
             if known is not pose and known != pose:
                 if not finite(pose):
-                    raise SceneError(
-                        f"{entity} has the pose {pose}, which is not a finite position and rotation"
-                    )
+                    raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
                 self._move(entity, pose)
         for entity in [entity for entity in self._poses if entity not in poses]:
             self._park(entity)

@@ -62,9 +62,7 @@ class Situation:
         if self.is_table(entity):
             x, y = self.scene.table.centre
             return Pose((x, y, 0.0))
-        raise SceneError(
-            f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}"
-        )
+        raise SceneError(f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}")
 
     def body(self, entity: str) -> Body:
         """Return the pose and the bounding box of an object, or of the table's top.

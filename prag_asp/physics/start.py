@@ -29,9 +29,7 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
             support = known_support(situation, entity, problem.initial)
             if support is None:
                 support = any_support(search, situation, entity, problem.initial)
-            situation = situation.with_pose(
-                entity, draw_pose(search, situation, entity, support, problem.initial, 0)
-            )
+            situation = situation.with_pose(entity, draw_pose(search, situation, entity, support, problem.initial, 0))
     verify_objects(search, situation, problem.objects, None)
     snapshot = Snapshot(situation, home)
     place = problem.held or _visited(problem.initial)
@@ -59,11 +57,7 @@ def _order(problem: Problem, scene: Scene) -> list[str]:
     """Return the objects so that supports come before what stands on them, large ones before small ones."""
     below: dict[str, set[str]] = {entity: set() for entity in problem.objects}
     for fact in problem.initial:
-        if (
-            fact.value
-            and fact.predicate.name in ("on_top", "inside", "located")
-            and fact.arguments[0] in below
-        ):
+        if fact.value and fact.predicate.name in ("on_top", "inside", "located") and fact.arguments[0] in below:
             below[fact.arguments[0]] |= {fact.arguments[1]} & below.keys()
     ordered: list[str] = []
     shapes = scene.shapes

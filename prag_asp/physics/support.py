@@ -76,9 +76,7 @@ def unsupported(situation: Situation, entities: Iterable[str], held: str | None)
     tops = list(_tops(situation, bodies)) if high else []
     resting = {body: _contacts(situation, body, tops) for body in high}
     bearing = {contact.support for touching in resting.values() for contact in touching}
-    resting.update(
-        {body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high}
-    )
+    resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
     for body, touching in resting.items():
         if not touching or inside_by(_base(touching), _load(situation, body, resting)[1]) < -BALANCE:
             return body
@@ -90,9 +88,7 @@ def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str
     candidates = list(others)
     found = [entity]
     for current in found:
-        found += [
-            other for other in candidates if other not in found and _rests_on(situation, other, current)
-        ]
+        found += [other for other in candidates if other not in found and _rests_on(situation, other, current)]
     return found[1:]
 
 

@@ -72,9 +72,7 @@ def open_validator(scene: Scene) -> Iterator[Validator]:
         yield Validator(simulator)
 
 
-def validate_task(
-    task: Task, scene: Scene, *, seed: int, index: int = 0, budget: Budget | None = None
-) -> Verdict:
+def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
     """Return the verdict on one task; open a validator to check many.
 
     Raises:

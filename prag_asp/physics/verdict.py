@@ -22,9 +22,7 @@ class Budget:
 
     def __post_init__(self) -> None:
         if self.restarts < 1 or self.samples < 1:
-            raise QueryError(
-                f"a budget needs at least 1 restart and 1 sample; got {self.restarts} x {self.samples}"
-            )
+            raise QueryError(f"a budget needs at least 1 restart and 1 sample; got {self.restarts} x {self.samples}")
 
     def __str__(self) -> str:
         return f"{self.restarts} x {self.samples}"

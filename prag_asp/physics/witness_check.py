@@ -80,9 +80,7 @@ def _broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iter
     yield from _broken_arm(moment.joints, moment.width, simulator)
     if (moment.held is None) != (moment.grasp is None):
         yield "a held object and its grasp go together"
-    elif moment.held is not None and (
-        moment.held not in moment.poses or not finite(moment.grasp or Pose((0, 0, 0)))
-    ):
+    elif moment.held is not None and (moment.held not in moment.poses or not finite(moment.grasp or Pose((0, 0, 0)))):
         yield f"the grasp of {moment.held} is not a finite position and rotation"
 
 
@@ -138,9 +136,7 @@ def _motion_problems(
         simulator.pose_arm(waypoint.joints, waypoint.width)
         heights.append(tool_in(simulator))
     for i in range(len(motion) - 1):
-        if (motion[i].name, motion[i + 1].name) == ("approach", "at") and not _straight_above(
-            *heights[i : i + 2]
-        ):
+        if (motion[i].name, motion[i + 1].name) == ("approach", "at") and not _straight_above(*heights[i : i + 2]):
             yield f"its approach is not {LIFT * 100:.0f} cm straight above the object"
     last = motion[-1]
     if (last.joints, last.width, last.held) != (after.joints, after.width, after.held):
@@ -151,9 +147,7 @@ def _motion_problems(
             yield f"{waypoint.name}: the arm collides with {hit}"
 
 
-def _waypoint_collision(
-    waypoint: Waypoint, before: Moment, after: Moment, simulator: Simulator
-) -> str | None:
+def _waypoint_collision(waypoint: Waypoint, before: Moment, after: Moment, simulator: Simulator) -> str | None:
     """Return what the arm collides with at a waypoint, objects where they are then; None where it is free."""
     poses = dict(before.poses)
     simulator.pose_arm(waypoint.joints, waypoint.width)
@@ -173,9 +167,7 @@ def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -
     """Return all poses with one object and all that rests on it moved."""
     situation = Situation(scene, poses, Pose((0.0, 0.0, 1.0)), 0.0)
     delta = compose(pose, invert(poses[entity]))
-    moved = {
-        rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})
-    }
+    moved = {rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})}
     return {**poses, **moved, entity: pose}
 
 
@@ -193,9 +185,7 @@ def _stray(effect: Effect, before: Moment, after: Moment, simulator: Simulator) 
 
 def _at(situation: Situation) -> str | None:
     """Return the object that the gripper is at."""
-    return next(
-        (entity for entity in situation.poses if PREDICATES["at"].holds(situation, ("", entity))), None
-    )
+    return next((entity for entity in situation.poses if PREDICATES["at"].holds(situation, ("", entity))), None)
 
 
 def _near(one: Pose, two: Pose) -> bool:

@@ -11,7 +11,7 @@ from functools import cached_property
 from math import log
 from typing import overload
 
-from prag_asp.domain.atom import Atom
+from prag_asp.domain.atom import Atom, parse_atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
@@ -66,8 +66,9 @@ class TaskSpace:
         space = copy(self)
         for condition in conditions:
             space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
-        domain = conditioned(self.domain, space.condition)
-        space._shared = _Shared(Model(domain), self._shared.engine, self._shared.progress)
+        if space.condition != self.condition:
+            domain = conditioned(self.domain, space.condition)
+            space._shared = _Shared(Model(domain), self._shared.engine, self._shared.progress)
         return space
 
     def __repr__(self) -> str:
@@ -171,17 +172,18 @@ class TaskSpace:
         without, having = ("lacks", "has") if is_action else ("avoids", "uses")
         return self.where(f"{without} {what}"), self.where(f"{having} {what}")
 
-    def index(self, task: Task) -> int:
-        """Return the rank of a task; interchangeable entities may have any of their names.
+    def index(self, task: Task | Sequence[str | Atom]) -> int:
+        """Return the rank of a task, or of its plan; interchangeable entities may have any of their names.
 
         Raises:
             QueryError: it is no task of this space.
         """
-        names = canonical_names(task.actions, self._shared.model.groups(self.length))
-        word = tuple(str(action) for action in renamed(task.actions, names))
+        actions = task.actions if isinstance(task, Task) else [parse_atom(str(action)) for action in task]
+        names = canonical_names(actions, self._shared.model.groups(self.length))
+        word = tuple(str(action) for action in renamed(actions, names))
         rank = self._engine("task").rank(word) if len(word) == self.length else None
         if rank is None:
-            raise QueryError(f"no task of {self!r}: {task}")
+            raise QueryError(f"no task of {self!r}: {' '.join(map(str, actions))}")
         return rank
 
     def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:

@@ -38,6 +38,4 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     return Volume(yaw=(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN))
 
 
-ROTATED = Predicate(
-    name="rotated", violations=_violations, volume=_volume, sentence=states("{0} {is} turned {1}")
-)
+ROTATED = Predicate(name="rotated", violations=_violations, volume=_volume, sentence=states("{0} {is} turned {1}"))

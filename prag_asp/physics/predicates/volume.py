@@ -146,9 +146,7 @@ def _inside(floor: Floor, uniform: Callable[[float, float], float]) -> tuple[flo
     return ax + s * (bx - ax) + t * (cx - ax), ay + s * (by - ay) + t * (cy - ay)
 
 
-def _meet_yaws(
-    first: tuple[float, float] | None, second: tuple[float, float] | None
-) -> tuple[float, float] | None:
+def _meet_yaws(first: tuple[float, float] | None, second: tuple[float, float] | None) -> tuple[float, float] | None:
     """Return the common part of two ranges of yaws, each a centre and a half width in radians."""
     if first is None or second is None:
         return first or second
