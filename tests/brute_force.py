@@ -54,7 +54,9 @@ class Toy:
         lines += [f"goal(f{f},{spelled(v)})." for f, v in self.goal.items()]
         lines += [f"at_most({name},{k})." for name, k in self.at_most.items()]
         lines += [f"composite(c{i})." for i in range(len(self.composites))]
-        lines += [f"stage(c{i},{k},{part(self, p)})." for i, c in enumerate(self.composites) for k, p in enumerate(c, 1)]
+        lines += [
+            f"stage(c{i},{k},{part(self, p)})." for i, c in enumerate(self.composites) for k, p in enumerate(c, 1)
+        ]
         lines += [f"free({term(self, i)})." for i in self.free]
         lines.append("#program step(t).")
         lines += [f":- occurs({term(self, i)},t-1), occurs({term(self, j)},t)." for i, j in self.never_after]
@@ -107,7 +109,6 @@ class Toy:
                 yield from extend((*plan, i), self.after(states, plan, i))
 
         return extend((), self.start())
-
 
     def word(self, number: int) -> tuple[int, ...]:
         """Return the actions of a part."""

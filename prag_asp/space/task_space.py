@@ -20,6 +20,7 @@ from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
 from prag_asp.space.ranks import distinct_ranks
+from prag_asp.space.readings import Hierarchy, Readings, hierarchy_of
 from prag_asp.space.task import Task
 from prag_asp.space.weights import Number, Weights, parse_weights
 
@@ -105,6 +106,10 @@ class TaskSpace:
         if rank is None:
             raise QueryError(f"no task of {self!r}: {task}")
         return rank
+
+    def readings(self, task: Task) -> Readings:
+        """Return the ways to read a task's plan as whole composites and free actions; its validity is not checked."""
+        return Readings(task.actions, self._shared.hierarchy)
 
     def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
         """Yield the task of each of some valid plans, given as texts of actions."""
@@ -198,6 +203,10 @@ class _Shared:
         if by not in self.engines:
             self.engines[by] = select(self.engine, self.model, by, self.progress)
         return self.engines[by]
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        return hierarchy_of(self.model.domain.facts)
 
     @cached_property
     def narrator(self) -> Narrator:

@@ -10,7 +10,6 @@ from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled, s
 from prag_asp.domain.lint.statement import Atom, Statement, names, plain_atom
 
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
-CONTRACT_FILE = "contract.lp"
 
 
 def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
