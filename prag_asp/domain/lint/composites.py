@@ -44,7 +44,7 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
         yield Problem(*place, f"composites form a cycle, {' > '.join(map(str, cycle))}; remove one of these stages")
         return
     yield from grouped(
-        Complaint(composite, origins.place("composite", composite), f"has {size} actions", "split it")
+        Complaint(composite, origins.place("composite", composite), f"has {size} actions, more than {MOST_ACTIONS}", "split it")
         for composite, size in _sizes(facts).items()
         if size > MOST_ACTIONS
     )
