@@ -14,7 +14,7 @@ Actions = tuple[clingo.Symbol, ...]
 def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
     """Return the atomic actions of each composite, in their order; the composites have to form no cycle."""
     found: dict[clingo.Symbol, Actions] = {}
-    waiting = list(facts.composites)
+    waiting = list(reversed(facts.composites))
     while waiting:
         composite = waiting[-1]
         parts = [part for _, part in facts.stages[composite]]

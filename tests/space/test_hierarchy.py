@@ -120,7 +120,7 @@ def toys_written(folder: Path, more: str = "") -> Path:
 def test_a_plan_with_several_readings_is_one_plan(tmp_path: Path) -> None:
     space = TaskSpace(load_domain(toys_written(tmp_path)), 6)
     plan = [f"{name}({toy})" for toy in ("ball", "cube") for name in ("lift", "show", "drop")]
-    assert [word for word in space.words("plan", ["lift(ball)", "show", "drop", "lift(cube)"])] == [tuple(plan)]
+    assert list(space.words("plan", ["lift(ball)", "show", "drop", "lift(cube)"])) == [tuple(plan)]
     task = next(space.narrate(iter([tuple(plan)])))
     first, second = space.readings(task)
     assert " ".join(map(str, first)) == (

@@ -33,25 +33,25 @@ def step(state: Hashable, action: Act) -> Kitchen | None:
     """Return the kitchen after an action, None where the panda cannot do it."""
     assert isinstance(state, Kitchen)
     name, _, thing, *rest = action
+    if name in ("open", "close"):
+        fits = state.at is None and (thing in state.open) == (name == "close")
+        return state._replace(open=state.open ^ {thing}) if fits else None
+    item = ITEMS.index(thing)
     shut = bool(rest) and rest[0] in DOORS and rest[0] not in state.open
-    if name == "open" and state.at is None and thing not in state.open:
-        return state._replace(open=state.open | {thing})
-    if name == "close" and state.at is None and thing in state.open:
-        return state._replace(open=state.open - {thing})
-    if name == "approach" and state.at is None and not shut and state.located[ITEMS.index(thing)] == rest[0]:
-        return state._replace(at=thing)
-    if name == "grasp" and state.at == thing and not state.holds:
-        return state._replace(holds=True)
-    if name == "move" and state.at == thing and state.holds and not shut:
-        where = list(state.located)
-        if where[ITEMS.index(thing)] != rest[0]:
-            where[ITEMS.index(thing)] = rest[0]
-            return state._replace(located=tuple(where))
-    if name == "drop" and state.at == thing and state.holds:
-        return state._replace(holds=False)
-    if name == "withdraw" and state.at == thing and not state.holds:
-        return state._replace(at=None)
-    return None
+    if name == "approach":
+        fits = state.at is None and not shut and state.located[item] == rest[0]
+    else:
+        fits = state.at == thing and state.holds == (name in ("move", "drop"))
+    if name == "move":
+        fits = fits and not shut and state.located[item] != rest[0]
+        return state._replace(located=(*state.located[:item], rest[0], *state.located[item + 1 :])) if fits else None
+    after = {
+        "approach": state._replace(at=thing),
+        "grasp": state._replace(holds=True),
+        "drop": state._replace(holds=False),
+        "withdraw": state._replace(at=None),
+    }
+    return after[name] if fits else None
 
 
 def pick_and_place(item: str, start: str, end: str) -> Word:

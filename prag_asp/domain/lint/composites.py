@@ -44,7 +44,12 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
         yield Problem(*place, f"composites form a cycle, {' > '.join(map(str, cycle))}; remove one of these stages")
         return
     yield from grouped(
-        Complaint(composite, origins.place("composite", composite), f"has {size} actions, more than {MOST_ACTIONS}", "split it")
+        Complaint(
+            composite,
+            origins.place("composite", composite),
+            f"has {size} actions, more than {MOST_ACTIONS}",
+            "split it",
+        )
         for composite, size in _sizes(facts).items()
         if size > MOST_ACTIONS
     )
@@ -112,6 +117,13 @@ def _out_of_order(
         return Complaint(composite, place, f"has two parts at stage {number}, {other} and {part}", "keep one")
     words = f"has a stage {number} where its stage {expected} should be"
     return Complaint(composite, place, words, "number its stages 1, 2, 3, ...")
+
+
+def _too_long(facts: Facts, origins: Origins) -> Iterator[Complaint]:
+    for composite, size in _sizes(facts).items():
+        if size > MOST_ACTIONS:
+            words = f"has {size} actions, more than {MOST_ACTIONS}"
+            yield Complaint(composite, origins.place("composite", composite), words, "split it")
 
 
 def _sizes(facts: Facts) -> Mapping[Symbol, int]:
