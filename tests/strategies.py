@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hypothesis import strategies as st
 
 from tests.brute_force import Action, Toy
@@ -35,3 +37,16 @@ def toys(draw: st.DrawFn, *, closed: bool) -> Toy:
         draw(st.dictionaries(st.sampled_from(["a", "b"]), st.integers(0, 2), max_size=1)),
         tuple(draw(st.lists(st.tuples(number, fluent, fluent), max_size=2))) if closed else (),
     )
+
+
+@st.composite
+def hierarchies(draw: st.DrawFn, *, closed: bool) -> Toy:
+    """Draw a ground domain with composites, some of them parts of others, and free actions."""
+    toy = draw(toys(closed=closed))
+    actions = len(toy.actions)
+    composites: list[tuple[int, ...]] = []
+    for _ in range(draw(st.integers(1, 4))):
+        part = st.integers(0, actions + len(composites) - 1)
+        composites.append(tuple(draw(st.lists(part, min_size=1, max_size=3))))
+    free = draw(st.lists(st.integers(0, actions - 1), max_size=2, unique=True))
+    return replace(toy, composites=tuple(composites), free=tuple(free))

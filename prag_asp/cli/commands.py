@@ -47,9 +47,10 @@ def check(*, asked: Asked) -> None:
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
+    composites = f"{len(facts.composites)} composites, " if facts.composites else ""
     click.echo(
         f"{domain.name}: ok; {world} world, {len(facts.entities)} entities, {len(facts.fluents)} fluents, "
-        f"{len(facts.actions)} actions, {scene}"
+        f"{len(facts.actions)} actions, {composites}{scene}"
     )
 
 

@@ -27,6 +27,7 @@ class Asked:
     name: str
     rules: tuple[str, ...] = ()
     encodings: str | None = None
+    flat: bool = False
     length: int = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
@@ -35,7 +36,7 @@ class Asked:
         """Load the domain."""
         from prag_asp.domain.load import load_domain
 
-        return load_domain(self.name, rules=self.rules, encodings=self.encodings)
+        return load_domain(self.name, rules=self.rules, encodings=self.encodings, flat=self.flat)
 
     def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
         """Return the task space, which tells its progress to `tell`."""
@@ -50,6 +51,7 @@ DOMAIN = (
         "--rule", "rules", metavar="RULE", multiple=True, help="Rule to add, such as no_undo or 'at_most(grasp,2)'."
     ),
     click.option("--encodings", metavar="DIR", help="Folder of encodings to use in place of the shipped ones."),
+    click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
 )
 SPACE = (
     *DOMAIN,

@@ -24,6 +24,7 @@ from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
 from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
 from prag_asp.space.ranks import distinct_ranks
+from prag_asp.space.readings import Hierarchy, Readings, hierarchy_of
 from prag_asp.space.shuffle import Shuffle
 from prag_asp.space.split import classes_for, divided, parse_shares
 from prag_asp.space.task import Task
@@ -186,6 +187,10 @@ class TaskSpace:
             raise QueryError(f"no task of {self!r}: {' '.join(map(str, actions))}")
         return rank
 
+    def readings(self, task: Task) -> Readings:
+        """Return the ways to read a task's plan as whole composites and free actions; its validity is not checked."""
+        return Readings(task.actions, self._shared.hierarchy)
+
     def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
         """Yield the task of each of some valid plans, given as texts of actions."""
         return self._shared.narrator.tasks((plan, None) for plan in plans)
@@ -279,6 +284,10 @@ class _Shared:
         if by not in self.engines:
             self.engines[by] = select(self.engine, self.model, by, self.progress)
         return self.engines[by]
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        return hierarchy_of(self.model.domain.facts)
 
     @cached_property
     def narrator(self) -> Narrator:

@@ -151,7 +151,7 @@ def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) ->
         (["count", "prag", "-n", "3", "--engine", "sat"], "no engine 'sat'"),
         (["count", "prag", "-n", "3", "--rule", "no_redo"], "no such rule"),
         (["count", "prag", "-n", "3", "--rule", "../step"], "no such rule"),
-        (["count", "prag", "-n", "3", "--rule", "at_most(grasp,x)"], "how often"),
+        (["count", "prag", "-n", "3", "--rule", "at_most(grasp,x)"], "at most x times"),
         (["count", "prag", "-n", "3", "--encodings", "/nowhere"], "no encodings"),
         (["count", "prag", "-n", "3", "--by", "world"], "Invalid value for '--by'"),
         (["count", "prag"], "Missing option"),

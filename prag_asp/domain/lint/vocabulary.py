@@ -8,9 +8,9 @@ from clingo.ast import ASTType
 
 from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled, suggestion
 from prag_asp.domain.lint.statement import Atom, Statement, names, plain_atom
+from prag_asp.domain.sources import HIERARCHY
 
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
-CONTRACT_FILE = "contract.lp"
 
 
 def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
@@ -27,6 +27,7 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         yield statement.problem(f"{_unread(signature, near, others)}", atom.line)
     yield from _undefined_problems(statements, contract, undefined)
     yield from _nameless_problems(statements)
+    yield from _taken_problems(statements)
 
 
 def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
@@ -38,6 +39,18 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
             if statement.kind == ASTType.Defined:
                 signatures.add((statement.node.name, statement.node.arity))
     return signatures
+
+
+def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the own heads of predicates that only the hierarchy of actions may derive."""
+    taken = {
+        atom.signature for each in statements if not each.own and each.path.name == HIERARCHY for atom in each.heads
+    }
+    for statement in statements:
+        for atom in statement.heads if statement.own else ():
+            if atom.signature in taken:
+                text = f"{spelled(atom.signature)} belongs to the hierarchy of actions; choose another name"
+                yield statement.problem(text, atom.line)
 
 
 def _unread_heads(statements: Iterable[Statement], contract: set[Signature]) -> dict[Signature, tuple[Statement, Atom]]:
