@@ -53,7 +53,9 @@ DOMAIN = (
 SPACE = (
     *DOMAIN,
     click.option("-n", "--length", type=int, required=True, metavar="N", help="Number of actions of a task."),
-    click.option("--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton or clingo."),
+    click.option(
+        "--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton, clingo, sat or sharp."
+    ),
 )
 
 by_level = click.option(

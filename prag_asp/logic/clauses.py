@@ -97,7 +97,7 @@ class Clauses:
 
     def _reached(self, literal: Literal, high: Literal, low: Literal) -> Literal:
         """Return whether the sum is reached, given whether it is with the literal and without; `low` implies `high`."""
-        if high == low or high == -TRUE:
+        if high in (low, -TRUE):
             return low
         if low == -TRUE:
             return self.all_of((literal, high))

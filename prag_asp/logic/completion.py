@@ -2,20 +2,24 @@
 
 *Without positive loops.* An atom is true where the body of one of its rules is (Clark 1978); an atom that a choice
 allows may then be false as well. Where no atom depends positively on itself, the models of this completion are the
-answer sets (Fages 1994; Erdem and Lifschitz 2003 for rules with sums). Every auxiliary variable is the output of a gate,
-a function of the atoms, so each answer set is one model.
+answer sets (Fages 1994; Erdem and Lifschitz 2003 for rules with sums). Every auxiliary variable is the output of a
+gate, a function of the atoms, so each answer set is one model.
 
-*With positive loops.* M is an answer set if it is the least model of its reduct, the limit of stages S_0 = {} and
-S_k = { a : a rule for a of the reduct has its body in S_(k-1) }. The stages only grow, and the atoms of one strongly
-connected component of the positive dependency graph reach each other through the component alone: given the atoms of M
-that lie outside of it, a component of m atoms is complete after m stages, for each stage before adds one of them. So for
-each component and k <= m a gate for each atom a computes from M whether a is in S_k: negated literals and atoms outside
-of the component have their value in M, atoms of the component that of stage k - 1, and an atom that is chosen
-counts if M has it (Simons, Niemelä and Soininen 2002). Together with the completion, the clause that an atom of M is in
-S_m says that M is the limit, component by component, which is stability (Lee and Lifschitz 2003; Alviano and Dodaro 2016
-use the same split). The stages are functions of M: again one model for each answer set. The stage at which an atom
-appears is its level in the one *strong* level ranking of M, of which Janhunen (2004, 2006) shows that it is unique; he
-writes it in binary, which is smaller for large components and propagates less.
+*With positive loops.* M is an answer set if it is the least model of its reduct: the limit of the stages S_0 = {} and
+S_k = { a : the reduct has a rule for a with its body in S_(k-1) }. For each strongly connected component C of the
+positive dependency graph with m atoms, gates compute from M the stages of C alone, up to the m-th: negated literals and
+atoms outside of C have their value in M, atoms of C that of the stage before, and a choice counts as a rule for those
+of its atoms that M has (Simons, Niemelä and Soininen 2002). The stages only grow, and each one before the limit adds
+an atom, so S_m is the limit. A clause for each atom of C says that it is in S_m if M has it.
+
+This is stability. The stages of an answer set reach all of its atoms. Conversely, let M satisfy the completion, with a
+set U of atoms that the least model of its reduct lacks. Take a component C that meets U, and depends on no other that
+does. The body of any rule for an atom of U and C that is true in M needs an atom of U, of C that is, so no stage of C
+reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
+
+The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
+the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
+smaller for large components, and propagates less.
 """
 
 from __future__ import annotations

@@ -7,8 +7,15 @@ from prag_asp.logic.model import Model
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.clingo import ClingoEngine
 from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEngine, Progress
+from prag_asp.space.engines.sat import SatEngine
+from prag_asp.space.engines.sharp import SharpEngine
 
-ENGINES: dict[str, MakeEngine] = {"automaton": AutomatonEngine, "clingo": ClingoEngine}
+ENGINES: dict[str, MakeEngine] = {
+    "automaton": AutomatonEngine,
+    "clingo": ClingoEngine,
+    "sat": SatEngine,
+    "sharp": SharpEngine,
+}
 AUTO = "auto"
 
 
