@@ -15,10 +15,11 @@ CONFLICTS = 2000
 class Solver:
     """A solver of clauses under assumptions (Glucose 4.1 by way of python-sat), which keeps what it learns."""
 
-    def __init__(self, clauses: Iterable[Sequence[Literal]]) -> None:
+    def __init__(self, variables: int, clauses: Iterable[Sequence[Literal]]) -> None:
         from pysat.solvers import Glucose4  # noqa: PLC0415
 
         self._solver: Any = Glucose4()
+        self._solver.add_clause([-variables, variables])  # a model has all variables, also those of no clause
         for clause in clauses:
             self._solver.add_clause(clause)
 

@@ -82,7 +82,7 @@ class SatEngine:
         beginning = formula.beginning(prefix)
         if beginning is None:
             return
-        with Solver(formula.cnf.clauses) as solver:
+        with Solver(formula.cnf.variables, formula.cnf.clauses) as solver:
             while solver.satisfiable(beginning):
                 model = solver.model()
                 yield formula.word(model)
@@ -99,7 +99,7 @@ class _Search:
 
     def __init__(self, formula: WordFormula) -> None:
         self.formula = formula
-        self._solver = Solver(formula.cnf.clauses)
+        self._solver = Solver(formula.cnf.variables, formula.cnf.clauses)
 
     def some_word(self, prefix: Sequence[str]) -> Letters | None:
         """Return a word that begins with `prefix`, or None where there is none."""
