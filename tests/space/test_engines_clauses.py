@@ -262,3 +262,13 @@ def test_an_interrupt_ends_a_count_at_once_and_leaves_no_process(engine: str, tm
         assert time.monotonic() - begun < 10
         assert process.returncode == 130
     assert not any(Path(f"/proc/{pid}").exists() for pid in mates)
+
+
+@needs_ganak
+def test_the_same_seed_draws_the_same_words_with_every_engine_that_searches() -> None:
+    domain = load_domain("hanoi")
+    spaces = [TaskSpace(domain, 4, engine=engine) for engine in ("clingo", "sat", "sharp")]
+    uniform = [list(islice(space.draw_words(seed=9, weights={}, by="task"), 5)) for space in spaces]
+    weighed = [list(islice(space.draw_words(seed=9, weights={"move": "1/3"}), 5)) for space in spaces[:2]]
+    assert uniform[0] == uniform[1] == uniform[2]
+    assert weighed[0] == weighed[1]

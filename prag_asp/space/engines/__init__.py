@@ -7,15 +7,21 @@ from prag_asp.logic.model import Model
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.clingo import ClingoEngine
 from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEngine, Progress
-from prag_asp.space.engines.sat import SatEngine
-from prag_asp.space.engines.sharp import SharpEngine
 
-ENGINES: dict[str, MakeEngine] = {
-    "automaton": AutomatonEngine,
-    "clingo": ClingoEngine,
-    "sat": SatEngine,
-    "sharp": SharpEngine,
-}
+
+def _sat(model: Model, level: Level, progress: Progress | None) -> Engine:
+    from prag_asp.space.engines.sat import SatEngine  # noqa: PLC0415 - the command starts faster without
+
+    return SatEngine(model, level, progress)
+
+
+def _sharp(model: Model, level: Level, progress: Progress | None) -> Engine:
+    from prag_asp.space.engines.sharp import SharpEngine  # noqa: PLC0415 - the command starts faster without
+
+    return SharpEngine(model, level, progress)
+
+
+ENGINES: dict[str, MakeEngine] = {"automaton": AutomatonEngine, "clingo": ClingoEngine, "sat": _sat, "sharp": _sharp}
 AUTO = "auto"
 
 
