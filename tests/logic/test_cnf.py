@@ -111,6 +111,13 @@ def test_a_ring_that_each_member_may_begin_counts_once_whoever_begins() -> None:
     check_rules(program)
 
 
+def test_an_atom_that_was_not_chosen_begins_nothing() -> None:
+    ring = [Rule((2,), (3,)), Rule((3,), (2,)), Rule((2,), (1,))]
+    program = [*ring, Rule((1,), (), choice=True), Rule((1,), (3,), choice=True)]
+    assert answer_sets(program) == {frozenset(), frozenset({1, 2, 3})}
+    check_rules(program)
+
+
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 4), st.integers(1, 5), st.booleans()), max_size=7), st.integers(-1, 20))
 def test_a_sum_is_a_function_of_its_literals(terms: list[tuple[int, int, bool]], bound: int) -> None:
