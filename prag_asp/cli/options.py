@@ -59,7 +59,9 @@ SPACE = (
     click.option(
         "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
     ),
-    click.option("--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton or clingo."),
+    click.option(
+        "--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton, clingo, sat or sharp."
+    ),
 )
 
 by_level = click.option(

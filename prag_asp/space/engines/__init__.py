@@ -8,7 +8,20 @@ from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.clingo import ClingoEngine
 from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEngine, Progress
 
-ENGINES: dict[str, MakeEngine] = {"automaton": AutomatonEngine, "clingo": ClingoEngine}
+
+def _sat(model: Model, level: Level, progress: Progress | None) -> Engine:
+    from prag_asp.space.engines.sat import SatEngine  # noqa: PLC0415 - the command starts faster without
+
+    return SatEngine(model, level, progress)
+
+
+def _sharp(model: Model, level: Level, progress: Progress | None) -> Engine:
+    from prag_asp.space.engines.sharp import SharpEngine  # noqa: PLC0415 - the command starts faster without
+
+    return SharpEngine(model, level, progress)
+
+
+ENGINES: dict[str, MakeEngine] = {"automaton": AutomatonEngine, "clingo": ClingoEngine, "sat": _sat, "sharp": _sharp}
 AUTO = "auto"
 
 

@@ -1,0 +1,101 @@
+"""The sharp engine: an exact model counter on the unrolled program, for state graphs that are too large to explore."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import takewhile
+
+from prag_asp.errors import EngineError, QueryError
+from prag_asp.logic.counter import count_models, require_ganak
+from prag_asp.logic.model import Model
+from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
+from prag_asp.space.engines.sat import SatEngine
+from prag_asp.space.weights import Weights
+
+
+class SharpEngine:
+    """Answers for one domain at one level by counting the models of a formula.
+
+    `seconds` limits each count. Words are found as by the engine sat; ranks and draws count the words under prefixes.
+
+    Raises:
+        EngineError: the model counter is not installed; by each question, where the program has no counterpart in
+            clauses, or a count takes too long.
+    """
+
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, seconds: float | None = None
+    ) -> None:
+        require_ganak()
+        self._progress = progress
+        self._level = level
+        self._seconds = seconds
+        self._sat = SatEngine(model, level)
+        self._totals: dict[int, int] = {}
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length."""
+        if not prefix and length in self._totals:
+            return self._totals[length]
+        formula = self._sat.formula(length)
+        beginning = formula.beginning(prefix)
+        if beginning is None:
+            return 0
+        if self._progress:
+            self._progress(f"counting the models of {len(formula.cnf.clauses):,} clauses")
+        found = count_models(formula.cnf, beginning, self._seconds)
+        if not prefix:
+            self._totals[length] = found
+        return found
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily."""
+        return self._sat.words(length, prefix)
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        return self._sat.contains(word)
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1: one count for each way to go on, at each step."""
+        word: Letters = ()
+        while len(word) < length:
+            for letter in self._sat.formula(length).letters:
+                below = (*word, letter)
+                if not self._sat.begins(length, below):
+                    continue
+                skipped = self.count(length, below)
+                if rank < skipped:
+                    word = below
+                    break
+                rank -= skipped
+        return word
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        length = len(word)
+        if not self.contains(word):
+            return None
+        return sum(
+            self.count(length, (*word[:place], smaller))
+            for place, letter in enumerate(word)
+            for smaller in takewhile(letter.__ne__, self._sat.formula(length).letters)
+            if self._sat.begins(length, (*word[:place], smaller))
+        )
+
+    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
+        """Yield words drawn independently and uniformly, without end.
+
+        Raises:
+            EngineError: there are weights; a model counter that is exact takes none.
+            QueryError: there is nothing to draw.
+        """
+        if weights:
+            raise EngineError("engine sharp draws uniformly; leave out the weights, or choose another engine")
+        total = self.count(length)
+        if not total:
+            raise QueryError(f"there is no {self._level} of length {length} to draw")
+        while True:
+            yield Draw(self.unrank(length, generator.randrange(total)), Fraction(1, total))
