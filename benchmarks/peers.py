@@ -141,7 +141,9 @@ def sampling_table(limit: float, draws: int) -> tuple[Table, list[str]]:
 
 
 @click.command()
-@click.option("--limit", type=float, default=60, show_default=True, help="Seconds for each tool and question.")
+@click.option(
+    "--limit", type=float, default=60, show_default=True, help="Processor seconds for each tool and question."
+)
 @click.option("--draws", type=int, default=12_500, show_default=True, help="Draws of each sampler.")
 def main(limit: float, draws: int) -> None:
     """Print the tables of counting and of sampling, and what is missing in them."""

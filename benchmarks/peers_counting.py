@@ -1,4 +1,4 @@
-"""Count with one tool, in a process of its own: python benchmarks/peers_counting.py TOOL FOLDER LEVEL LENGTH.
+"""Count with one tool, in a process of its own: python benchmarks/peers_counting.py SECONDS TOOL FOLDER LEVEL LENGTH.
 
 Each tool is timed from the domain to the count: grounding, clauses and all.
 """
@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from peers_process import lengths_up_to, tell, timed
+from peers_process import lengths_up_to, limit_processor_time, tell, timed
 
 from prag_asp import Domain, TaskSpace, load_domain
 from prag_asp.logic.cnf import Cnf
@@ -28,6 +28,18 @@ def formula(domain: Domain, level: Any, length: int) -> Cnf:
 def by_engine(name: str) -> Callable[[Domain, Any, int], int]:
     """Return how one of our engines counts."""
     return lambda domain, level, length: TaskSpace(domain, length, engine=name).count(level)
+
+
+def by_ganak(domain: Domain, level: Any, length: int) -> int:
+    """Count with pyganak, projected."""
+    import pyganak  # noqa: PLC0415
+
+    cnf = formula(domain, level, length)
+    counter = pyganak.Counter()
+    counter.new_vars(cnf.variables)
+    counter.add_clauses(cnf.clauses)
+    counter.set_sampling_set(cnf.shown)
+    return int(counter.count())
 
 
 def by_d4(domain: Domain, level: Any, length: int) -> int:
@@ -63,7 +75,7 @@ def by_approxmc(domain: Domain, level: Any, length: int) -> int:
 TOOLS: dict[str, Callable[[Domain, Any, int], int]] = {
     "automaton": by_engine("automaton"),
     **{tool: by_engine(engine) for tool, engine in ENUMERATORS.items()},
-    "pyganak": by_engine("sharp"),
+    "pyganak": by_ganak,
     "d4": by_d4,
     "tididi-cnf": by_tididi,
     "approxmc": by_approxmc,
@@ -72,11 +84,12 @@ TOOLS: dict[str, Callable[[Domain, Any, int], int]] = {
 
 def main() -> None:
     """Count, and tell the count and the seconds; an enumerator tells those of every length on the way."""
-    tool, folder, level, last = sys.argv[1:]
+    seconds, tool, folder, level, last = sys.argv[1:]
+    limit_processor_time(float(seconds))
     domain = load_domain(folder)
     for length in lengths_up_to(int(last)) if tool in ENUMERATORS else [int(last)]:
-        count, seconds = timed(lambda length=length: TOOLS[tool](domain, level, length))  # type: ignore[misc]
-        tell(length=length, count=count, seconds=seconds)
+        count, taken = timed(lambda length=length: TOOLS[tool](domain, level, length))  # type: ignore[misc]
+        tell(length=length, count=count, seconds=taken)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""Run one peer in a process of its own, with a time limit: a peer that hangs, aborts or is missing harms no other."""
+"""Run one peer in a process of its own, with a time limit: one that hangs, aborts or is missing harms no other."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import resource
 import signal
@@ -17,6 +18,9 @@ from typing import Any
 MARK = "RESULT "
 """What a line with a result begins with: some peers write noise to stdout."""
 
+PATIENCE = 8
+"""How much longer by the clock than in processor time a peer may take: the machine may be busy."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -27,9 +31,9 @@ class Run:
 
 
 def measured(script: Path, arguments: Sequence[str], limit: float) -> Run:
-    """Run a script until it ends or the limit is over, and return the results that it told until then."""
+    """Run a script until it ends or has used up its processor time, and return the results that it told until then."""
     process = subprocess.Popen(
-        [sys.executable, str(script), *arguments],
+        [sys.executable, str(script), str(limit), *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -38,19 +42,27 @@ def measured(script: Path, arguments: Sequence[str], limit: float) -> Run:
     )
     failure = ""
     try:
-        printed, complaint = process.communicate(timeout=limit)
+        printed, complaint = process.communicate(timeout=PATIENCE * limit)
     except subprocess.TimeoutExpired:
-        failure = f"not finished after {limit:g} s"
+        failure = f"not finished after {PATIENCE * limit:g} s by the clock"
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
     if failure:
         printed, complaint = process.communicate()
-    if not failure and process.returncode:
+    elif process.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+        failure = f"not finished after {limit:g} s"
+    elif process.returncode:
         failure = (complaint.strip().splitlines() or [f"ended with code {process.returncode}"])[-1]
     lines = (line.removeprefix(MARK) for line in printed.splitlines() if line.startswith(MARK))
     results = tuple(json.loads(line) for line in lines if line.endswith("}"))
     return Run(results, failure or ("" if results else "ended without a result"))
+
+
+def limit_processor_time(seconds: float) -> None:
+    """Have the system end this process once it has used up some seconds of processor time."""
+    soft = math.ceil(processor_seconds() + seconds)
+    resource.setrlimit(resource.RLIMIT_CPU, (soft, soft + 1))
 
 
 def tell(**result: Any) -> None:

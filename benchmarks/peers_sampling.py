@@ -1,4 +1,4 @@
-"""Draw with one tool, in a process of its own: python benchmarks/peers_sampling.py TOOL FOLDER LENGTH DRAWS."""
+"""Draw with one tool, in a process of its own: python benchmarks/peers_sampling.py SECONDS TOOL FOLDER LENGTH DRAWS."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 
 import clingo
-from peers_process import processor_seconds, tell
+from peers_process import limit_processor_time, processor_seconds, tell
 
 from prag_asp import Domain, TaskSpace, load_domain
 from prag_asp.domain.grounding import Grounder
@@ -91,7 +91,8 @@ TOOLS: dict[str, Callable[[Domain, int], Draws]] = {
 
 def main() -> None:
     """Draw, and tell the rate and how far the frequencies are from uniform, every few seconds and at the end."""
-    tool, folder, length, wanted = sys.argv[1:]
+    seconds, tool, folder, length, wanted = sys.argv[1:]
+    limit_processor_time(float(seconds))
     domain = load_domain(folder)
     plans = TaskSpace(domain, int(length)).count("plan")
     begun, told = processor_seconds(), monotonic()
