@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import ceil
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,7 @@ TICKS = 8
 
 def draw_chart(curve: Curve, file: str) -> None:
     """Write the curve as a PNG of 1600 x 1100 pixels."""
-    from PIL import Image, ImageDraw
+    from PIL import Image, ImageDraw  # noqa: PLC0415 - heavy
 
     image = Image.new("RGB", (WIDTH * SMOOTH, HEIGHT * SMOOTH), "white")
     _Chart(curve, ImageDraw.Draw(image)).draw()
@@ -92,7 +93,7 @@ class _Chart:
 
     def _key(self, place: int, color: str) -> None:
         y = TOP + 40 + 50 * place
-        ends = [((LEFT + 40) * SMOOTH, y * SMOOTH), ((LEFT + 120) * SMOOTH, y * SMOOTH)]
+        ends: list[tuple[float, float]] = [((LEFT + x) * SMOOTH, y * SMOOTH) for x in (40, 120)]
         self._line(ends, color, dashed=place == len(self._lines) - 1)
         self._text((LEFT + 140, y), self._curve.series[place].name, 32, "lm")
 
@@ -113,7 +114,7 @@ def dashes(points: list[tuple[float, float]], length: float) -> list[list[tuple[
     """Return every other piece of a line of straight parts, each of a length."""
     pieces: list[list[tuple[float, float]]] = [points[:1]]
     left = length
-    for (x, y), (toward_x, toward_y) in zip(points, points[1:], strict=False):
+    for (x, y), (toward_x, toward_y) in pairwise(points):
         distance = ((toward_x - x) ** 2 + (toward_y - y) ** 2) ** 0.5
         done = 0.0
         while distance - done > left:
@@ -128,6 +129,6 @@ def dashes(points: list[tuple[float, float]], length: float) -> list[list[tuple[
 
 
 def _font(size: int) -> FreeTypeFont | ImageFont:
-    from PIL import ImageFont
+    from PIL import ImageFont  # noqa: PLC0415 - heavy
 
     return ImageFont.load_default(size)

@@ -6,7 +6,7 @@ Counts outgrow every float, so their decimal logarithms are drawn: they are exac
 from __future__ import annotations
 
 from dataclasses import dataclass
-from decimal import MAX_EMAX, Decimal, localcontext
+from decimal import MAX_EMAX, Context, Decimal, localcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,7 +49,7 @@ def counts_by_length(space: TaskSpace) -> Curve:
         Series(f"{level}s", tuple(space.at(length).count(level) for length in lengths))
         for level in ("plan", "task", "skeleton")
     ]
-    every = Series(f"{names}^n, all sequences of names", tuple(names**length for length in lengths))
+    every = Series(f"{names}ⁿ, all sequences of names", tuple(names**length for length in lengths))
     return Curve(space.domain.name, (*counted, every))
 
 
@@ -75,7 +75,7 @@ def draw_curve(curve: Curve, file: str) -> None:
         if Path(file).suffix.lower() == ".html":
             figure(curve).write_html(file, include_plotlyjs=True)
         else:
-            from prag_asp.analysis.chart import draw_chart
+            from prag_asp.analysis.chart import draw_chart  # noqa: PLC0415 - it imports this file
 
             draw_chart(curve, file)
     except ImportError as error:
@@ -86,7 +86,7 @@ def draw_curve(curve: Curve, file: str) -> None:
 
 def figure(curve: Curve) -> Figure:
     """Return the curve as a figure of plotly, with the exact counts where the pointer is."""
-    from plotly import graph_objects
+    from plotly import graph_objects  # noqa: PLC0415 - heavy
 
     result = graph_objects.Figure()
     for place, series in enumerate(curve.series):
@@ -114,7 +114,7 @@ def figure(curve: Curve) -> Figure:
 
 def logarithms(counts: tuple[int, ...]) -> list[float | None]:
     """Return the decimal logarithm of each count, or None for 0."""
-    with localcontext(prec=30, Emax=MAX_EMAX):
+    with localcontext(Context(prec=30, Emax=MAX_EMAX)):
         return [float(Decimal(count).log10()) if count else None for count in counts]
 
 

@@ -117,7 +117,8 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
 @options.seed
 @options.weighs
 @click.option(
-    "--over", type=click.Choice(["skeletons", "goals"]),
+    "--over",
+    type=click.Choice(["skeletons", "goals"]),
     help="Draw a skeleton (or a goal) uniformly first, then a task that has it.",
 )
 @click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from itertools import groupby, islice, tee
 from typing import TYPE_CHECKING
@@ -57,7 +57,7 @@ def feasible(tasks: Iterator[Task], scene: Scene, seed: int, workers: int, tally
 
 def first_feasible(
     tasks: Iterator[Task], wanted: int, scene: Scene, seed: int, workers: int, limit: int, tell: Callable[[str], None]
-) -> Iterator[Record]:
+) -> Generator[Record, None, None]:
     """Yield the first `wanted` feasible ones of at most `limit` tasks, and say on stderr how many it took.
 
     Raises:

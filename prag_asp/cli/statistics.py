@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from decimal import MAX_EMAX, MIN_EMIN, Decimal, localcontext
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +28,11 @@ WIDEST = 40
 @options.by_level
 @options.weighs
 @click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
+    "--format",
+    "form",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
     help="Tables with decimals, or JSON with exact fractions.",
 )
 @click.option("--plot", metavar="FILE", help="Draw counts per length up to N into FILE.html or FILE.png.")
@@ -102,9 +106,8 @@ def _aligned(rows: list[tuple[str, ...]]) -> Iterator[str]:
 
 def _decimal(share: Fraction) -> str:
     """Return a fraction with its decimals, the last one rounded half to even."""
-    with localcontext(prec=DIGITS + 30):
-        whole = round(share * 10**DIGITS)
-        return f"{Decimal(whole).scaleb(-DIGITS):.{DIGITS}f}"
+    whole = round(share * 10**DIGITS)
+    return f"{whole // 10**DIGITS}.{whole % 10**DIGITS:0{DIGITS}d}"
 
 
 def _whole(number: int | Fraction) -> str:
@@ -112,6 +115,6 @@ def _whole(number: int | Fraction) -> str:
     text = str(number)
     if len(text) <= WIDEST:
         return text
-    with localcontext(prec=DIGITS + 1, Emax=MAX_EMAX, Emin=MIN_EMIN):
+    with localcontext(Context(prec=DIGITS + 1, Emax=MAX_EMAX, Emin=MIN_EMIN)):
         exact = Fraction(number)
         return f"{Decimal(exact.numerator) / Decimal(exact.denominator):.{DIGITS}e}"

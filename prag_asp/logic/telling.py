@@ -43,7 +43,8 @@ class _Rows:
         """Return the columns of numbers."""
         text = b"".join(self._texts[number] for number in numbers)
         packed = np.frombuffer(text, dtype=np.uint8).reshape(len(numbers), -(-self._height // 8))
-        return np.unpackbits(packed, axis=1, count=self._height).astype(np.bool_).T
+        columns: Truth = np.unpackbits(packed, axis=1, count=self._height).astype(np.bool_).T
+        return columns
 
 
 class Telling:
@@ -89,7 +90,8 @@ class Telling:
         told[length] = _looked_up(self._last, seen[length], self._tell_last)
         for k in range(length, 0, -1):
             told[k - 1] = _looked_up(self._before, (told[k] << 32) + seen[k], self._tell_before)
-        return told.T
+        plans_first: Numbers = told.T
+        return plans_first
 
     def values(self, numbers: Sequence[int]) -> Told:
         """Return what numbers stand for, shape (fluents, numbers)."""
@@ -145,4 +147,5 @@ class SolvedTelling:
         """Return what numbers stand for, shape (fluents, numbers)."""
         texts = list(self._numbers)
         rows = [np.frombuffer(texts[number], dtype=np.int8) for number in numbers]
-        return np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T
+        values: Told = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T
+        return values

@@ -51,7 +51,6 @@ class Automaton:
         edge = first + int(np.searchsorted(self.letters[first:last], letter))
         return edge if edge < last and self.letters[edge] == letter else None
 
-
     def with_edges(self, kept: NDArray[np.int64]) -> Automaton:
         """Return the automaton with some of its edges alone, given by number in ascending order."""
         return replace(
@@ -199,13 +198,14 @@ class Ranking:
         word, state = [], 0
         for left in range(self._length - 1, -1, -1):
             row = self._completions.row(left)
-            for letter, target in zip(*self._edges[state], strict=True):
-                behind = int(row[target])
-                if rank < behind:
-                    break
+            letters, targets = self._edges[state]
+            place, behind = 0, int(row[targets[0]])
+            while rank >= behind:
                 rank -= behind
-            word.append(letter)
-            state = target
+                place += 1
+                behind = int(row[targets[place]])
+            word.append(letters[place])
+            state = targets[place]
         return tuple(word)
 
     def rank(self, word: Sequence[int]) -> int | None:

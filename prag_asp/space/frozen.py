@@ -16,6 +16,7 @@ class FrozenDict(dict[Key, Value]):
     """
 
     __slots__ = ("_hash",)
+    _hash: int
 
     def __hash__(self) -> int:  # type: ignore[override]
         try:
@@ -39,5 +40,5 @@ class FrozenDict(dict[Key, Value]):
     def _refuse(self, *arguments: object, **items: object) -> NoReturn:
         raise TypeError("it is shared between tasks and cannot be changed; change a copy, dict(...)")
 
-    __setitem__ = __delitem__ = __ior__ = _refuse  # type: ignore[assignment]
-    clear = pop = popitem = setdefault = update = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import MAX_EMAX, MIN_EMIN, Decimal, localcontext
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
 from fractions import Fraction
 from itertools import compress
 from typing import Any
@@ -111,9 +111,9 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
     for entity, name in facts.memberships:
         classes.setdefault(str(entity), []).append(name)
     for number, letter in enumerate(letters):
-        for entity in map(str, mentioned_entities(symbols[letter], facts.entities)):
-            by_entity[entity].add(number)
-            for name in classes.get(entity, ()):
+        for entity in mentioned_entities(symbols[letter], facts.entities):
+            by_entity[str(entity)].add(number)
+            for name in classes.get(str(entity), ()):
                 by_class[name].add(number)
     return by_entity, by_class
 
@@ -124,7 +124,7 @@ def crossings(completions: Completions, length: int) -> list[int]:
     passing = np.zeros(len(automaton.letters), dtype=object)
     for step, over in enumerate(_forward(automaton, length)):
         passing += over * completions.row(length - step - 1)[automaton.targets].astype(object)
-    return passing.tolist()
+    return list(passing)
 
 
 def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
@@ -147,7 +147,8 @@ def consecutive(completions: Completions, length: int, names: NDArray[np.int64])
     factors = _factors(automaton)
     for step, over in enumerate(_forward(automaton, length - 1)):
         behind = factors * completions.row(length - step - 2)[automaton.targets].astype(object)
-        sums += np.array(_summed(over, into, len(coming)))[left] * np.array(_summed(behind, out_of, len(leaving)))[right]
+        before, after = _summed(over, into, len(coming)), _summed(behind, out_of, len(leaving))
+        sums += np.array(before, dtype=object)[left] * np.array(after, dtype=object)[right]
     found: dict[tuple[int, int], int] = {}
     for one, two, weight in zip((coming[left] % width).tolist(), (leaving[right] % width).tolist(), sums, strict=True):
         if weight:
@@ -164,7 +165,7 @@ def entropy(automaton: Automaton, passing: Sequence[int], total: int) -> Decimal
     for weight, passed in zip(_factors(automaton).tolist(), passing, strict=True):
         if passed:
             by_weight[weight] = by_weight.get(weight, 0) + passed
-    with localcontext(prec=2 * ENTROPY_PLACES + 20, Emax=MAX_EMAX, Emin=MIN_EMIN):
+    with localcontext(Context(prec=2 * ENTROPY_PLACES + 20, Emax=MAX_EMAX, Emin=MIN_EMIN)):
         spent = sum((Decimal(passed) / total * Decimal(weight).ln() for weight, passed in by_weight.items()), Decimal())
         bits = (Decimal(total).ln() - spent) / Decimal(2).ln()
         return abs(bits.quantize(Decimal(1).scaleb(-ENTROPY_PLACES)))

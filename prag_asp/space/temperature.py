@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from decimal import Decimal, localcontext
+from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 
 from prag_asp.errors import QueryError
@@ -50,7 +50,7 @@ def power(weight: Fraction, exponent: Fraction) -> Fraction:
         return weight
     if weight < 1:
         return 1 / power(1 / weight, exponent)
-    with localcontext(prec=2 * DIGITS, Emax=10**9, Emin=-(10**9)) as context:
+    with localcontext(Context(prec=2 * DIGITS, Emax=10**9, Emin=-(10**9))) as context:
         logarithm = (Decimal(weight.numerator) / weight.denominator).ln() * exponent.numerator / exponent.denominator
         size = int(logarithm / Decimal(10).ln())
         if size > LARGEST_EXPONENT:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from decimal import Decimal, localcontext
+from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 from functools import lru_cache
 
@@ -68,5 +68,5 @@ def drawn_words(drawer: Drawer, engine: Engine, bits: Bits) -> Iterator[Draw]:
 @lru_cache(maxsize=1 << 16)
 def log_probability(probability: Fraction) -> float:
     """Return the natural logarithm, rounded correctly, so that it is the same float on every machine."""
-    with localcontext(prec=40, Emax=10**9, Emin=-(10**9)):
+    with localcontext(Context(prec=40, Emax=10**9, Emin=-(10**9))):
         return float((Decimal(probability.numerator) / Decimal(probability.denominator)).ln())

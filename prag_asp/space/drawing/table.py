@@ -11,7 +11,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, chain
+from itertools import accumulate, chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -51,7 +51,7 @@ class Table:
             return self._search(slots, words, np.arange(len(slots)), resolve)
         cells = (words >> np.uint64(WORD - self.bits)).view(np.int64)
         cells += slots << self.bits
-        found = self.guide[cells].astype(np.int64)
+        found: Integers = self.guide[cells].astype(np.int64)
         missing = np.flatnonzero(found < 0)
         if len(missing):
             found[missing] = self._search(slots[missing], words[missing], missing, resolve)
@@ -59,7 +59,8 @@ class Table:
 
     def _search(self, slots: Integers, words: Words, places: NDArray[np.intp], resolve: Resolve) -> Integers:
         first = self.first[slots]
-        low, high = first.copy(), self.first[slots + 1] - 1
+        low: Integers = first.copy()
+        high = self.first[slots + 1] - 1
         while (low < high).any():
             middle = (low + high) >> 1
             passed = (self.thresholds[middle] <= words) & (low < high)
@@ -78,7 +79,7 @@ def make_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, gui
     edges = np.arange(first[-1]) + np.repeat(automaton.offsets[states] - first[:-1], counts)
     behind = weights_behind(automaton, edges, row)
     starts = first.tolist()
-    scaled = (_thresholds(behind[begin:end]) for begin, end in zip(starts, starts[1:], strict=False))
+    scaled = (_thresholds(behind[begin:end]) for begin, end in pairwise(starts))
     thresholds = np.fromiter(chain.from_iterable(scaled), dtype=np.uint64, count=len(edges))
     bits = max(int(GUIDE_CELLS / len(states)).bit_length() - 1, 0) if guided and len(states) else 0
     return Table(states, first, edges, thresholds, bits, _guide(thresholds, first, bits))
