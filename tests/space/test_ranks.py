@@ -5,10 +5,15 @@ from __future__ import annotations
 import math
 import random
 from collections import Counter
+from typing import get_args
 
 import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
+from prag_asp.logic.model import Model
+from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.engines.protocol import Level
 from prag_asp.space.ranks import distinct_ranks
 
 DOMAIN = load_domain("prag")
@@ -32,6 +37,28 @@ def test_ranks_and_tasks_are_inverse_in_a_space_above_any_machine_word() -> None
     generator = random.Random(0)
     for rank in (0, total - 1, *(generator.randrange(total) for _ in range(5))):
         assert space.index(space[rank]) == rank
+
+
+@pytest.mark.parametrize("name", ["prag", "blocks", "hanoi", "tabletop"])
+@pytest.mark.parametrize("by", get_args(Level))
+def test_ranks_and_words_are_inverse_over_whole_small_spaces(name: str, by: Level) -> None:
+    length = 2
+    engine = AutomatonEngine(Model(load_domain(name)), by)
+    words = list(engine.words(length))
+    assert [engine.unrank(length, rank) for rank in range(len(words))] == words
+    assert [engine.rank(word) for word in words] == list(range(len(words)))
+    assert sorted(words, key=lambda word: [engine.letters.index(letter) for letter in word]) == words
+
+
+@pytest.mark.parametrize(("by", "length", "digits"), [("skeleton", 1000, 629), ("plan", 1000, 911), ("task", 300, 273)])
+def test_ranks_and_words_are_inverse_at_random_ranks_of_vast_spaces(by: Level, length: int, digits: int) -> None:
+    engine = AutomatonEngine(Model(DOMAIN), by)
+    total = engine.count(length)
+    assert 10 ** (digits - 1) <= total < 10**digits
+    generator = random.Random(2)
+    for rank in (0, total - 1, *(generator.randrange(total) for _ in range(20))):
+        word = engine.unrank(length, rank)
+        assert len(word) == length and engine.contains(word) and engine.rank(word) == rank
 
 
 def test_a_task_with_other_names_has_the_same_rank() -> None:
@@ -67,7 +94,7 @@ def test_distinct_draws_are_distinct_and_may_take_the_whole_space() -> None:
 
 
 def test_every_set_of_ranks_is_equally_likely_in_every_order() -> None:
-    generator = random.Random(1)
+    generator = SeededBits(1)
     seen = Counter(tuple(distinct_ranks(generator, 5, 3)) for _ in range(30_000))
     assert len(seen) == 60
     statistic = sum((count - 500) ** 2 / 500 for count in seen.values())
