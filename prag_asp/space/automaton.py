@@ -9,10 +9,14 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from sys import getsizeof
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+KEPT_BYTES = 1 << 30
+"""Memory for the rows of one automaton, about."""
 
 Word = tuple[int, ...]
 """Letters of an automaton, by number."""
@@ -88,12 +92,16 @@ def accepts(automaton: Automaton, word: Sequence[int]) -> bool:
 class Completions:
     """For each number of letters left, the weight of all words that complete a path from each state.
 
-    Exact: 64-bit integers as long as nothing can overflow them, Python integers from then on.
+    Exact: 64-bit integers as long as nothing can overflow them, Python integers from then on. All rows are kept while
+    they fit into `KEPT_BYTES`; then every second, fourth, ... is, and those between are made again when asked for.
     """
 
     def __init__(self, automaton: Automaton) -> None:
         self.automaton = automaton
-        self._rows: list[NDArray[Any]] = [automaton.accepting.astype(np.int64)]
+        self._kept: dict[int, NDArray[Any]] = {0: automaton.accepting.astype(np.int64)}
+        self._between: dict[int, NDArray[Any]] = {}
+        self._every = 1
+        self._bytes = 0
         degrees = np.diff(automaton.offsets)
         heaviest = 1 if automaton.weights is None else max((int(w) for w in automaton.weights), default=1)
         self._growth = int(degrees.max(initial=0)) * heaviest
@@ -101,21 +109,49 @@ class Completions:
 
     def row(self, left: int) -> NDArray[Any]:
         """Return the weights for `left` letters, shape (states,), of dtype int64 or object."""
-        while len(self._rows) <= left:
-            self._rows.append(self.following(self._rows[-1]))
-        return self._rows[left]
+        found = self._kept.get(left)
+        if found is None:
+            found = self._between.get(left)
+        return self._climb(left) if found is None else found
+
+    def _climb(self, left: int) -> NDArray[Any]:
+        """Return a row by way of those after the last one kept before it."""
+        place = left - left % self._every
+        while place not in self._kept:
+            place -= self._every
+        row = self._kept[place]
+        self._between = {}
+        for each in range(place + 1, left + 1):
+            row = self.following(row)
+            if each % self._every:
+                self._between[each] = row
+            else:
+                self._between = {}
+                self._keep(each, row)
+        return row
+
+    def _keep(self, left: int, row: NDArray[Any]) -> None:
+        self._kept[left] = row
+        self._bytes += row.nbytes
+        if row.dtype == object:
+            self._bytes += sum(map(getsizeof, row.tolist()))
+        if self._bytes > KEPT_BYTES:
+            self._every *= 2
+            self._kept = {each: kept for each, kept in self._kept.items() if each % self._every == 0}
+            self._bytes //= 2
 
     def last_row(self, left: int) -> NDArray[Any]:
         """Return the same as `row` without keeping the rows before it."""
-        row = self._rows[min(left, len(self._rows) - 1)]
-        for _ in range(left - len(self._rows) + 1):
+        place = max(each for each in self._kept if each <= left)
+        row = self._kept[place]
+        for _ in range(left - place):
             row = self.following(row)
         return row
 
     def following(self, row: NDArray[Any]) -> NDArray[Any]:
         """Return the row for one more letter."""
         automaton = self.automaton
-        if row.dtype != object and int(row.max(initial=0)) * self._growth >= 2**62:
+        if row.dtype != object and int(row.max(initial=1)) * self._growth >= 2**62:
             row = row.astype(object)
         terms = row[automaton.targets]
         if automaton.weights is not None:

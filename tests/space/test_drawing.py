@@ -22,6 +22,7 @@ from prag_asp.space.drawing.bits import SeededBits, uniform_below
 from prag_asp.space.drawing.drawers import ByWeight
 from prag_asp.space.drawing.table import exact_choice
 from prag_asp.space.weights import Number, Weighed
+from tests.domains import domain_of
 from tests.space.test_sampling import expected_weight
 
 DRAWS = 1_000_000
@@ -241,6 +242,15 @@ def test_the_task_without_actions_is_drawn_in_every_mode(engine: str) -> None:
     for over in (None, "skeletons", "goals"):
         (task,) = space.sample(1, seed=0, weights={"grasp": 2}, over=over)  # type: ignore[arg-type]
         assert (task.actions, task.log_probability) == ((), 0.0)
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo"])
+def test_weights_that_outgrow_machine_words_may_lead_nowhere(engine: str) -> None:
+    domain = domain_of("fluent(f). initially(f,false). action(a). goal(f,true).")
+    space = TaskSpace(domain, 2, engine=engine)
+    assert space.total_weight(weights={"a": 10**30}) == 0
+    with pytest.raises(QueryError, match="there is no task of length 2 to draw$"):
+        space.draw_array(1, seed=0, weights={"a": 10**30})
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
 from prag_asp.logic.model import Model
+from prag_asp.space import automaton
 from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Level
@@ -59,6 +60,18 @@ def test_ranks_and_words_are_inverse_at_random_ranks_of_vast_spaces(by: Level, l
     for rank in (0, total - 1, *(generator.randrange(total) for _ in range(20))):
         word = engine.unrank(length, rank)
         assert len(word) == length and engine.contains(word) and engine.rank(word) == rank
+
+
+def test_ranks_are_the_same_where_memory_holds_few_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    spaces = TaskSpace(DOMAIN, 60), TaskSpace(DOMAIN, 60)
+    rank = spaces[0].count() // 3
+    task = spaces[0][rank]
+    drawn = spaces[0].draw_array(300, seed=1)
+    monkeypatch.setattr(automaton, "KEPT_BYTES", 3000)
+    completions = spaces[1]._engine("task")._completions(60)  # type: ignore[attr-defined]
+    assert spaces[1][rank] == task and spaces[1].index(task) == rank
+    assert (spaces[1].draw_array(300, seed=1) == drawn).all()
+    assert 1 < len(completions._kept) < 10
 
 
 def test_a_task_with_other_names_has_the_same_rank() -> None:
