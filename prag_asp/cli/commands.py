@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from itertools import islice
 from typing import Any
 
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.options import Asked, Weighing, asks
 from prag_asp.cli.split import split
+from prag_asp.cli.statistics import stats
 from prag_asp.cli.task import task
 from prag_asp.cli.terminal import FAILED, Command, progress, writer
-from prag_asp.errors import OutputError, QueryError
+from prag_asp.errors import QueryError
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""
@@ -116,10 +118,12 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
 @asks(options.SPACE)
 @click.option("--count", "wanted", type=click.IntRange(min=0), default=10, show_default=True, help="How many tasks.")
 @options.seed
+@options.weighs
 @click.option(
-    "--weight", "weights", metavar="KEY=W", multiple=True, help="Such as grasp=2, 'grasp>move=0.5', apple=1/3."
+    "--over",
+    type=click.Choice(["skeletons", "goals"]),
+    help="Draw a skeleton (or a goal) uniformly first, then a task that has it.",
 )
-@click.option("--uniform", is_flag=True, help="Leave out the weights of domain.toml.")
 @click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
 @options.workers
@@ -131,8 +135,8 @@ def sample(
     asked: Asked,
     wanted: int,
     seed: int,
-    weights: tuple[str, ...],
-    uniform: bool,
+    weighing: Weighing,
+    over: Any,
     by: Any,
     physics: bool | None,
     workers: int,
@@ -143,30 +147,23 @@ def sample(
     """Draw tasks of length N, each with a probability proportional to its weight, exactly."""
     from prag_asp.dataset.jsonl import Record
 
-    given = options.parse_weight_options(weights)
     with progress() as tell:
         space = asked.space(tell)
         line = options.line_form(form, space.domain)
-        own = {} if uniform else dict(space.domain.settings.weights)
-        drawn = space.draw(seed=seed, weights={**own, **given}, by=by) if wanted else iter(())
-        if physics is False or (physics is None and not space.domain.settings.scene):
-            with writer(output) as write:
+        drawn = space.draw(seed=seed, by=by, over=over, **weighing.arguments(space.domain)) if wanted else iter(())
+        if physics is None:
+            physics = bool(space.domain.settings.scene)
+        with writer(output) as write:
+            if not physics:
                 for task in islice(drawn, wanted):
                     write(line(Record(task)))
-            return
-        from prag_asp.cli.physics import Tally, feasible
+                return
+            from prag_asp.cli.physics import first_feasible
 
-        tally, limit = Tally(), max_draws or DRAWS_FOR_EACH * wanted
-        scene = options.scene_of(space.domain)
-        try:
-            with writer(output) as write:
-                for record in islice(feasible(islice(drawn, limit), scene, seed, workers, tally), wanted):
+            scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
+            with closing(first_feasible(drawn, wanted, scene, seed, workers, limit, tell)) as records:
+                for record in records:
                     write(line(record))
-                    tell(str(tally))
-        finally:
-            click.echo(str(tally), err=True)
-    if tally.passed < wanted:
-        raise OutputError(f"only {tally.passed} of {wanted} tasks were found in {limit} draws; raise --max-draws")
 
 
 @cli.command()
@@ -202,6 +199,7 @@ def validate(*, file: str, name: str | None, seed: int, workers: int, witness_on
 
 cli.add_command(task)
 cli.add_command(split)
+cli.add_command(stats)
 
 
 def _split(prefix: str | None) -> list[str]:

@@ -104,6 +104,50 @@ def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Functio
     return decorate
 
 
+WEIGHING = (
+    click.option(
+        "--weight", "given", metavar="KEY=W", multiple=True, help="Such as grasp=2, 'grasp>move=0.5', apple=1/3."
+    ),
+    click.option("--uniform", is_flag=True, help="Leave out the weights of domain.toml."),
+    click.option(
+        "--temperature", default="1", show_default=True, metavar="T",
+        help="Each weight w becomes w^(1/T): below 1 sharpens, inf makes all alike.",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """The weights that a command line asks for."""
+
+    given: tuple[str, ...] = ()
+    uniform: bool = False
+    temperature: str = "1"
+
+    def arguments(self, domain: Domain) -> dict[str, Any]:
+        """Return them as arguments for the methods of a task space.
+
+        Raises:
+            QueryError: an option is not of the form KEY=W.
+        """
+        own = {} if self.uniform else dict(domain.settings.weights)
+        return {"weights": {**own, **parse_weight_options(self.given)}, "temperature": self.temperature.strip()}
+
+
+def weighs(function: Function) -> Function:
+    """Give a command the options of weights, as one value `weighing`."""
+
+    @wraps(function)
+    def command(**values: Any) -> Any:
+        own = {key: values.pop(key) for key in Weighing.__dataclass_fields__}
+        return function(weighing=Weighing(**own), **values)
+
+    decorated: Function = command
+    for option in reversed(WEIGHING):
+        decorated = option(decorated)
+    return decorated
+
+
 def scene_of(domain: Domain) -> Scene:
     """Return the scene of a domain.
 

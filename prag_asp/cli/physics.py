@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
-from itertools import groupby, tee
+from itertools import groupby, islice, tee
 from typing import TYPE_CHECKING
+
+import click
 
 from prag_asp.cli.options import Asked, scene_of
 from prag_asp.dataset.jsonl import Record
-from prag_asp.errors import QueryError
+from prag_asp.errors import OutputError, QueryError
 from prag_asp.physics import Verdict, Witness, check_witness, validate_tasks
 
 if TYPE_CHECKING:
@@ -51,6 +53,25 @@ def feasible(tasks: Iterator[Task], scene: Scene, seed: int, workers: int, tally
                 told = verdict.to_json()
                 witness = told.pop("witness")
                 yield Record(task, told, witness)
+
+
+def first_feasible(
+    tasks: Iterator[Task], wanted: int, scene: Scene, seed: int, workers: int, limit: int, tell: Callable[[str], None]
+) -> Generator[Record, None, None]:
+    """Yield the first `wanted` feasible ones of at most `limit` tasks, and say on stderr how many it took.
+
+    Raises:
+        OutputError: they are fewer.
+    """
+    tally = Tally()
+    try:
+        for record in islice(feasible(islice(tasks, limit), scene, seed, workers, tally), wanted):
+            yield record
+            tell(str(tally))
+    finally:
+        click.echo(str(tally), err=True)
+    if tally.passed < wanted:
+        raise OutputError(f"only {tally.passed} of {wanted} tasks were found in {limit} draws; raise --max-draws")
 
 
 def check_again(

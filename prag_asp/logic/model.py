@@ -94,6 +94,6 @@ class Model:
             rules = read_sources(self.domain.encodings / "rules" / "weights.lp", self.domain.encodings)
             program = with_facts(Program((*program.sources, *rules)), weighed)
         if program is self.program:
-            return build_transition(self.step)
+            return build_transition(self.step, labels)
         reads = read_step(Program(tuple(s for s in program.sources if s.path.suffix == ".lp")))
         return build_transition(stratified_step(ground_step(program, self.domain.facts, reads)), labels)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import log
-from typing import overload
+from itertools import islice
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
 
 from prag_asp.domain.atom import Atom, parse_atom
 from prag_asp.domain.load import Domain
@@ -18,6 +20,9 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
 from prag_asp.space.conditions import Condition, Part, conditioned
+from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.space.drawing.drawers import Drawer, Over
+from prag_asp.space.drawing.draws import drawn_words, log_probability, make_drawer
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.narrate import Narrator
@@ -27,7 +32,9 @@ from prag_asp.space.ranks import distinct_ranks
 from prag_asp.space.readings import Hierarchy, Readings, hierarchy_of
 from prag_asp.space.shuffle import Shuffle
 from prag_asp.space.split import classes_for, divided, parse_shares
+from prag_asp.space.statistics import Statistics, statistics_of
 from prag_asp.space.task import Task
+from prag_asp.space.temperature import Temperature, tempered
 from prag_asp.space.weights import Number, Weights, parse_weights
 
 Prefix = Sequence[str | Atom]
@@ -202,50 +209,118 @@ class TaskSpace:
         seed: int,
         weights: Mapping[str, Number] | None = None,
         by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
         distinct: bool = False,
     ) -> list[Task]:
         """Return tasks drawn independently, each with a probability proportional to its weight, exactly.
 
         `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes those
-        of the domain, and an empty mapping draws uniformly. With ``by="plan"``, plans are drawn in place of tasks. With
-        `distinct`, a uniformly random set of tasks is drawn, in random order, without replacement.
+        of the domain, and an empty mapping draws uniformly. At `temperature` T each weight w becomes about w^(1/T):
+        ``"inf"`` makes all alike. With ``over="skeletons"`` (or ``"goals"``), a skeleton (or what is known of the last
+        state) is drawn uniformly, and then a task that has it by weight. With ``by="plan"``, plans are drawn in place
+        of tasks. With `distinct`, a uniformly random set of tasks is drawn, in random order, without replacement.
 
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
-        if count < 0:
-            raise QueryError(f"cannot draw {count} tasks; give a number of at least 0")
         if distinct:
-            return self._draw_distinct(count, seed, self.weights(weights), by)
-        drawn = self.draw(seed=seed, weights=weights, by=by)
-        return [next(drawn) for _ in range(count)]
+            return self._draw_distinct(_drawable(count), seed, self._tempered(weights, temperature), by, over)
+        drawn = self.draw(seed=seed, weights=weights, by=by, temperature=temperature, over=over)
+        return list(islice(drawn, _drawable(count)))
 
-    def draw(self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task") -> Iterator[Task]:
+    def draw(
+        self,
+        *,
+        seed: int,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
+    ) -> Iterator[Task]:
         """Yield tasks drawn as by `sample`, without end."""
-        draws = self.draw_words(seed=seed, weights=weights, by=by)
-        return self._shared.narrator.tasks((draw.word, _log(draw.probability)) for draw in draws)
+        if by == "skeleton":
+            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
+        draws = self.draw_words(seed=seed, weights=weights, by=by, temperature=temperature, over=over)
+        return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
 
-    def _draw_distinct(self, count: int, seed: int, weights: Weights, by: Level) -> list[Task]:
-        if weights:
-            raise QueryError("distinct tasks are drawn uniformly; give weights={}")
+    def draw_words(
+        self,
+        *,
+        seed: int,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
+    ) -> Iterator[Draw]:
+        """Yield words drawn as by `sample`, as texts with their exact probability, without end.
+
+        Skeletons are drawn uniformly alone.
+        """
+        drawer = self._drawer(self._tempered(weights, temperature), by, over)
+        return drawn_words(drawer, self._engine(by), SeededBits(seed))
+
+    def draw_array(
+        self,
+        count: int,
+        *,
+        seed: int,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
+        first: int = 0,
+    ) -> NDArray[np.int32]:
+        """Return the words that `draw_words` yields from number `first` on, as an array of shape (count, length).
+
+        It holds places in `letters`. Draws are independent of each other, so portions may be made apart.
+        """
+        drawer = self._drawer(self._tempered(weights, temperature), by, over)
+        return drawer.draw(SeededBits(seed), first, _drawable(count), tell=False).letters
+
+    def letters(self, by: Level = "task") -> tuple[str, ...]:
+        """Return what the numbers of `draw_array` stand for: the texts of actions, or names."""
+        return self._engine(by).letters
+
+    def total_weight(self, *, weights: Mapping[str, Number] | None = None, by: Level = "task") -> Fraction:
+        """Return the exact sum of the weights of all tasks or plans; with ``weights={}``, their number."""
+        weighed = self._engine(by).weighed(self.length, self.weights(weights))
+        return weighed.total(self.length) * weighed.unit
+
+    def statistics(
+        self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1
+    ) -> Statistics:
+        """Return what tasks are like on average, where they are drawn by weight: all exact, at any length.
+
+        Raises:
+            QueryError: there is nothing to draw, or a weight fits nothing.
+        """
+        return statistics_of(self._engine(by), self.domain.facts, by, self.length, self._tempered(weights, temperature))
+
+    def _tempered(self, weights: Mapping[str, Number] | None, temperature: Temperature) -> Weights:
+        return tempered(self.weights(weights), temperature)
+
+    def _drawer(self, weights: Weights, by: Level, over: Over | None) -> Drawer:
+        key = (by, self.length, weights, over)
+        made = self._shared.drawer
+        if made is None or made[0] != key:
+            made = (key, make_drawer(self._engine(by), self.domain.facts, by, self.length, weights, over))
+            self._shared.drawer = made
+        return made[1]
+
+    def _draw_distinct(self, count: int, seed: int, weights: Weights, by: Level, over: Over | None) -> list[Task]:
+        if weights or over:
+            raise QueryError("distinct tasks are drawn uniformly; give weights={}, and no over")
         if by == "skeleton":
             raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
         engine = self._engine(by)
         total = engine.count(self.length)
         if count > total:
             raise QueryError(f"cannot draw {count} distinct {by}s: there are {total}")
-        ranks = distinct_ranks(random.Random(seed), total, count)
-        log_probability = -log(total) if total else None
-        words = ((engine.unrank(self.length, rank), log_probability) for rank in ranks)
+        ranks = distinct_ranks(SeededBits(seed), total, count)
+        share = log_probability(Fraction(1, total)) if total else None
+        words = ((engine.unrank(self.length, rank), share) for rank in ranks)
         return list(self._shared.narrator.tasks(words))
-
-    def draw_words(
-        self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"
-    ) -> Iterator[Draw]:
-        """Yield plans drawn as by `sample`, as texts of actions with their exact probability, without end."""
-        if by == "skeleton":
-            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
-        return self._engine(by).draws(self.length, random.Random(seed), self.weights(weights))
 
     def weights(self, weights: Mapping[str, Number] | None = None) -> Weights:
         """Return weights as the engines take them; None are those of the domain.
@@ -279,6 +354,7 @@ class _Shared:
     progress: Progress | None
     engines: dict[Level, Engine] = field(default_factory=dict)
     counts: dict[tuple[Level, int, tuple[str, ...]], int] = field(default_factory=dict)
+    drawer: tuple[tuple[Any, ...], Drawer] | None = None
 
     def engine_for(self, by: Level) -> Engine:
         if by not in self.engines:
@@ -300,5 +376,7 @@ def _checked(length: int) -> int:
     return length
 
 
-def _log(probability: Fraction) -> float:
-    return log(probability.numerator) - log(probability.denominator)
+def _drawable(count: int) -> int:
+    if count < 0:
+        raise QueryError(f"cannot draw {count} tasks; give a number of at least 0")
+    return count

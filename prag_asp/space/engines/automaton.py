@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 
-from prag_asp.errors import QueryError
+from prag_asp.logic.hindsight import Hindsight
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.space.automaton import Completions, Ranking, accepts, count_words, words
-from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
+from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.explore import explore
 from prag_asp.space.skeletons import skeleton_automaton
-from prag_asp.space.weights import Weights, refuse_unequal, weigh, weighing_facts
+from prag_asp.space.weights import Weighed, Weights, refuse_weights, weigh, weighing_facts
 
 
 class AutomatonEngine:
@@ -31,7 +30,8 @@ class AutomatonEngine:
         self._level = level
         self._progress = progress
         self._explored: Completions | None = None
-        self._ranked: tuple[int, Weights, Ranking] | None = None
+        self._ranked: tuple[int, Ranking] | None = None
+        self._weighed: tuple[int, Weights, bool, Weighed] | None = None
         self._transition = model.transition(tasks=level != "plan")
 
     @cached_property
@@ -63,23 +63,22 @@ class AutomatonEngine:
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
-        return self._spelled(self._ranking(length, Weights()).unrank(rank))
+        return self._spelled(self._ranking(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
         """Return the rank of a word among those of its length, or None where it is no word."""
         if not all(letter in self._numbers for letter in word):
             return None
-        return self._ranking(len(word), Weights()).rank([self._numbers[letter] for letter in word])
+        return self._ranking(len(word)).rank([self._numbers[letter] for letter in word])
 
-    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
-        """Yield words drawn independently, each with a probability proportional to its weight, without end."""
-        ranking = self._ranking(length, weights)
-        if not ranking.total:
-            raise QueryError(f"there is no {self._level} of length {length} to draw")
-        share = Fraction(1, ranking.total)
-        while True:
-            word, weight = ranking.draw(generator)
-            yield Draw(self._spelled(word), share if weight == 1 else weight * share)
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+        """Return the words of a length with their weights, and keep the last ones made."""
+        refuse_weights(self._level, weights, self._model, length)
+        if not weights and not goals:
+            return Weighed(self._completions(length))
+        if self._weighed is None or self._weighed[:3] != (length, weights, goals):
+            self._weighed = (length, weights, goals, self._weigh(length, weights, goals))
+        return self._weighed[3]
 
     def _spelled(self, word: Sequence[int]) -> Letters:
         return tuple(self.letters[letter] for letter in word)
@@ -103,20 +102,27 @@ class AutomatonEngine:
             found = self._explored = Completions(automaton)
         return found
 
-    def _ranking(self, length: int, weights: Weights) -> Ranking:
-        """Return the ranking of a length by weights, and keep the last one made."""
-        if self._ranked is None or self._ranked[:2] != (length, weights):
-            made = self._weighed(length, weights) if weights else self._completions(length)
-            self._ranked = (length, weights, Ranking(made, length))
-        return self._ranked[2]
+    def _ranking(self, length: int) -> Ranking:
+        """Return the ranking of a length, and keep the last one made."""
+        if self._ranked is None or self._ranked[0] != length:
+            self._ranked = (length, Ranking(self._completions(length), length))
+        return self._ranked[1]
 
-    def _weighed(self, length: int, weights: Weights) -> Completions:
-        if self._level == "task":
-            refuse_unequal(weights, self._model.groups(length))
+    def _weigh(self, length: int, weights: Weights, goals: bool) -> Weighed:
         facts, labels = weighing_facts(weights)
-        transition = self._model.transition(tasks=self._level != "plan", weighed=facts, labels=labels)
+        hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
+        read = hindsight.last_read if hindsight else ()
+        transition = self._model.transition(tasks=self._level != "plan", weighed=facts, labels=(*labels, *read))
         automaton, marks = explore(transition, length, self._report)
-        return Completions(weigh(automaton, marks, transition, weights))
+        scale = 1
+        if weights:
+            automaton, scale = weigh(automaton, marks[:, : len(labels)], transition.actions, weights)
+        ends = None
+        if hindsight:
+            kinds, places = np.unique(marks[:, len(labels) :], axis=0, return_inverse=True)
+            _, goal_of = np.unique(hindsight.tell_ends(kinds.T), axis=1, return_inverse=True)
+            ends = goal_of.reshape(-1)[places.reshape(-1)]
+        return Weighed(Completions(automaton), Fraction(1, scale**length), ends)
 
     def _report(self, depth: int, states: int) -> None:
         if self._progress:

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import random
-from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
-from itertools import accumulate, islice
-from math import lcm
+from itertools import islice
 
 import clingo
 
 from prag_asp.domain.grounding import Grounder
 from prag_asp.domain.sources import Program
-from prag_asp.errors import QueryError
 from prag_asp.logic.ground import unrolled
 from prag_asp.logic.model import Model
-from prag_asp.logic.program import action_name
-from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
-from prag_asp.space.weights import Weights, refuse_unequal
+from prag_asp.space.engines.listed import listed
+from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
+from prag_asp.space.weights import Weighed, Weights
 
 POLL = 0.2
 """Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
@@ -32,9 +27,7 @@ class ClingoEngine:
         self._level = level
         self._progress = progress
         self._unrolled: tuple[int, _Unrolled] | None = None
-        actions = model.domain.facts.actions
-        self._names = sorted({action_name(action) for action in actions})
-        self._letters = self._names if level == "skeleton" else [str(action) for action in actions]
+        self.letters = all_letters(model, level)
 
     def count(self, length: int, prefix: Letters = ()) -> int:
         """Return the number of words of a length, by enumerating them all."""
@@ -56,7 +49,7 @@ class ClingoEngine:
             if len(word) == length:
                 yield tuple(word)
                 return
-            for letter in self._letters:
+            for letter in self.letters:
                 word.append(letter)
                 if self._fits(letter, prefix[len(word) - 1 : len(word)]):
                     yield from below()
@@ -66,7 +59,7 @@ class ClingoEngine:
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
-        if not all(letter in self._letters for letter in word):
+        if not all(letter in self.letters for letter in word):
             return False
         plans = self._plans(len(word))
         assumptions = plans.assume(word)
@@ -80,20 +73,9 @@ class ClingoEngine:
         """Return the rank of a word among those of its length, or None where it is no word."""
         return next((rank for rank, each in enumerate(self.words(len(word))) if each == word), None)
 
-    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
-        """Yield words drawn independently, each with a probability proportional to its weight, without end."""
-        if self._level == "task" and weights:
-            refuse_unequal(weights, self._model.groups(length))
-        everything = list(self.words(length))
-        weighed = [weights.of_plan([clingo.parse_term(action) for action in word]) for word in everything]
-        sums = list(accumulate(weighed))
-        if not sums or not sums[-1]:
-            raise QueryError(f"there is no {self._level} of length {length} to draw")
-        unit = Fraction(1, lcm(*(weight.denominator for weight in weighed)))
-        total = int(sums[-1] / unit)
-        while True:
-            at = bisect_right(sums, generator.randrange(total) * unit)
-            yield Draw(everything[at], weighed[at] / sums[-1])
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+        """Return the words of a length with their weights, by enumerating them all."""
+        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def _fits(self, letter: str, wanted: Letters) -> bool:
         return not wanted or wanted[0] in (letter, letter.partition("(")[0])

@@ -12,8 +12,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.clauses import TRUE, Literal
 from prag_asp.logic.cnf import Cnf, plan_cnf
 from prag_asp.logic.model import Model
-from prag_asp.logic.program import action_name
-from prag_asp.space.engines.protocol import Letters, Level
+from prag_asp.space.engines.protocol import Letters, Level, all_letters
 
 SHOWN = {"plan": "occurs", "task": "occurs", "skeleton": "named"}
 """The predicate whose atoms tell the words of a level apart."""
@@ -85,11 +84,8 @@ def word_formula(model: Model, level: Level, length: int) -> WordFormula:
     Raises:
         EngineError: the program has no counterpart in clauses.
     """
-    actions = model.domain.facts.actions
-    names = sorted({action_name(action) for action in actions})
     program = model.program if level == "plan" else model.task_program(length)
-    letters = names if level == "skeleton" else map(str, actions)
-    return WordFormula(plan_cnf(program, length, SHOWN[level]), level, length, tuple(letters))
+    return WordFormula(plan_cnf(program, length, SHOWN[level]), level, length, all_letters(model, level))
 
 
 def _name(letter: str) -> str:

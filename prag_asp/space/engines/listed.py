@@ -1,33 +1,30 @@
-"""Draw from words that are all listed, for engines that can do no better."""
+"""The words of a level and length with their weights, listed: for engines that find words one by one."""
 
 from __future__ import annotations
 
-import random
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
-from fractions import Fraction
-from itertools import accumulate
-from math import lcm
+from collections.abc import Iterable
 
-import clingo
-
-from prag_asp.errors import QueryError
-from prag_asp.space.engines.protocol import Draw, Letters
-from prag_asp.space.weights import Weights
+from prag_asp.logic.model import Model
+from prag_asp.space.engines.protocol import Letters, Level
+from prag_asp.space.narrate import Narrator
+from prag_asp.space.tree import word_tree
+from prag_asp.space.weights import Weighed, Weights, refuse_weights
 
 
-def draw_listed(words: Sequence[Letters], generator: random.Random, weights: Weights) -> Iterator[Draw]:
-    """Yield words drawn independently, each with a probability proportional to its weight, without end.
+def listed(
+    words: Iterable[Letters], letters: Letters, model: Model, level: Level, length: int, weights: Weights, goals: bool
+) -> Weighed:
+    """Return all words of a level and length with their weights; with `goals`, also what is known after each.
 
     Raises:
-        QueryError: no word weighs anything.
+        QueryError: the weights tell interchangeable entities apart, or skeletons are weighed.
     """
-    weighed = [weights.of_plan([clingo.parse_term(action) for action in word]) for word in words]
-    sums = list(accumulate(weighed))
-    if not sums or not sums[-1]:
-        raise QueryError("there is no plan or task of this length to draw")
-    unit = Fraction(1, lcm(*(weight.denominator for weight in weighed)))
-    total = int(sums[-1] / unit)
-    while True:
-        at = bisect_right(sums, generator.randrange(total) * unit)
-        yield Draw(words[at], weighed[at] / sums[-1])
+    refuse_weights(level, weights, model, length)
+    everything = list(words)
+    numbers = {letter: number for number, letter in enumerate(letters)}
+    spelled = [[numbers[letter] for letter in word] for word in everything]
+    if level == "skeleton":
+        return word_tree(spelled, length)
+    actions = {str(action): action for action in model.domain.facts.actions}
+    weighs = [weights.of_plan([actions[letter] for letter in word]) for word in everything] if weights else None
+    return word_tree(spelled, length, weighs, Narrator(model).last_states(everything) if goals else None)

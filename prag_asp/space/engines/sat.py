@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
@@ -10,9 +9,9 @@ from prag_asp.logic.clauses import TRUE
 from prag_asp.logic.model import Model
 from prag_asp.logic.solver import Solver
 from prag_asp.space.engines.formula import WordFormula, word_formula
-from prag_asp.space.engines.listed import draw_listed
-from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
-from prag_asp.space.weights import Weights, refuse_unequal
+from prag_asp.space.engines.listed import listed
+from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
+from prag_asp.space.weights import Weighed, Weights
 
 REPORTED = 1000
 """Words between two reports of progress."""
@@ -30,6 +29,7 @@ class SatEngine:
         self._level = level
         self._progress = progress
         self._search: _Search | None = None
+        self.letters = all_letters(model, level)
 
     def count(self, length: int, prefix: Letters = ()) -> int:
         """Return the number of words of a length, by finding them one by one and forbidding each."""
@@ -63,11 +63,9 @@ class SatEngine:
             return None
         return next(rank for rank, each in enumerate(self.words(len(word))) if each == word)
 
-    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
-        """Yield words drawn independently, each with a probability proportional to its weight, without end."""
-        if self._level == "task" and weights:
-            refuse_unequal(weights, self._model.groups(length))
-        return draw_listed(list(self.words(length)), generator, weights)
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+        """Return the words of a length with their weights, by finding them all."""
+        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def formula(self, length: int) -> WordFormula:
         """Return the formula whose models are the words of a length."""

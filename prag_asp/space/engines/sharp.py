@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterator
-from fractions import Fraction
 from itertools import takewhile
 
-from prag_asp.errors import EngineError, QueryError
 from prag_asp.logic.counter import count_models, require_ganak
 from prag_asp.logic.model import Model
-from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
+from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.engines.sat import SatEngine
-from prag_asp.space.weights import Weights
+from prag_asp.space.weights import Weighed, Weights
 
 
 class SharpEngine:
@@ -85,17 +82,11 @@ class SharpEngine:
             if self._sat.begins(length, (*word[:place], smaller))
         )
 
-    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
-        """Yield words drawn independently and uniformly, without end.
+    @property
+    def letters(self) -> Letters:
+        """The texts of the letters, in their order."""
+        return self._sat.letters
 
-        Raises:
-            EngineError: there are weights; a model counter that is exact takes none.
-            QueryError: there is nothing to draw.
-        """
-        if weights:
-            raise EngineError("engine sharp draws uniformly; leave out the weights, or choose another engine")
-        total = self.count(length)
-        if not total:
-            raise QueryError(f"there is no {self._level} of length {length} to draw")
-        while True:
-            yield Draw(self.unrank(length, generator.randrange(total)), Fraction(1, total))
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+        """Return the words of a length with their weights, by finding them all: a model counter has no exact weights."""
+        return self._sat.weighed(length, weights, goals=goals)
