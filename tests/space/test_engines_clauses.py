@@ -24,8 +24,6 @@ from tests.space.test_engines import BEYOND, CARRIED, TWO
 from tests.space.test_known_counts import COUNTS
 from tests.strategies import toys
 
-FOUND_ONE_BY_ONE = 3000
-"""Above it, finding the words one by one takes too long for a test."""
 COUNTED = [
     ("blocks", "plan", 4),
     ("blocks", "task", 5),
@@ -36,20 +34,6 @@ COUNTED = [
 
 needs_ganak = pytest.mark.skipif("not __import__('importlib.util').util.find_spec('pyganak')", reason="no pyganak")
 ROWS = {row[:4]: row[4] for row in COUNTS}
-
-
-@pytest.fixture(scope="module")
-def spaces() -> dict[str, TaskSpace]:
-    return {name: TaskSpace(load_domain(name), 0, engine="sat") for name in {row[0] for row in COUNTS}}
-
-
-@pytest.mark.parametrize(
-    ("domain", "level", "length", "prefix", "count"), [row for row in COUNTS if row[4] <= FOUND_ONE_BY_ONE]
-)
-def test_sat_meets_the_known_count(
-    spaces: dict[str, TaskSpace], domain: str, level: Any, length: int, prefix: tuple[str, ...], count: int
-) -> None:
-    assert spaces[domain].at(length).count(level, prefix) == count
 
 
 @needs_ganak

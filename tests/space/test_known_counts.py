@@ -13,8 +13,8 @@ from prag_asp.domain.settings import read_table
 from prag_asp.space.engines.protocol import Level
 from tests.known_counts import known_counts
 
-ENUMERABLE = 10_000
-"""Above it, counting by enumeration takes too long for a test."""
+ENUMERABLE, FOUND_ONE_BY_ONE = 10_000, 3000
+"""Above it, counting by enumeration, or by finding words one by one, takes too long for a test."""
 
 
 Row = tuple[str, str, int, tuple[str, ...], int]
@@ -41,7 +41,7 @@ def spaces() -> Spaces:
     return {
         (domain, flat, engine): TaskSpace(load_domain(domain, flat=flat), 0, engine=engine)
         for domain, flat in {(row[0], row[1].startswith("flat.")) for row in COUNTS}
-        for engine in ("automaton", "clingo")
+        for engine in ("automaton", "clingo", "sat")
     }
 
 
@@ -59,6 +59,11 @@ def test_the_automaton_meets_the_known_count(spaces: Spaces, row: Row) -> None:
 @pytest.mark.parametrize("row", [row for row in COUNTS if row[4] <= ENUMERABLE], ids=str)
 def test_clingo_meets_the_known_count(spaces: Spaces, row: Row) -> None:
     assert counted(spaces, "clingo", row) == row[4]
+
+
+@pytest.mark.parametrize("row", [row for row in COUNTS if row[4] <= FOUND_ONE_BY_ONE], ids=str)
+def test_sat_meets_the_known_count(spaces: Spaces, row: Row) -> None:
+    assert counted(spaces, "sat", row) == row[4]
 
 
 def test_every_shipped_domain_has_known_counts() -> None:

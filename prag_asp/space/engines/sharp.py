@@ -88,5 +88,5 @@ class SharpEngine:
         return self._sat.letters
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
-        """Return the words of a length with their weights, by finding them all: a model counter has no exact weights."""
+        """Return the words of a length with their weights, by finding them all: the counter's weights are not exact."""
         return self._sat.weighed(length, weights, goals=goals)
