@@ -249,7 +249,7 @@ def test_weights_that_outgrow_machine_words_may_lead_nowhere(engine: str) -> Non
     domain = domain_of("fluent(f). initially(f,false). action(a). goal(f,true).")
     space = TaskSpace(domain, 2, engine=engine)
     assert space.total_weight(weights={"a": 10**30}) == 0
-    with pytest.raises(QueryError, match="there is no task of length 2 to draw$"):
+    with pytest.raises(QueryError, match=r"there is no task of length 2 to draw$"):
         space.draw_array(1, seed=0, weights={"a": 10**30})
 
 
