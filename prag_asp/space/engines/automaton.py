@@ -96,7 +96,7 @@ class AutomatonEngine:
     def _completions(self, length: int) -> Completions:
         found = self._explored
         if found is None or (found.automaton.horizon is not None and found.automaton.horizon < length):
-            automaton, _ = explore(self._transition, length, self._report)
+            automaton = explore(self._transition, length, self._report).automaton
             if self._level == "skeleton":
                 names = [self._numbers[action_name(action)] for action in self._transition.actions]
                 automaton = skeleton_automaton(automaton, np.array(names, dtype=np.int64))
@@ -115,9 +115,9 @@ class AutomatonEngine:
             refuse_unequal(weights, self._model.groups(length))
         facts, labels = weighing_facts(weights)
         transition = self._model.transition(tasks=self._level != "plan", weighed=facts, labels=labels)
-        automaton, marks = explore(transition, length, self._report)
-        return Completions(weigh(automaton, marks, transition, weights))
+        found = explore(transition, length, self._report)
+        return Completions(weigh(found.automaton, found.labels, transition, weights))
 
-    def _report(self, depth: int, states: int) -> None:
+    def _report(self, depth: int, states: int, nbytes: int) -> None:
         if self._progress:
             self._progress(f"depth {depth}: {states:,} states")
