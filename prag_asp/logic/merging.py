@@ -209,6 +209,11 @@ class Twins:
             result *= self.count[states, entity] - self._earlier(entity, before, states)
         return result
 
+    def members(self, entity: int) -> range:
+        """Return all twins of an entity in the first state, with itself."""
+        first = int(self.first[0, entity])
+        return range(first, first + int(self.count[0, entity]))
+
     def _named(self, letter: int) -> list[tuple[int, list[int]]]:
         """Return the entities that an action names, each with the ones that it names before."""
         actions = self.merging.actions
