@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.merging import Merging, Orders, Twins
+from prag_asp.logic.merging import Merging, Orders
 from prag_asp.logic.packed import Rows
 from prag_asp.logic.transition import Successors, Transition
+from prag_asp.logic.twins import Twins
 from prag_asp.space.automaton import Automaton
 from prag_asp.space.numbering import Numbering
 
@@ -24,11 +25,19 @@ MOST, FEWEST = 16_384, 64
 ROOM = 2**26
 """Bytes that the states after those expanded together should take at most."""
 
-Progress = Callable[[int, int, int], None]
-"""Called with the depth reached, the number of states found and the bytes in use."""
 
-Stop = Callable[[int], bool]
-"""Told the bytes in use, and says whether exploring has to end."""
+@dataclass(frozen=True)
+class Extent:
+    """How far exploring has come; `nbytes` is the memory in use, counting what putting the edges together takes."""
+
+    depth: int
+    states: int
+    edges: int
+    nbytes: int
+
+
+Watch = Callable[[Extent], "str | None"]
+"""Told now and then how far exploring has come; a text that it returns says why exploring has to stop."""
 
 
 @dataclass(frozen=True)
@@ -38,13 +47,13 @@ class Explored:
     `labels` has shape (edges, number of labels). Where states were merged, an edge stands for several actions:
     `multiplicities` says how many, shape (edges,), and the letter is the first of them; the state after it, renamed,
     is the target: entity ``orders[order_of[edge], j]`` of the one is entity j of the other. `twins` says of each
-    state which entities cannot be told from the one before, shape (states, entities). Where exploring was stopped,
-    some states have no edges yet and are not accepting, so that words are missing, but none is wrong.
+    state which entities cannot be told from the one before, shape (states, entities). `stopped` says
+    why exploring had to stop early, if it had: some states then have no edges, so that words are missing, none wrong.
     """
 
     automaton: Automaton
     labels: NDArray[np.bool_]
-    stopped: bool = False
+    stopped: str = ""
     multiplicities: NDArray[np.int64] | None = None
     order_of: NDArray[np.int32] | None = None
     orders: NDArray[np.int64] | None = None
@@ -52,28 +61,22 @@ class Explored:
 
 
 def explore(
-    transition: Transition,
-    length: int,
-    progress: Progress | None = None,
-    *,
-    merging: Merging | None = None,
-    stop: Stop | None = None,
+    transition: Transition, length: int, watch: Watch | None = None, *, merging: Merging | None = None
 ) -> Explored:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
     Letters are numbers of `transition.actions`.
     """
     search = _Search(transition, merging)
-    first, depth, stopped = 0, 0, False
+    first, depth, stopped = 0, 0, ""
     while first < len(search.states):
         last = len(search.states)
         while first < last:
             rows = search.states.rows[first : min(first + search.together, last)]
             search.take(rows, expanding=depth < length and not stopped)
             first += len(rows)
-            if progress:
-                progress(depth + 1, len(search.states), search.nbytes)
-            stopped = stopped or (stop is not None and stop(search.nbytes))
+            if watch and not stopped:
+                stopped = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes)) or ""
         if depth == length:
             return search.explored(length, stopped)
         depth += 1
@@ -93,12 +96,13 @@ class _Search:
         self._accepting: list[NDArray[np.bool_]] = []
         self._degrees: list[NDArray[np.int64]] = []
         self._edges: list[_Edges] = []
+        self.edges = 0
         self._twins: list[NDArray[np.bool_]] = []
         self._bytes = 0
 
     @property
     def nbytes(self) -> int:
-        """The bytes in use, counting what putting the edges together takes."""
+        """The memory in use, counting what putting the edges together takes."""
         return self.states.nbytes + 2 * self._bytes
 
     def take(self, rows: Rows, *, expanding: bool) -> None:
@@ -107,7 +111,7 @@ class _Search:
         twins = None
         if self._merging:
             self._twins.append(self._merging.twins(rows))
-            twins = Twins.between(self._merging, self._twins[-1])
+            twins = Twins.between(self._merging.actions, self._twins[-1])
         if not expanding:
             self._degrees.append(np.zeros(len(rows), dtype=np.int64))
             return
@@ -119,6 +123,7 @@ class _Search:
             edges = self._numbered(found, order, twins)
             self._edges.append(edges)
             self._bytes += edges.nbytes
+            self.edges += len(edges.letters)
         room = ROOM // max(len(order) * rows.shape[1] * 8 // len(rows), 1)
         self.together = max(FEWEST, min(MOST, 4 * self.together, room))
 
@@ -136,7 +141,7 @@ class _Search:
         multiplicities = np.concatenate([twins.multiplicity(each.letter, each.sources) for each in found])[order]
         return _Edges(letters, targets, labels, multiplicities, self._orders.add(_packed(orders)).astype(np.int32))
 
-    def explored(self, horizon: int | None, stopped: bool) -> Explored:
+    def explored(self, horizon: int | None, stopped: str) -> Explored:
         """Return all that was found."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.merging import Merging, Twins
+from prag_asp.logic.patterns import Patterns
+from prag_asp.logic.twins import Twins
 from prag_asp.space.automaton import Automaton, Completions, Word
 from prag_asp.space.explore import Explored
 
@@ -43,10 +44,13 @@ class _Branches:
 
 @dataclass(frozen=True)
 class Merged:
-    """An explored space whose states were merged; `own` has the weight of each edge, or is None where all weigh 1."""
+    """An explored space whose states were merged.
+
+    `own` has the weight of each edge, for each of the actions that it stands for, or is None where all weigh 1.
+    """
 
     explored: Explored
-    merging: Merging
+    actions: Patterns
     own: NDArray[Any] | None = None
     _orbits: dict[int, tuple[NDArray[np.intp], NDArray[np.int64]]] = field(default_factory=dict, repr=False)
 
@@ -60,22 +64,21 @@ class Merged:
     @property
     def start(self) -> Place:
         """The initial state."""
-        return Place(0, np.array([*range(self.merging.size), -1]))
+        return Place(0, np.array([*range(self.actions.places), -1]))
 
     def branches(self, place: Place) -> _Branches:
         """Return the edges of a place in order of their letters."""
         edges, entities = self._orbit(place.state)
-        actions = self.merging.actions
-        patterns = actions.pattern[self.explored.automaton.letters[edges]]
-        letters = actions.find(patterns, place.names[entities])
+        patterns = self.actions.pattern[self.explored.automaton.letters[edges]]
+        letters = self.actions.find(patterns, place.names[entities])
         order = np.argsort(letters)
         return _Branches(edges[order], entities[order], letters[order])
 
     def after(self, place: Place, branches: _Branches, branch: int) -> Place:
         """Return the place that a branch leads to."""
         edge = int(branches.edges[branch])
-        swapped = np.arange(self.merging.size)
-        first = self.merging.actions.entities[self.explored.automaton.letters[edge]]
+        swapped = np.arange(self.actions.places)
+        first = self.actions.entities[self.explored.automaton.letters[edge]]
         for entity, named in zip(first.tolist(), branches.entities[branch].tolist(), strict=True):
             if entity >= 0:
                 other = int(np.flatnonzero(swapped == named)[0])
@@ -86,8 +89,8 @@ class Merged:
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return each edge of a state as often as it has renamings by twins, and the entities named in each."""
         if state not in self._orbits:
-            automaton, actions = self.explored.automaton, self.merging.actions
-            twins = Twins.between(self.merging, self.explored.twins[state : state + 1])
+            automaton, actions = self.explored.automaton, self.actions
+            twins = Twins.between(actions, self.explored.twins[state : state + 1])
             edges: list[int] = []
             entities: list[tuple[int, ...]] = []
             for edge in range(int(automaton.offsets[state]), int(automaton.offsets[state + 1])):
@@ -130,7 +133,7 @@ def count_merged(
         return 0
     reached: dict[tuple[int, ...], tuple[int, Place]] = {(): (1, merged.start)}
     for number, allowed in enumerate(prefix):
-        told = _told_apart(merged.merging, prefix[number + 1 :])
+        told = _told_apart(merged.actions, prefix[number + 1 :])
         following: dict[tuple[int, ...], tuple[int, Place]] = {}
         for weight, place in reached.values():
             branches = merged.branches(place)
@@ -148,9 +151,8 @@ def count_merged(
     return sum(weight * int(row[place.state]) for weight, place in reached.values())
 
 
-def _told_apart(merging: Merging, prefix: Sequence[frozenset[int]]) -> list[int]:
+def _told_apart(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
     """Return the entities that some of these sets of letters tell apart from others of their group."""
-    actions = merging.actions
     found: set[int] = set()
     for allowed in prefix:
         letters = np.array(sorted(allowed), dtype=np.intp)

@@ -3,36 +3,46 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
 
-import numpy as np
-
-from prag_asp.errors import QueryError
+from prag_asp.errors import LimitReached, QueryError
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
-from prag_asp.space.automaton import Completions, Ranking, accepts, count_words, words
+from prag_asp.space.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
-from prag_asp.space.explore import explore
-from prag_asp.space.skeletons import skeleton_automaton
-from prag_asp.space.weights import Weights, refuse_unequal, weigh, weighing_facts
+from prag_asp.space.limits import UNLIMITED, Budget, Limits
+from prag_asp.space.merged import MergedRanking, accepts_merged, count_merged, merged_words
+from prag_asp.space.reach import Explorer, Reach
+from prag_asp.space.weights import Weights
 
 
 class AutomatonEngine:
     """Answers for one domain at one level; what was explored is kept for the next question.
 
+    `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
+    No answer depends on it.
+
     Raises:
         EngineError: the step is not a function of the state and the action.
     """
 
-    def __init__(self, model: Model, level: Level, progress: Progress | None = None) -> None:
-        self._model = model
+    def __init__(
+        self,
+        model: Model,
+        level: Level,
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+        *,
+        merge: bool | None = None,
+    ) -> None:
         self._level = level
-        self._progress = progress
-        self._explored: Completions | None = None
-        self._ranked: tuple[int, Weights, Ranking] | None = None
-        self._transition = model.transition(tasks=level != "plan")
+        self._limits = limits
+        self._explorer = Explorer(model, level, progress, merge)
+        self._reached: Reach | None = None
+        self._ranked: tuple[int, Weights, Ranking | MergedRanking] | None = None
+        self._transition = self._explorer.transition()
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
@@ -47,19 +57,38 @@ class AutomatonEngine:
         return {letter: number for number, letter in enumerate(self.letters)}
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length."""
-        return count_words(self._completions(length), length, self._tests(prefix))
+        """Return the number of words of a length.
+
+        Raises:
+            LimitReached: a limit ended the exploration; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
+        reach = self._reach(length, budget)
+        found = self._count(reach, length, prefix)
+        if not reach.covers(length):
+            raise limit_reached(reach, found, self._level, length)
+        return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        for word in words(self._completions(length), length, self._tests(prefix)):
+        reach = self._whole(length)
+        sets = self._sets(prefix)
+        if reach.merged:
+            found = merged_words(reach.merged, reach.completions, length, sets)
+        else:
+            found = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
+        for word in found:
             yield self._spelled(word)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
         if not all(letter in self._numbers for letter in word):
             return False
-        return accepts(self._completions(len(word)).automaton, [self._numbers[letter] for letter in word])
+        reach = self._whole(len(word))
+        numbers = [self._numbers[letter] for letter in word]
+        if reach.merged:
+            return accepts_merged(reach.merged, numbers)
+        return accepts(reach.completions.automaton, numbers)
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
@@ -84,8 +113,8 @@ class AutomatonEngine:
     def _spelled(self, word: Sequence[int]) -> Letters:
         return tuple(self.letters[letter] for letter in word)
 
-    def _tests(self, prefix: Letters) -> list[Callable[[int], bool]]:
-        return [self._matching(text).__contains__ for text in prefix]
+    def _sets(self, prefix: Letters) -> list[frozenset[int]]:
+        return [self._matching(text) for text in prefix]
 
     def _matching(self, text: str) -> frozenset[int]:
         if self._level == "skeleton" or text in self._numbers:
@@ -93,31 +122,56 @@ class AutomatonEngine:
         names = enumerate(map(action_name, self._transition.actions))
         return frozenset(number for number, name in names if name == text)
 
-    def _completions(self, length: int) -> Completions:
-        found = self._explored
-        if found is None or (found.automaton.horizon is not None and found.automaton.horizon < length):
-            automaton = explore(self._transition, length, self._report).automaton
-            if self._level == "skeleton":
-                names = [self._numbers[action_name(action)] for action in self._transition.actions]
-                automaton = skeleton_automaton(automaton, np.array(names, dtype=np.int64))
-            found = self._explored = Completions(automaton)
+    def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
+        sets = self._sets(prefix)
+        if reach.merged:
+            return count_merged(reach.merged, reach.completions, length, sets)
+        return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
+
+    def _reach(self, length: int, budget: Budget) -> Reach:
+        """Return what is reached within a length, and keep it where no limit ended it."""
+        if self._reached is not None and self._reached.covers(length):
+            return self._reached
+        found = self._explorer.reach(self._transition, length, budget)
+        if found.covers(length):
+            self._reached = found
         return found
 
-    def _ranking(self, length: int, weights: Weights) -> Ranking:
+    def _whole(self, length: int) -> Reach:
+        """Return all that is reached within a length.
+
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        reach = self._reach(length, self._limits.begin())
+        if not reach.covers(length):
+            raise limit_reached(reach, self._count(reach, length, ()), self._level, length)
+        return reach
+
+    def _ranking(self, length: int, weights: Weights) -> Ranking | MergedRanking:
         """Return the ranking of a length by weights, and keep the last one made."""
         if self._ranked is None or self._ranked[:2] != (length, weights):
-            made = self._weighed(length, weights) if weights else self._completions(length)
-            self._ranked = (length, weights, Ranking(made, length))
+            reach = self._weighed(length, weights) if weights else self._whole(length)
+            made = (
+                MergedRanking(reach.merged, reach.completions, length)
+                if reach.merged
+                else Ranking(reach.completions, length)
+            )
+            self._ranked = (length, weights, made)
         return self._ranked[2]
 
-    def _weighed(self, length: int, weights: Weights) -> Completions:
-        if self._level == "task":
-            refuse_unequal(weights, self._model.groups(length))
-        facts, labels = weighing_facts(weights)
-        transition = self._model.transition(tasks=self._level != "plan", weighed=facts, labels=labels)
-        found = explore(transition, length, self._report)
-        return Completions(weigh(found.automaton, found.labels, transition, weights))
+    def _weighed(self, length: int, weights: Weights) -> Reach:
+        reach = self._explorer.weighed(length, weights, self._limits.begin())
+        if not reach.covers(length):
+            raise limit_reached(reach, 0, self._level, length)
+        return reach
 
-    def _report(self, depth: int, states: int, nbytes: int) -> None:
-        if self._progress:
-            self._progress(f"depth {depth}: {states:,} states")
+
+def limit_reached(reach: Reach, found: int, level: Level, length: int) -> LimitReached:
+    """Return the error that says how far an exploration came, and how many words it found."""
+    states = reach.completions.automaton.states
+    return LimitReached(
+        f"{reach.stopped} was reached with {states:,} states explored: there are at least {found} {level}s of length "
+        f"{length}; allow more, or ask for shorter ones",
+        found,
+    )

@@ -1,0 +1,144 @@
+"""What an automaton engine explores of one level of a domain: whole or up to a limit, merged or not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import factorial, prod
+from typing import TYPE_CHECKING
+
+import clingo
+import numpy as np
+
+from prag_asp.logic.merging import Merging, find_merging
+from prag_asp.logic.model import Model
+from prag_asp.logic.program import action_name, mentioned_entities
+from prag_asp.logic.transition import Transition
+from prag_asp.space.automaton import Completions
+from prag_asp.space.explore import Explored, Extent, Watch, explore
+from prag_asp.space.limits import Budget
+from prag_asp.space.merged import Merged
+from prag_asp.space.skeletons import skeleton_automaton
+from prag_asp.space.weights import Weights, refuse_unequal, weigh, weighing_facts
+
+if TYPE_CHECKING:
+    from prag_asp.space.engines.protocol import Level
+
+PATIENCE, LARGE = 250_000, 100
+"""Edges of a space beyond which its states are merged, where entities have at least so many renamings."""
+
+MORE_PATIENCE = 5_000_000
+"""Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
+
+OUTGROWN = "outgrown"
+
+Groups = Sequence[Sequence[clingo.Symbol]]
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What is known of the words of a level.
+
+    `merged` is what walks along words where states were merged; `stopped` says which limit ended the exploration, in
+    words, and is empty where nothing is missing up to the automaton's horizon.
+    """
+
+    completions: Completions
+    merged: Merged | None = None
+    stopped: str = ""
+
+    def covers(self, length: int) -> bool:
+        """Return whether all words of a length are known."""
+        horizon = self.completions.automaton.horizon
+        return not self.stopped and (horizon is None or horizon >= length)
+
+
+@dataclass(frozen=True)
+class Explorer:
+    """Explores one level of a domain; `merge` says whether states are merged, or is None to let their number decide."""
+
+    model: Model
+    level: Level
+    tell: Callable[[str], None] | None = None
+    merge: bool | None = None
+
+    def transition(self, weights: Weights | None = None) -> Transition:
+        """Return the step function that is explored.
+
+        A skeleton has a plan wherever it has a task, so that skeletons need no canonical names.
+
+        Raises:
+            EngineError: the step is not a function of the state and the action.
+        """
+        facts, labels = weighing_facts(weights or Weights())
+        return self.model.transition(tasks=self.level == "task", weighed=facts, labels=labels)
+
+    def reach(self, transition: Transition, length: int, budget: Budget) -> Reach:
+        """Return what is reached within `length` steps, or until the budget is spent."""
+        explored, merging = self._explored(transition, length, budget, Weights())
+        if self.level == "skeleton":
+            names = [action_name(action) for action in transition.actions]
+            numbers = {name: number for number, name in enumerate(sorted(set(names)))}
+            letters = np.array([numbers[name] for name in names], dtype=np.int64)
+            automaton, stopped = skeleton_automaton(explored.automaton, letters, budget.spent)
+            return Reach(Completions(automaton), None, explored.stopped or stopped)
+        if merging is None:
+            return Reach(Completions(explored.automaton), None, explored.stopped)
+        merged = Merged(explored, merging.actions)
+        return Reach(Completions(merged.automaton), merged, explored.stopped)
+
+    def weighed(self, length: int, weights: Weights, budget: Budget) -> Reach:
+        """Return the same with a whole number on each edge: its weight, scaled up by one factor for all."""
+        if self.level == "task":
+            refuse_unequal(weights, self.model.groups(length))
+        transition = self.transition(weights)
+        explored, merging = self._explored(transition, length, budget, weights)
+        automaton = weigh(explored.automaton, explored.labels, transition, weights)
+        if merging is None:
+            return Reach(Completions(automaton), None, explored.stopped)
+        merged = Merged(explored, merging.actions, automaton.weights)
+        return Reach(Completions(merged.automaton), merged, explored.stopped)
+
+    def _explored(
+        self, transition: Transition, length: int, budget: Budget, weights: Weights
+    ) -> tuple[Explored, Merging | None]:
+        if self.merge:
+            merging = self._merging(transition, weights)
+            return explore(transition, length, self._watch(budget), merging=merging), merging
+        patience = None if self.merge is False else PATIENCE
+        explored = explore(transition, length, self._watch(budget, patience))
+        if explored.stopped == OUTGROWN:
+            merging = self._merging(transition, weights)
+            if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
+                explored = explore(transition, length, self._watch(budget, MORE_PATIENCE))
+                if explored.stopped != OUTGROWN:
+                    return explored, None
+            return explore(transition, length, self._watch(budget), merging=merging), merging
+        return explored, None
+
+    def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
+        groups = self.model.groups(0)
+        return find_merging(transition, equal_groups(groups, weights), groups if self.level == "task" else ())
+
+    def _watch(self, budget: Budget, patience: int | None = None) -> Watch:
+        def watch(extent: Extent) -> str | None:
+            if self.tell:
+                memory = f"{extent.nbytes / 10**6:,.0f} MB"
+                self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
+            outgrown = patience is not None and extent.edges > patience
+            return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
+
+        return watch
+
+
+def equal_groups(groups: Groups, weights: Weights) -> list[tuple[clingo.Symbol, ...]]:
+    """Return the groups of entities that neither the domain nor the weights tell apart."""
+    single = {entity for group in groups for action in weights.actions for entity in mentioned_entities(action, group)}
+    found: list[tuple[clingo.Symbol, ...]] = []
+    for group in groups:
+        by_weight: dict[object, list[clingo.Symbol]] = {}
+        for entity in group:
+            if entity not in single:
+                by_weight.setdefault(weights.entities.get(entity), []).append(entity)
+        found += [tuple(members) for members in by_weight.values() if len(members) > 1]
+    return found
