@@ -65,21 +65,22 @@ def _alone(terms: Patterns, states: int, state: NDArray[np.intp], term: NDArray[
 
 def coloured(bits: Bits, told_apart: Colours) -> Colours:
     """Return colours that tell apart what `told_apart` does, refined until no state's colours tell more apart."""
-    colours = told_apart
+    colours: Colours = told_apart
     for word in np.moveaxis(bits.alone, 2, 0):
         colours = _mixed(colours ^ word)
     if not len(bits.related):
         return colours
     states, inverse = np.unique(bits.state[bits.related], return_inverse=True)
-    refined = colours[states]
+    refined: Colours = colours[states]
     number = _distinct(refined)
     while True:
         finer = _refined(bits, refined, inverse)
         found = _distinct(finer)
-        refined = finer
-        if (found <= number).all():
+        grown = found > number
+        if not grown.any():
             break
-        number = found
+        # A state that is settled keeps its colours, whatever other states need.
+        refined[grown], number[grown] = finer[grown], found[grown]
     colours = colours.copy()
     colours[states] = refined
     return colours

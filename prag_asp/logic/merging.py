@@ -154,10 +154,10 @@ class Merging:
         """Return which entities in an order are twins of the ones before them, and which have the same key."""
         ties = np.zeros(keys.shape, dtype=np.bool_)
         ties[:, 1:] = (keys[:, 1:] == keys[:, :-1]) & ~self._begins[1:]
-        twins = ties & (keys == UNTOUCHED)
+        twins: NDArray[np.bool_] = ties & (keys == UNTOUCHED)
         state, place = np.nonzero(ties & ~twins)
         pairs = np.stack([orders[state, place - 1], orders[state, place]], axis=1)
-        twins[state, place] = are_twins(bits, self.moved, state, pairs)
+        np.place(twins, ties & ~twins, are_twins(bits, self.moved, state, pairs))
         return twins, ties
 
     def _renamed(self, states: Rows, orders: Orders) -> Rows:
@@ -185,8 +185,8 @@ def find_merging(
     `named_in_order` are the groups whose entities tasks introduce in order. The answer is None where there is nothing
     to rename, or where a table of all renamings would take too much room.
     """
-    groups = tuple(tuple(group) for group in groups if len(group) > 1)
-    entities = {entity for group in groups for entity in group}
+    permuted = tuple(tuple(group) for group in groups if len(group) > 1)
+    entities = {entity for group in permuted for entity in group}
     ordered = {entity for group in named_in_order for entity in group}
     mentions = {s.arguments[0]: place for place, s in enumerate(transition.variables) if _is_mention(s, ordered)}
     kept = set(mentions.values())
@@ -195,20 +195,20 @@ def find_merging(
         for place, symbol in enumerate(transition.variables)
         if place not in kept and any(mentioned_entities(symbol, entities))
     ]
-    variables = read_patterns([transition.variables[place] for place in moved], groups)
-    actions = read_patterns(transition.actions, groups)
-    if not groups or not len(transition.initial) or not variables or not actions:
+    variables = read_patterns([transition.variables[place] for place in moved], permuted)
+    actions = read_patterns(transition.actions, permuted)
+    if not permuted or not len(transition.initial) or not variables or not actions:
         return None
     if not (variables.complete and actions.complete):
         return None
-    starts = tuple(int(place) for place in np.cumsum([0, *map(len, groups)])[:-1])
+    starts = tuple(int(place) for place in np.cumsum([0, *map(len, permuted)])[:-1])
     before = {entity: group[max(place - 1, 0)] for group in named_in_order for place, entity in enumerate(group)}
     guards = tuple(
         mentions.get(entity, mentions.get(before[entity], NEVER)) if entity in ordered else ALWAYS
-        for group in groups
+        for group in permuted
         for entity in group
     )
-    return Merging(groups, starts, variables, actions, np.array(moved, dtype=np.int64), transition.initial[0], guards)
+    return Merging(permuted, starts, variables, actions, np.array(moved, dtype=np.int64), transition.initial[0], guards)
 
 
 def _is_mention(symbol: clingo.Symbol, ordered: set[clingo.Symbol]) -> bool:

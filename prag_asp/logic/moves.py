@@ -5,15 +5,14 @@ The ground rules are evaluated once with no action; an action then evaluates aga
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
-import numpy as np
-
-from prag_asp.logic.normal import Body, NormalStep
+from prag_asp.logic.normal import Body
 from prag_asp.logic.packed import Rows, mask_of, words_for
-from prag_asp.logic.strata import Stratum, stratify
+from prag_asp.logic.simplify import Constants, simplified
+from prag_asp.logic.step_rules import StepRules
+from prag_asp.logic.strata import Stratum
 
 
 @dataclass(frozen=True)
@@ -39,75 +38,10 @@ class Move:
     fixed_labels: tuple[tuple[int, bool], ...]
 
 
-@dataclass(frozen=True)
-class StepRules:
-    """The rules of a step that `constraints` and the atoms `written` and `labels` depend on, in order.
-
-    `written` holds the atom of each variable after the step, 0 where nothing derives it.
-    """
-
-    step: NormalStep
-    constraints: tuple[Body, ...]
-    written: tuple[int, ...]
-    labels: tuple[int, ...]
-
-    @cached_property
-    def strata(self) -> list[Stratum]:
-        """The rules in order of their dependencies."""
-        roots = [abs(literal) for body in self.constraints for literal in body.literals]
-        return stratify([*roots, *self.written, *self.labels], self.step.bodies)
-
-    @cached_property
-    def order(self) -> Mapping[int, int]:
-        """The place of each atom in `strata`."""
-        return {atom: place for place, stratum in enumerate(self.strata) for atom in stratum.atoms}
-
-    @cached_property
-    def actions(self) -> frozenset[int]:
-        """The atoms of all actions."""
-        return frozenset(self.step.occurs.values())
-
-    @cached_property
-    def readers(self) -> Mapping[int, list[int]]:
-        """For each atom, the atoms that its value can change."""
-        return _index((atom, self.step.bodies[atom]) for stratum in self.strata for atom in stratum.atoms)
-
-    @cached_property
-    def constraint_readers(self) -> Mapping[int, list[int]]:
-        """For each atom, the numbers of the constraints that read it."""
-        return _index((number, (body,)) for number, body in enumerate(self.constraints))
-
-    @cached_property
-    def places(self) -> Mapping[int, list[int]]:
-        """For each atom, the variables that it decides."""
-        return _places(self.written)
-
-    @cached_property
-    def label_places(self) -> Mapping[int, list[int]]:
-        """For each atom, the labels that it decides."""
-        return _places(self.labels)
-
-
-def _index(reading: Iterator[tuple[int, tuple[Body, ...]]]) -> dict[int, list[int]]:
-    readers: dict[int, list[int]] = {}
-    for reader, bodies in reading:
-        for body in bodies:
-            for literal in body.literals:
-                readers.setdefault(abs(literal), []).append(reader)
-    return readers
-
-
-def _places(atoms: Sequence[int]) -> dict[int, list[int]]:
-    places: dict[int, list[int]] = {}
-    for place, atom in enumerate(atoms):
-        places.setdefault(atom, []).append(place)
-    return places
-
-
 def compile_move(rules: StepRules, action: int) -> Move:
     """Return what is left of the rules once the atom `action` is true and no other action is."""
     affected = _affected(rules, action)
-    constants = _Constants(rules.actions, action)
+    constants = Constants(rules.actions, action)
     bodies, strata = _left_of_rules(rules, affected, constants)
     touched = {number for atom in (*affected, action) for number in rules.constraint_readers.get(atom, ())}
     left = [simplified(rules.constraints[number], constants) for number in sorted(touched)]
@@ -138,19 +72,6 @@ def compile_move(rules: StepRules, action: int) -> Move:
     )
 
 
-class _Constants(dict[int, bool]):
-    """The atoms of known truth, among them that no other action occurs."""
-
-    def __init__(self, actions: frozenset[int], action: int) -> None:
-        super().__init__({action: True})
-        self._actions = actions
-
-    def known(self, atom: int) -> bool | None:
-        """Return the truth of an atom, or None where the action does not decide it."""
-        found = self.get(atom)
-        return False if found is None and atom in self._actions else found
-
-
 def _affected(rules: StepRules, action: int) -> set[int]:
     affected: set[int] = set()
     waiting = [action]
@@ -163,7 +84,7 @@ def _affected(rules: StepRules, action: int) -> set[int]:
 
 
 def _left_of_rules(
-    rules: StepRules, affected: set[int], constants: _Constants
+    rules: StepRules, affected: set[int], constants: Constants
 ) -> tuple[dict[int, tuple[Body, ...]], list[Stratum]]:
     """Return what is left of the bodies of the atoms affected, and these in order; learn what is constant."""
     bodies: dict[int, tuple[Body, ...]] = {}
@@ -172,7 +93,7 @@ def _left_of_rules(
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            left = [simplified(body, constants) for body in rules.step.bodies[atom]]
+            left = [simplified(body, constants) for body in rules.bodies_with(constants.action, atom)]
             if any(body is True for body in left):
                 constants[atom] = True
             elif atom not in inside and all(body is False for body in left):
@@ -193,33 +114,3 @@ def _needed(strata: Sequence[Stratum], bodies: Mapping[int, tuple[Body, ...]], r
             needed |= {abs(literal) for atom in stratum.atoms for body in bodies[atom] for literal in body.literals}
             found.append(stratum)
     return tuple(reversed(found))
-
-
-def simplified(body: Body, constants: _Constants) -> Body | bool:
-    """Return a body without its literals of known truth, or its truth where that decides it."""
-    if body.weights:
-        return _simplified_sum(body, constants)
-    literals = []
-    for literal in body.literals:
-        known = constants.known(abs(literal))
-        if known is None:
-            literals.append(literal)
-        elif known != (literal > 0):
-            return False
-    return Body(tuple(literals)) if literals else True
-
-
-def _simplified_sum(body: Body, constants: _Constants) -> Body | bool:
-    bound, literals, weights = body.bound, [], []
-    for literal, weight in zip(body.literals, body.weights, strict=True):
-        known = constants.known(abs(literal))
-        if known is None:
-            literals.append(literal)
-            weights.append(weight)
-        elif known == (literal > 0):
-            bound -= weight
-    if bound <= 0:
-        return True
-    if sum(weights) < bound:
-        return False
-    return Body(tuple(literals), bound, tuple(weights))

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.cone import find_cone
-from prag_asp.logic.moves import Move, StepRules, compile_move
+from prag_asp.logic.moves import Move, compile_move
 from prag_asp.logic.normal import Body, NormalStep
 from prag_asp.logic.packed import Rows, bit, pack, unpack
+from prag_asp.logic.step_rules import StepRules
 from prag_asp.logic.strata import Column, Stratum, body_column, evaluate, stratify
 
 Wanted = Callable[[int], NDArray[np.bool_] | None]
@@ -104,7 +105,7 @@ class Transition:
         return ~broken
 
     def expand(self, states: Rows, wanted: Wanted | None = None) -> Iterator[Successors]:
-        """Yield what each action makes of a frontier, in the order of `actions`, but for those that its state forbids."""
+        """Yield what each action makes of a frontier, in the order of `actions`; of none where it is forbidden."""
         before = _Before.evaluated(self._rules, self._columns(states, self.step.ground.before), len(states))
         for letter in range(len(self.actions)):
             asked = wanted(letter) if wanted else None
@@ -138,10 +139,10 @@ class _Before:
     def evaluated(cls, rules: StepRules, columns: dict[int, Column], size: int) -> _Before:
         """Evaluate the rules on the columns of the atoms of step t-1."""
         read = _reader(columns, size)
-        evaluate(rules.strata, rules.step.bodies.__getitem__, columns, read, size)
+        evaluate(rules.strata, rules.idle.__getitem__, columns, read, size)
         broken: dict[int, Column] = {}
         breaches = np.zeros(size, dtype=np.int32)
-        for number, body in enumerate(rules.constraints):
+        for number, body in rules.idle_constraints:
             value = body_column(body, read, size)
             if value.any():
                 broken[number] = value

@@ -41,23 +41,32 @@ Watch = Callable[[Extent], "str | None"]
 
 
 @dataclass(frozen=True)
-class Explored:
-    """The automaton of the plans of a step function, and what belongs to its edges.
+class Renamings:
+    """What the edges and states of an automaton stand for whose states were merged.
 
-    `labels` has shape (edges, number of labels). Where states were merged, an edge stands for several actions:
-    `multiplicities` says how many, shape (edges,), and the letter is the first of them; the state after it, renamed,
-    is the target: entity ``orders[order_of[edge], j]`` of the one is entity j of the other. `twins` says of each
-    state which entities cannot be told from the one before, shape (states, entities). `stopped` says
-    why exploring had to stop early, if it had: some states then have no edges, so that words are missing, none wrong.
+    An edge stands for `multiplicities` actions, shape (edges,); its letter is the first of them. The state after it,
+    renamed, is the target: entity ``orders[order_of[edge], j]`` of the one is entity j of the other. `twins` says of
+    each state which entities cannot be told from the one before, shape (states, entities).
+    """
+
+    multiplicities: NDArray[np.int64]
+    order_of: NDArray[np.int32]
+    orders: Orders
+    twins: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Explored:
+    """The automaton of the plans of a step function.
+
+    `labels` has shape (edges, number of labels). `stopped` says why exploring had to stop early, if it had: some states
+    then have no edges, so that words are missing, none wrong.
     """
 
     automaton: Automaton
     labels: NDArray[np.bool_]
     stopped: str = ""
-    multiplicities: NDArray[np.int64] | None = None
-    order_of: NDArray[np.int32] | None = None
-    orders: NDArray[np.int64] | None = None
-    twins: NDArray[np.bool_] | None = None
+    renamings: Renamings | None = None
 
 
 def explore(
@@ -154,15 +163,13 @@ class _Search:
         labels = np.concatenate([each.labels for each in edges])
         if self._merging is None or self._orders is None:
             return Explored(automaton, labels, stopped)
-        return Explored(
-            automaton,
-            labels,
-            stopped,
+        renamings = Renamings(
             np.concatenate([each.multiplicities for each in edges]),
             np.concatenate([each.order_of for each in edges]),
             _unpacked(self._orders.rows, self._merging.size),
             np.concatenate([np.zeros((0, self._merging.size), dtype=np.bool_), *self._twins]),
         )
+        return Explored(automaton, labels, stopped, renamings)
 
 
 def _packed(orders: Orders) -> Rows:

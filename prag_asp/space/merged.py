@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from prag_asp.logic.patterns import Patterns
 from prag_asp.logic.twins import Twins
 from prag_asp.space.automaton import Automaton, Completions, Word
-from prag_asp.space.explore import Explored
+from prag_asp.space.explore import Renamings
 
 Names = NDArray[np.int64]
 """For each entity of a merged state, the entity that it stands for, and -1 at the end for none."""
@@ -39,17 +39,19 @@ class _Branches:
 
     edges: NDArray[np.intp]
     entities: NDArray[np.int64]
-    letters: NDArray[np.int32]
+    letters: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Merged:
-    """An explored space whose states were merged.
+    """An automaton whose states were merged.
 
-    `own` has the weight of each edge, for each of the actions that it stands for, or is None where all weigh 1.
+    `base` has no weights; `own` has the weight of each edge, which each of the actions that it stands for has, or is
+    None where all weigh 1.
     """
 
-    explored: Explored
+    base: Automaton
+    renamings: Renamings
     actions: Patterns
     own: NDArray[Any] | None = None
     _orbits: dict[int, tuple[NDArray[np.intp], NDArray[np.int64]]] = field(default_factory=dict, repr=False)
@@ -57,9 +59,9 @@ class Merged:
     @property
     def automaton(self) -> Automaton:
         """The merged automaton; an edge weighs as much as all the actions that it stands for."""
-        found = self.explored.multiplicities
+        found = self.renamings.multiplicities
         weights = found if self.own is None else self.own * found.astype(object)
-        return replace(self.explored.automaton, weights=weights)
+        return replace(self.base, weights=weights)
 
     @property
     def start(self) -> Place:
@@ -69,7 +71,7 @@ class Merged:
     def branches(self, place: Place) -> _Branches:
         """Return the edges of a place in order of their letters."""
         edges, entities = self._orbit(place.state)
-        patterns = self.actions.pattern[self.explored.automaton.letters[edges]]
+        patterns = self.actions.pattern[self.base.letters[edges]]
         letters = self.actions.find(patterns, place.names[entities])
         order = np.argsort(letters)
         return _Branches(edges[order], entities[order], letters[order])
@@ -78,19 +80,19 @@ class Merged:
         """Return the place that a branch leads to."""
         edge = int(branches.edges[branch])
         swapped = np.arange(self.actions.places)
-        first = self.actions.entities[self.explored.automaton.letters[edge]]
+        first = self.actions.entities[self.base.letters[edge]]
         for entity, named in zip(first.tolist(), branches.entities[branch].tolist(), strict=True):
             if entity >= 0:
                 other = int(np.flatnonzero(swapped == named)[0])
                 swapped[[entity, other]] = swapped[[other, entity]]
-        order = self.explored.orders[self.explored.order_of[edge]]
-        return Place(int(self.explored.automaton.targets[edge]), np.append(place.names[swapped[order]], -1))
+        order = self.renamings.orders[self.renamings.order_of[edge]]
+        return Place(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
 
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return each edge of a state as often as it has renamings by twins, and the entities named in each."""
         if state not in self._orbits:
-            automaton, actions = self.explored.automaton, self.actions
-            twins = Twins.between(actions, self.explored.twins[state : state + 1])
+            automaton, actions = self.base, self.actions
+            twins = Twins.between(actions, self.renamings.twins[state : state + 1])
             edges: list[int] = []
             entities: list[tuple[int, ...]] = []
             for edge in range(int(automaton.offsets[state]), int(automaton.offsets[state + 1])):
@@ -109,7 +111,7 @@ class Merged:
 
 def accepts_merged(merged: Merged, word: Sequence[int]) -> bool:
     """Return whether a word belongs to the automaton before merging."""
-    automaton = merged.explored.automaton
+    automaton = merged.base
     if not automaton.states:
         return False
     place = merged.start
@@ -122,9 +124,7 @@ def accepts_merged(merged: Merged, word: Sequence[int]) -> bool:
     return bool(automaton.accepting[place.state])
 
 
-def count_merged(
-    merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
-) -> int:
+def count_merged(merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()) -> int:
     """Return the weight of all words of a length whose first letters are among those of `prefix`.
 
     Places that differ only in who stands for entities that no later letter of the prefix names count as one.
@@ -228,7 +228,7 @@ class MergedRanking:
 
     def _totals(self, place: Place, branches: _Branches, left: int) -> NDArray[Any]:
         """Return the running totals of the weights behind the branches of a place with `left` letters to go."""
-        behind = self._completions.row(left - 1)[self._merged.explored.automaton.targets[branches.edges]]
+        behind = self._completions.row(left - 1)[self._merged.base.targets[branches.edges]]
         exact = behind.astype(self._completions.row(left).dtype)
         return np.cumsum(exact if self._merged.own is None else exact * self._merged.own[branches.edges])
 

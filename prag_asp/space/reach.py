@@ -82,9 +82,9 @@ class Explorer:
             letters = np.array([numbers[name] for name in names], dtype=np.int64)
             automaton, stopped = skeleton_automaton(explored.automaton, letters, budget.spent)
             return Reach(Completions(automaton), None, explored.stopped or stopped)
-        if merging is None:
+        if merging is None or explored.renamings is None:
             return Reach(Completions(explored.automaton), None, explored.stopped)
-        merged = Merged(explored, merging.actions)
+        merged = Merged(explored.automaton, explored.renamings, merging.actions)
         return Reach(Completions(merged.automaton), merged, explored.stopped)
 
     def weighed(self, length: int, weights: Weights, budget: Budget) -> Reach:
@@ -94,9 +94,9 @@ class Explorer:
         transition = self.transition(weights)
         explored, merging = self._explored(transition, length, budget, weights)
         automaton = weigh(explored.automaton, explored.labels, transition, weights)
-        if merging is None:
+        if merging is None or explored.renamings is None:
             return Reach(Completions(automaton), None, explored.stopped)
-        merged = Merged(explored, merging.actions, automaton.weights)
+        merged = Merged(explored.automaton, explored.renamings, merging.actions, automaton.weights)
         return Reach(Completions(merged.automaton), merged, explored.stopped)
 
     def _explored(
