@@ -71,7 +71,7 @@ class AutomatonEngine:
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        reach = self._whole(length)
+        reach = self.explored(length)
         sets = self._sets(prefix)
         if reach.merged:
             found = merged_words(reach.merged, reach.completions, length, sets)
@@ -84,7 +84,7 @@ class AutomatonEngine:
         """Return whether a word belongs to the level."""
         if not all(letter in self._numbers for letter in word):
             return False
-        reach = self._whole(len(word))
+        reach = self.explored(len(word))
         numbers = [self._numbers[letter] for letter in word]
         if reach.merged:
             return accepts_merged(reach.merged, numbers)
@@ -137,7 +137,7 @@ class AutomatonEngine:
             self._reached = found
         return found
 
-    def _whole(self, length: int) -> Reach:
+    def explored(self, length: int) -> Reach:
         """Return all that is reached within a length.
 
         Raises:
@@ -151,7 +151,7 @@ class AutomatonEngine:
     def _ranking(self, length: int, weights: Weights) -> Ranking | MergedRanking:
         """Return the ranking of a length by weights, and keep the last one made."""
         if self._ranked is None or self._ranked[:2] != (length, weights):
-            reach = self._weighed(length, weights) if weights else self._whole(length)
+            reach = self._weighed(length, weights) if weights else self.explored(length)
             made = (
                 MergedRanking(reach.merged, reach.completions, length)
                 if reach.merged
