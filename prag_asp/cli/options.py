@@ -29,6 +29,9 @@ class Asked:
     encodings: str | None = None
     length: int = 0
     engine: str = "auto"
+    memory: str | None = None
+    time: str | None = None
+    cached: bool = True
 
     def domain(self) -> Domain:
         """Load the domain."""
@@ -38,9 +41,15 @@ class Asked:
 
     def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
         """Return the task space, which tells its progress to `tell`."""
+        from prag_asp.space.limits import Limits, parse_memory, parse_time
         from prag_asp.space.task_space import TaskSpace
 
-        return TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell)
+        limits = Limits(
+            parse_memory(self.memory) if self.memory else None,
+            parse_time(self.time) if self.time else None,
+            self.cached,
+        )
+        return TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
 
 
 DOMAIN = (
@@ -54,6 +63,11 @@ SPACE = (
     *DOMAIN,
     click.option("-n", "--length", type=int, required=True, metavar="N", help="Number of actions of a task."),
     click.option("--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton or clingo."),
+    click.option("--memory", metavar="SIZE", help="Stop at this much memory, such as 4GB."),
+    click.option("--time", metavar="TIME", help="Stop exploring or counting after this long, such as 60s or 5m."),
+    click.option(
+        "--cache/--no-cache", "cached", default=True, help="Keep what took long for the next run.  [default: cache]"
+    ),
 )
 
 by_level = click.option(

@@ -131,7 +131,7 @@ class Merging:
         bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
         marks = np.zeros((len(states), self.size), dtype=np.uint64) if told_apart is None else told_apart
         keys = coloured(bits, marks) >> LOW
-        touched: NDArray[np.bool_] = bits.alone.any(axis=2)
+        touched = np.array(bits.alone.any(axis=2), dtype=np.bool_)
         entities = bits.entities(bits.related)
         bit, place = np.nonzero(entities >= 0)
         touched[bits.state[bits.related[bit]], entities[bit, place]] = True

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
+import clingo
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,6 +54,7 @@ class Merged:
     base: Automaton
     renamings: Renamings
     actions: Patterns
+    groups: tuple[tuple[clingo.Symbol, ...], ...]
     own: NDArray[Any] | None = None
     _orbits: dict[int, tuple[NDArray[np.intp], NDArray[np.int64]]] = field(default_factory=dict, repr=False)
 

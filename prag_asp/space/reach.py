@@ -14,7 +14,7 @@ from prag_asp.logic.merging import Merging, find_merging
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name, mentioned_entities
 from prag_asp.logic.transition import Transition
-from prag_asp.space.automaton import Completions
+from prag_asp.space.automaton import Automaton, Completions
 from prag_asp.space.explore import Explored, Extent, Watch, explore
 from prag_asp.space.limits import Budget
 from prag_asp.space.merged import Merged
@@ -39,13 +39,21 @@ Groups = Sequence[Sequence[clingo.Symbol]]
 class Reach:
     """What is known of the words of a level.
 
-    `merged` is what walks along words where states were merged; `stopped` says which limit ended the exploration, in
-    words, and is empty where nothing is missing up to the automaton's horizon.
+    `letters` are the texts of the letters and `names` those of their actions' names. `merged` is what walks along words
+    where states were merged; `stopped` says which limit ended the exploration, in words, and is empty where nothing is
+    missing up to the automaton's horizon.
     """
 
+    letters: tuple[str, ...]
+    names: tuple[str, ...]
     completions: Completions
     merged: Merged | None = None
     stopped: str = ""
+
+    @classmethod
+    def of_merged(cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stopped: str = "") -> Reach:
+        """Return what is known where states were merged."""
+        return cls(letters, names, Completions(merged.automaton), merged, stopped)
 
     def covers(self, length: int) -> bool:
         """Return whether all words of a length are known."""
@@ -76,16 +84,13 @@ class Explorer:
     def reach(self, transition: Transition, length: int, budget: Budget) -> Reach:
         """Return what is reached within `length` steps, or until the budget is spent."""
         explored, merging = self._explored(transition, length, budget, Weights())
+        names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton":
-            names = [action_name(action) for action in transition.actions]
-            numbers = {name: number for number, name in enumerate(sorted(set(names)))}
-            letters = np.array([numbers[name] for name in names], dtype=np.int64)
-            automaton, stopped = skeleton_automaton(explored.automaton, letters, budget.spent)
-            return Reach(Completions(automaton), None, explored.stopped or stopped)
-        if merging is None or explored.renamings is None:
-            return Reach(Completions(explored.automaton), None, explored.stopped)
-        merged = Merged(explored.automaton, explored.renamings, merging.actions)
-        return Reach(Completions(merged.automaton), merged, explored.stopped)
+            letters = tuple(sorted(set(names)))
+            numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
+            automaton, stopped = skeleton_automaton(explored.automaton, numbers, budget.spent)
+            return Reach(letters, letters, Completions(automaton), None, explored.stopped or stopped)
+        return _known(transition, explored, merging, explored.automaton)
 
     def weighed(self, length: int, weights: Weights, budget: Budget) -> Reach:
         """Return the same with a whole number on each edge: its weight, scaled up by one factor for all."""
@@ -94,10 +99,7 @@ class Explorer:
         transition = self.transition(weights)
         explored, merging = self._explored(transition, length, budget, weights)
         automaton = weigh(explored.automaton, explored.labels, transition, weights)
-        if merging is None or explored.renamings is None:
-            return Reach(Completions(automaton), None, explored.stopped)
-        merged = Merged(explored.automaton, explored.renamings, merging.actions, automaton.weights)
-        return Reach(Completions(merged.automaton), merged, explored.stopped)
+        return _known(transition, explored, merging, automaton)
 
     def _explored(
         self, transition: Transition, length: int, budget: Budget, weights: Weights
@@ -129,6 +131,16 @@ class Explorer:
             return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
 
         return watch
+
+
+def _known(transition: Transition, explored: Explored, merging: Merging | None, automaton: Automaton) -> Reach:
+    """Return what was explored, with the weights of `automaton`."""
+    letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
+    if merging is None or explored.renamings is None:
+        return Reach(letters, names, Completions(automaton), None, explored.stopped)
+    base = explored.automaton
+    merged = Merged(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
+    return Reach.of_merged(letters, names, merged, explored.stopped)
 
 
 def equal_groups(groups: Groups, weights: Weights) -> list[tuple[clingo.Symbol, ...]]:

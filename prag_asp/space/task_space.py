@@ -17,6 +17,7 @@ from prag_asp.logic.program import action_name
 from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
 from prag_asp.space.engines.protocol import Progress
+from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
 from prag_asp.space.ranks import distinct_ranks
@@ -30,15 +31,24 @@ Prefix = Sequence[str | Atom]
 class TaskSpace:
     """All tasks of a domain with a given number of actions: counted, enumerated, tested and drawn exactly.
 
-    `engine` is ``automaton``, ``clingo`` or ``auto``. There is no ``len()``: counts outgrow it.
+    `engine` is ``automaton``, ``clingo`` or ``auto``; `limits` say what each question may take. There is no
+    ``len()``: counts outgrow it.
 
     Raises:
         QueryError: the length is negative, or there is no such engine.
         EngineError: the engine asked for cannot express the domain; it is raised by the first question.
     """
 
-    def __init__(self, domain: Domain, length: int, *, engine: str = "auto", progress: Progress | None = None) -> None:
-        self._shared = _Shared(Model(domain), engine, progress)
+    def __init__(
+        self,
+        domain: Domain,
+        length: int,
+        *,
+        engine: str = "auto",
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+    ) -> None:
+        self._shared = _Shared(Model(domain), engine, progress, limits)
         self.domain = domain
         self.length = _checked(length)
 
@@ -56,6 +66,7 @@ class TaskSpace:
 
         Raises:
             QueryError: no such level, or the prefix names no action of the domain.
+            LimitReached: a limit ended the count; the error has the number that was found until then.
         """
         return self._engine(by).count(self.length, self._prefix(by, prefix))
 
@@ -192,11 +203,12 @@ class _Shared:
     model: Model
     engine: str
     progress: Progress | None
+    limits: Limits
     engines: dict[Level, Engine] = field(default_factory=dict)
 
     def engine_for(self, by: Level) -> Engine:
         if by not in self.engines:
-            self.engines[by] = select(self.engine, self.model, by, self.progress)
+            self.engines[by] = select(self.engine, self.model, by, self.progress, self.limits)
         return self.engines[by]
 
     @cached_property

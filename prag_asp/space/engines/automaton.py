@@ -6,15 +6,18 @@ import random
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
+from time import monotonic
 
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
+from prag_asp.logic.transition import Transition
 from prag_asp.space.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
 from prag_asp.space.limits import UNLIMITED, Budget, Limits
 from prag_asp.space.merged import MergedRanking, accepts_merged, count_merged, merged_words
 from prag_asp.space.reach import Explorer, Reach
+from prag_asp.space.stored import WORTH_KEEPING, shelf_for
 from prag_asp.space.weights import Weights
 
 
@@ -40,17 +43,33 @@ class AutomatonEngine:
         self._level = level
         self._limits = limits
         self._explorer = Explorer(model, level, progress, merge)
-        self._reached: Reach | None = None
+        self._shelf = shelf_for(model.domain, level, merge) if limits.cached else None
+        self._reached: Reach | None = self._shelf.read() if self._shelf else None
         self._ranked: tuple[int, Weights, Ranking | MergedRanking] | None = None
-        self._transition = self._explorer.transition()
+        begun = monotonic()
+        if self._reached is None:
+            self._transition  # noqa: B018  what cannot be expressed is told at once
+        self._prepared = monotonic() - begun
+
+    @cached_property
+    def _transition(self) -> Transition:
+        return self._explorer.transition()
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
         """The texts of the letters, in their order."""
-        actions = self._transition.actions
+        if self._reached is not None:
+            return self._reached.letters
         if self._level == "skeleton":
-            return tuple(sorted({action_name(action) for action in actions}))
-        return tuple(map(str, actions))
+            return tuple(sorted(set(self._names)))
+        return tuple(map(str, self._transition.actions))
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        """The name of the action of each letter."""
+        if self._reached is not None:
+            return self._reached.names
+        return tuple(map(action_name, self._transition.actions))
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
@@ -119,8 +138,7 @@ class AutomatonEngine:
     def _matching(self, text: str) -> frozenset[int]:
         if self._level == "skeleton" or text in self._numbers:
             return frozenset({self._numbers[text]} if text in self._numbers else ())
-        names = enumerate(map(action_name, self._transition.actions))
-        return frozenset(number for number, name in names if name == text)
+        return frozenset(number for number, name in enumerate(self._names) if name == text)
 
     def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
         sets = self._sets(prefix)
@@ -132,9 +150,12 @@ class AutomatonEngine:
         """Return what is reached within a length, and keep it where no limit ended it."""
         if self._reached is not None and self._reached.covers(length):
             return self._reached
+        begun = monotonic()
         found = self._explorer.reach(self._transition, length, budget)
         if found.covers(length):
             self._reached = found
+            if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:
+                self._shelf.write(found)
         return found
 
     def explored(self, length: int) -> Reach:

@@ -13,11 +13,12 @@ import clingo
 
 from prag_asp.domain.grounding import Grounder
 from prag_asp.domain.sources import Program
-from prag_asp.errors import QueryError
+from prag_asp.errors import LimitReached, QueryError
 from prag_asp.logic.ground import unrolled
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
+from prag_asp.space.limits import UNLIMITED, Budget, Limits
 from prag_asp.space.weights import Weights, refuse_unequal
 
 POLL = 0.2
@@ -27,8 +28,11 @@ POLL = 0.2
 class ClingoEngine:
     """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
 
-    def __init__(self, model: Model, level: Level, progress: Progress | None = None) -> None:
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
         self._model = model
+        self._limits = limits
         self._level = level
         self._progress = progress
         self._unrolled: tuple[int, _Unrolled] | None = None
@@ -37,12 +41,26 @@ class ClingoEngine:
         self._letters = self._names if level == "skeleton" else [str(action) for action in actions]
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length, by enumerating them all."""
+        """Return the number of words of a length, by enumerating them all.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
         if self._progress:
             self._progress(f"enumerating answer sets for length {length}")
         plans = self._plans(length)
         assumptions = plans.assume(prefix)
-        return 0 if assumptions is None else plans.count(assumptions)
+        if assumptions is None:
+            return 0
+        found, stopped = plans.count(assumptions, budget)
+        if stopped:
+            raise LimitReached(
+                f"{stopped} was reached: there are at least {found} {self._level}s of length {length}; allow more, or "
+                "ask for shorter ones",
+                found,
+            )
+        return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily: by one search for each way to go on."""
@@ -140,19 +158,26 @@ class _Unrolled:
         self._limit(1)
         return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
 
-    def count(self, assumptions: Sequence[int]) -> int:
-        """Return the number of projected answer sets that satisfy the literals."""
+    def count(self, assumptions: Sequence[int], budget: Budget) -> tuple[int, str | None]:
+        """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
+
+        Those found until then are counted.
+        """
         self._limit(0)
+        stopped = None
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    pass
+                    stopped = budget.spent()
+                    if stopped:
+                        handle.cancel()
+                        break
             except BaseException:
                 handle.cancel()
                 raise
             handle.get()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
-        return int(self._control.statistics["summary"]["models"]["enumerated"])
+        return int(self._control.statistics["summary"]["models"]["enumerated"]), stopped
 
     def _limit(self, models: int) -> None:
         solving = self._control.configuration.solve

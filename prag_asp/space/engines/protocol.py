@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Literal, Protocol
 
 from prag_asp.logic.model import Model
+from prag_asp.space.limits import Limits
 from prag_asp.space.weights import Weights
 
 Level = Literal["plan", "task", "skeleton"]
@@ -65,4 +66,4 @@ class Engine(Protocol):
 Progress = Callable[[str], None]
 """Told in a few words how far a long computation is."""
 
-MakeEngine = Callable[[Model, Level, "Progress | None"], Engine]
+MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
