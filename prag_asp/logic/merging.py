@@ -31,6 +31,7 @@ from prag_asp.logic.packed import WORD, Rows, mask_of
 from prag_asp.logic.patterns import NOBODY, Patterns, read_patterns
 from prag_asp.logic.program import mentioned_entities
 from prag_asp.logic.transition import Transition
+from prag_asp.logic.twins import Twins
 
 Orders = NDArray[np.int64]
 """Entities in a new order: place j of row i is taken by entity ``orders[i, j]``; shape (rows, entities)."""
@@ -52,7 +53,7 @@ class Merging:
     `groups` are the entities that may be permuted; they are numbered through all groups, each of which begins at its
     place of `starts`. `variables` and `actions` are the patterns of the variables that renaming moves, whose numbers
     are `moved`, and of all actions. `guards` has for each entity the variable that is true once it may be renamed,
-    `ALWAYS` or `NEVER`.
+    `ALWAYS` or `NEVER`, and `before` the entity that has to be named before it, or itself.
     """
 
     groups: tuple[tuple[clingo.Symbol, ...], ...]
@@ -62,6 +63,7 @@ class Merging:
     moved: NDArray[np.int64]
     initial: Rows
     guards: tuple[int, ...]
+    before: tuple[int, ...]
 
     @property
     def size(self) -> int:
@@ -105,6 +107,32 @@ class Merging:
             found.append(self._alike(bits, keys, np.broadcast_to(np.arange(self.size), keys.shape))[0])
         return np.concatenate(found)
 
+    def free(self, states: Rows) -> NDArray[np.bool_]:
+        """Return which entities may be renamed in which states, shape (states, entities)."""
+        free = np.ones((len(states), self.size), dtype=np.bool_)
+        for entity, guard in enumerate(self.guards):
+            if guard != ALWAYS:
+                word, shift = divmod(max(guard, 0), WORD)
+                free[:, entity] = (guard != NEVER) & ((states[:, word] >> np.uint64(shift)) & np.uint64(1) == 1)
+        return free
+
+    def wanted(self, states: Rows, twins: Twins) -> NDArray[np.bool_]:
+        """Return which actions have to be tried in which states, shape (states, actions).
+
+        Of renamings by twins one is tried, and none that names an entity before its turn.
+        """
+        wanted = twins.wanted()
+        if all(guard == ALWAYS for guard in self.guards):
+            return wanted
+        free, before = self.free(states), np.array(self.before)
+        entities = self.actions.entities
+        for place, entity in enumerate(entities.T):
+            named = np.flatnonzero(entity >= 0)
+            turn = before[entity[named]]
+            led = (entities[named, :place] == turn[:, None]).any(axis=1) | (turn == entity[named])
+            wanted[:, named] &= led | free[:, entity[named]] | free[:, turn]
+        return wanted
+
     def _orders(self, states: Rows) -> Orders:
         orders = np.empty((len(states), self.size), dtype=np.int64)
         waiting = np.arange(len(states))
@@ -136,13 +164,8 @@ class Merging:
         bit, place = np.nonzero(entities >= 0)
         touched[bits.state[bits.related[bit]], entities[bit, place]] = True
         keys[~touched] = UNTOUCHED
-        for entity, guard in enumerate(self.guards):
-            if guard != ALWAYS:
-                fixed = np.full(len(states), True)
-                if guard != NEVER:
-                    word, shift = divmod(guard, WORD)
-                    fixed = (states[:, word] >> np.uint64(shift)) & np.uint64(1) == 0
-                keys[fixed, entity] = FIXED | np.uint64(entity)
+        state, entity = np.nonzero(~self.free(states))
+        keys[state, entity] = FIXED | entity.astype(np.uint64)
         return bits, keys
 
     def _sorted(self, keys: Colours) -> Orders:
@@ -208,7 +231,17 @@ def find_merging(
         for group in permuted
         for entity in group
     )
-    return Merging(permuted, starts, variables, actions, np.array(moved, dtype=np.int64), transition.initial[0], guards)
+    numbers = {entity: place for place, entity in enumerate(entity for group in permuted for entity in group)}
+    return Merging(
+        permuted,
+        starts,
+        variables,
+        actions,
+        np.array(moved, dtype=np.int64),
+        transition.initial[0],
+        guards,
+        tuple(numbers.get(before.get(entity, entity), place) for entity, place in numbers.items()),
+    )
 
 
 def _is_mention(symbol: clingo.Symbol, ordered: set[clingo.Symbol]) -> bool:

@@ -89,13 +89,15 @@ class _Atoms:
 
     def body(self, rule: Rule) -> SpelledBody:
         """Return the body of a rule in numbers, each literal once."""
-        weights = rule.weights or (1,) * len(rule.body)
+        if not rule.weights:
+            plain = frozenset((self.number(abs(literal)), int(literal < 0), 1) for literal in rule.body)
+            return rule.choice, len(plain), plain
         counted: dict[tuple[int, int], int] = {}
-        for literal, weight in zip(rule.body, weights, strict=True):
+        for literal, weight in zip(rule.body, rule.weights, strict=True):
             key = (self.number(abs(literal)), int(literal < 0))
             counted[key] = counted.get(key, 0) + weight
         literals = frozenset((atom, sign, weight) for (atom, sign), weight in counted.items())
-        return rule.choice, rule.bound if rule.weights else len(rule.body), literals
+        return rule.choice, rule.bound, literals
 
     def swap(self, first: int, second: int) -> NDArray[np.int64]:
         """Return the number of each atom under the swap of two entities, `MISSING` where there is no such atom."""

@@ -22,9 +22,6 @@ from prag_asp.logic.packed import Rows, bit, pack, unpack
 from prag_asp.logic.step_rules import StepRules
 from prag_asp.logic.strata import Column, Stratum, body_column, evaluate, stratify
 
-Wanted = Callable[[int], NDArray[np.bool_] | None]
-"""For the number of an action, in which states it is wanted, or None for all."""
-
 
 @dataclass(frozen=True)
 class Successors:
@@ -104,14 +101,15 @@ class Transition:
             broken |= body_column(body, read, size)
         return ~broken
 
-    def expand(self, states: Rows, wanted: Wanted | None = None) -> Iterator[Successors]:
-        """Yield what each action makes of a frontier, in the order of `actions`; of none where it is forbidden."""
+    def expand(self, states: Rows, wanted: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
+        """Yield what each action makes of a frontier, in the order of `actions`; of none where it is forbidden.
+
+        `wanted` says which actions are asked for in which states, shape (states, actions); without it, all are.
+        """
         before = _Before.evaluated(self._rules, self._columns(states, self.step.ground.before), len(states))
-        for letter in range(len(self.actions)):
-            asked = wanted(letter) if wanted else None
-            if asked is not None and not asked.any():
-                continue
-            sources = _unguarded(self.move(letter), before, asked)
+        asked = range(len(self.actions)) if wanted is None else np.flatnonzero(wanted.any(axis=0)).tolist()
+        for letter in asked:
+            sources = _unguarded(self.move(letter), before, None if wanted is None else wanted[:, letter])
             if len(sources):
                 yield _apply(self.move(letter), letter, before, sources)
 

@@ -32,19 +32,26 @@ class Twins:
         np.add.at(count, (np.arange(len(first))[:, None], first), 1)
         return cls(actions, first, places - first, np.take_along_axis(count, first, axis=1))
 
-    def wanted(self, letter: int) -> NDArray[np.bool_] | None:
-        """Return in which states an action stands for its renamings by twins: the entities it names come in order."""
-        result: NDArray[np.bool_] | None = None
-        for entity, before in self._named(letter):
-            rank = self.rank[:, entity] == self._earlier(entity, before, slice(None))
-            result = rank if result is None else result & rank
+    def wanted(self) -> NDArray[np.bool_]:
+        """Return which actions stand for their renamings by twins in which states, shape (states, actions).
+
+        These are the actions that name the entities of each class in their order.
+        """
+        entities = self.actions.entities
+        result = np.ones((len(self.first), len(entities)), dtype=np.bool_)
+        for place, entity in enumerate(entities.T):
+            named = np.flatnonzero(entity >= 0)
+            due = self._twins_before(entities[named], place, slice(None))
+            result[:, named] &= self.rank[:, entity[named]] == due
         return result
 
     def multiplicity(self, letter: int, states: NDArray[np.intp]) -> NDArray[np.int64]:
         """Return how many renamings by twins an action has in each of some states."""
+        entities = self.actions.entities[letter : letter + 1]
         result = np.ones(len(states), dtype=np.int64)
-        for entity, before in self._named(letter):
-            result *= self.count[states, entity] - self._earlier(entity, before, states)
+        for place in range(int(self.actions.arity[letter])):
+            before = self._twins_before(entities, place, states)
+            result *= (self.count[states][:, entities[:, place]] - before)[:, 0]
         return result
 
     def members(self, entity: int) -> range:
@@ -52,14 +59,15 @@ class Twins:
         first = int(self.first[0, entity])
         return range(first, first + int(self.count[0, entity]))
 
-    def _named(self, letter: int) -> list[tuple[int, list[int]]]:
-        """Return the entities that an action names, each with the ones that it names before."""
-        named = self.actions.entities[letter, : self.actions.arity[letter]].tolist()
-        return [(entity, named[:place]) for place, entity in enumerate(named)]
+    def _twins_before(
+        self, entities: NDArray[np.int64], place: int, states: NDArray[np.intp] | slice
+    ) -> NDArray[np.int64]:
+        """Return how many of the entities that actions name before a place are twins of the one that they name there.
 
-    def _earlier(self, entity: int, before: list[int], states: NDArray[np.intp] | slice) -> NDArray[np.int64]:
-        """Return how many of the entities `before` are twins of an entity."""
-        found = np.zeros(len(self.first[states]), dtype=np.int64)
-        for other in before:
-            found += self.first[states, other] == self.first[states, entity]
+        `entities` has shape (actions, most named), the result (states, actions).
+        """
+        first = self.first[states]
+        found = np.zeros((len(first), len(entities)), dtype=np.int64)
+        for earlier in range(place):
+            found += first[:, entities[:, earlier]] == first[:, entities[:, place]]
         return found

@@ -124,7 +124,8 @@ class _Search:
         if not expanding:
             self._degrees.append(np.zeros(len(rows), dtype=np.int64))
             return
-        found = list(self._transition.expand(rows, twins.wanted if twins else None))
+        wanted = self._merging.wanted(rows, twins) if self._merging and twins else None
+        found = list(self._transition.expand(rows, wanted))
         sources = np.concatenate([np.zeros(0, dtype=np.uint16), *(each.sources.astype(np.uint16) for each in found)])
         order = np.argsort(sources, kind="stable")
         self._degrees.append(np.bincount(sources, minlength=len(rows)))
@@ -133,7 +134,8 @@ class _Search:
             self._edges.append(edges)
             self._bytes += edges.nbytes
             self.edges += len(edges.letters)
-        room = ROOM // max(len(order) * rows.shape[1] * 8 // len(rows), 1)
+        taken = len(order) * rows.shape[1] * 8 // len(rows) + (len(self._transition.actions) if twins else 0)
+        room = ROOM // max(taken, 1)
         self.together = max(FEWEST, min(MOST, 4 * self.together, room))
 
     def _numbered(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
