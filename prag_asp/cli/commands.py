@@ -13,8 +13,8 @@ from prag_asp.cli.options import Asked, Weighing, asks
 from prag_asp.cli.split import split
 from prag_asp.cli.statistics import stats
 from prag_asp.cli.task import task
-from prag_asp.cli.terminal import FAILED, Command, progress, writer
-from prag_asp.errors import QueryError
+from prag_asp.cli.terminal import FAILED, LIMITED, Command, progress, writer
+from prag_asp.errors import LimitReached, QueryError
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""
@@ -74,17 +74,25 @@ def new(name: str) -> None:
 @options.prefix
 @click.option("--upto", is_flag=True, help="Print a table for the lengths 1 to N.")
 def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool) -> None:
-    """Print the exact number of tasks of length N."""
+    """Print the exact number of tasks of length N.
+
+    Where --memory or --time ends the count, prints "at least K" for the K that were found, and exits with code 3.
+    """
     first = _split(prefix)
-    with progress() as tell:
-        space = asked.space(tell)
-        if not upto:
-            click.echo(space.count(by, first))
-            return
-        width = max(len(str(asked.length)), len("length"))
-        click.echo(f"{'length':>{width}}  {by}s")
-        for length in range(1, asked.length + 1):
-            click.echo(f"{length:>{width}}  {space.at(length).count(by, first)}")
+    width = max(len(str(asked.length)), len("length")) if upto else 0
+    label = ""
+    try:
+        with progress() as tell:
+            space = asked.space(tell)
+            if upto:
+                click.echo(f"{'length':>{width}}  {by}s")
+            for length in range(1, asked.length + 1) if upto else (asked.length,):
+                label = f"{length:>{width}}  " if upto else ""
+                click.echo(f"{label}{space.at(length).count(by, first)}")
+    except LimitReached as limit:
+        click.echo(f"{label}at least {limit.at_least}")
+        click.echo(str(limit), err=True)
+        raise click.exceptions.Exit(LIMITED) from None
 
 
 @cli.command()

@@ -31,6 +31,9 @@ class Asked:
     length: int = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
+    memory: str | None = None
+    time: str | None = None
+    cached: bool = True
 
     def domain(self) -> Domain:
         """Load the domain."""
@@ -40,9 +43,16 @@ class Asked:
 
     def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
         """Return the task space, which tells its progress to `tell`."""
+        from prag_asp.space.limits import Limits, parse_memory, parse_time
         from prag_asp.space.task_space import TaskSpace
 
-        return TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell).where(*self.where)
+        limits = Limits(
+            parse_memory(self.memory) if self.memory else None,
+            parse_time(self.time) if self.time else None,
+            self.cached,
+        )
+        space = TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
+        return space.where(*self.where)
 
 
 DOMAIN = (
@@ -61,6 +71,11 @@ SPACE = (
     ),
     click.option(
         "--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton, clingo, sat or sharp."
+    ),
+    click.option("--memory", metavar="SIZE", help="Stop at this much memory, such as 4GB."),
+    click.option("--time", metavar="TIME", help="Stop exploring or counting after this long, such as 60s or 5m."),
+    click.option(
+        "--cache/--no-cache", "cached", default=True, help="Keep what took long for the next run.  [default: cache]"
     ),
 )
 

@@ -9,9 +9,9 @@ from typing import Any, TextIO
 
 import click
 
-from prag_asp.errors import OutputError, PragError
+from prag_asp.errors import LimitReached, OutputError, PragError
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+FAILED, BAD_INPUT, LIMITED, INTERRUPTED = 1, 2, 3, 130
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
 
@@ -46,6 +46,8 @@ def _end(error: BaseException) -> int:
         click.echo(f"{error.filename or 'output'}: {error.strerror or error}", err=True)
         return FAILED
     click.echo(str(error), err=True)
+    if isinstance(error, LimitReached):
+        return LIMITED
     return FAILED if isinstance(error, OutputError) else BAD_INPUT
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import clingo
 
 from prag_asp.domain.facts import Facts
 from prag_asp.domain.grounding import Grounder, Part
 from prag_asp.domain.sources import Program
-from prag_asp.logic.stationary import StepReads
+from prag_asp.logic.stationary import Signature, StepReads, locate_head
 
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""
+
+MOST_ROUNDS = 2000
+"""Steps after which a predicate that still takes new values is held to take them without end."""
+
+CONTRACT = {("holds", 3), ("occurs", 2)}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
 OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
@@ -54,20 +59,52 @@ class GroundStep:
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """Ground one step of a program for every state that it may start from.
 
-    Which atoms step t-1 may have is not known beforehand: the step is grounded again until it makes no new ones.
+    Which atoms step t-1 may have is not known beforehand: the step is grounded again until it makes no new ones. Where
+    it makes new ones without end, such as a counter without a bound, the result has an obstacle that says so.
 
     Raises:
         DomainError: clingo cannot ground the program.
     """
     seeds = _seeds(facts, reads)
-    initial: frozenset[clingo.Symbol] = frozenset()
-    while True:
-        ground = _ground_once(program, seeds, initial, facts, reads)
+    endless = _add_carried(seeds, program, reads)
+    for _ in range(MOST_ROUNDS):
+        ground = _ground_once(program, seeds, facts, reads)
         made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
-        if made | ground.initial <= seeds and ground.initial == initial:
-            return ground
-        seeds |= made | ground.initial
-        initial = ground.initial
+        new = (made | ground.initial) - seeds
+        if not new or endless:
+            break
+        seeds |= new
+    else:
+        endless = _signature(min(new))
+    if not endless:
+        return ground
+    where = locate_head(program, endless)
+    told = (
+        f"{where}: {endless[0]}/{endless[1]} takes new values at every step without end; add a condition that ends it"
+    )
+    return replace(ground, obstacles=(*ground.obstacles, told))
+
+
+def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) -> Signature | None:
+    """Add to `seeds` what steps may carry along, step by step; return the predicate that does not come to an end."""
+    carried = sorted(reads.previous - CONTRACT)
+    if not carried:
+        return None
+    grounder = Grounder(program)
+    grounder.ground([("base", [])])
+    atoms = grounder.control.symbolic_atoms
+    times = [START, *(clingo.Number(STEP + step) for step in range(MOST_ROUNDS))]
+    for step, time in enumerate(times):
+        if step == 1:
+            _declare(grounder, seeds, [])
+        if step:
+            grounder.ground([("step", [time])])
+        found = {a.symbol for each in carried for a in atoms.by_signature(*each) if a.symbol.arguments[-1] == time}
+        new = {timeless(symbol) for symbol in found} - seeds
+        if step and not new:
+            return None
+        seeds |= new
+    return _signature(min(new))
 
 
 def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
@@ -75,7 +112,7 @@ def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
     return clingo.Function(symbol.name, symbol.arguments[:-1])
 
 
-def _signature(symbol: clingo.Symbol) -> tuple[str, int]:
+def _signature(symbol: clingo.Symbol) -> Signature:
     return symbol.name, len(symbol.arguments) + 1
 
 
@@ -109,22 +146,30 @@ class _Recorder(clingo.Observer):
         self.obstacles.append("the program uses a theory")
 
 
-def _ground_once(
-    program: Program, seeds: set[clingo.Symbol], initial: frozenset[clingo.Symbol], facts: Facts, reads: StepReads
-) -> GroundStep:
+def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads) -> GroundStep:
     grounder, recorder = _start(program)
     recorder.part = "before"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
     told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
     # The check of a plan without a step reads the start, which may have atoms that no step makes.
-    started = [clingo.Function(s.name, [*s.arguments, NOW]) for s in sorted(initial)]
-    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told, *started]
-    grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
-    grounder.ground([("before", [])])
+    atoms = grounder.control.symbolic_atoms
+    carried = sorted((reads.timed | reads.previous) - CONTRACT)
+    stated = (
+        timeless(a.symbol) for each in carried for a in atoms.by_signature(*each) if a.symbol.arguments[-1] == START
+    )
+    started = [clingo.Function(symbol.name, [*symbol.arguments, NOW]) for symbol in sorted(stated)]
+    _declare(grounder, seeds, [*told, *started])
     for part in ("step", "hindsight", "check", "ending"):
         recorder.part = part
         grounder.ground([(part, [NOW])])
     return _recorded(grounder, recorder, reads)
+
+
+def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:
+    """Leave open what step t-1 may have, and the atoms `told`."""
+    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told]
+    grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
+    grounder.ground([("before", [])])
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
@@ -161,15 +206,16 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
     atoms = grounder.control.symbolic_atoms
     signatures = sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)})
     for atom in (atom for signature in signatures for atom in atoms.by_signature(*signature)):
-        time = atom.symbol.arguments[-1]
+        symbol = atom.symbol
+        *arguments, time = symbol.arguments
         if time == START:
-            initial.add(timeless(atom.symbol))
+            initial.add(clingo.Function(symbol.name, arguments))
             if not atom.is_fact:
-                obstacles.append(f"{atom.symbol} depends on a choice: plans do not begin in one state")
+                obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
             continue
-        names[atom.literal] = atom.symbol
+        names[atom.literal] = symbol
         if time in (NOW, BEFORE):
-            (now if time == NOW else before)[timeless(atom.symbol)] = atom.literal
+            (now if time == NOW else before)[clingo.Function(symbol.name, arguments)] = atom.literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
         obstacles.append("the base part makes a choice")
     return GroundStep(

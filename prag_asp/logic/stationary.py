@@ -59,6 +59,26 @@ def read_step(program: Program) -> StepReads:
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles))
 
 
+def locate_head(program: Program, signature: Signature) -> str:
+    """Return the file and the line of the first rule of a step that derives a predicate."""
+    found: list[int] = []
+    part = "base"
+
+    def collect(statement: AST) -> None:
+        nonlocal part
+        if statement.ast_type == ASTType.Program:
+            part = statement.name
+        elif statement.ast_type == ASTType.Rule and part == "step" and signature in heads(statement):
+            found.append(statement.location.begin.line)
+
+    def heads(rule: AST) -> set[Signature]:
+        return {_signature(atom) for atom in _heads(rule.head)}
+
+    parse_string(program.text, collect)
+    path, line = program.locate(found[0])
+    return f"{path}:{line}"
+
+
 def _obstacle(rule: AST, part: str, timed: set[Signature], previous: set[Signature]) -> str | None:
     for atom in _atoms(rule):
         signature, time = _signature(atom), _time(atom)

@@ -114,15 +114,25 @@ def evaluate(
 ) -> None:
     """Add the column of every atom of `strata` to `columns`; `column` reads these and the atoms given beforehand."""
     for stratum in strata:
+        if not stratum.recursive:
+            for atom in stratum.atoms:
+                columns[atom] = _any_body(bodies(atom), column, size)
+            continue
         for atom in stratum.atoms:
             columns[atom] = np.zeros(size, dtype=np.bool_)
         changed = True
         while changed:
             changed = False
             for atom in stratum.atoms:
-                value = columns[atom]
-                for body in bodies(atom):
-                    value = value | body_column(body, column, size)
-                if stratum.recursive and not np.array_equal(value, columns[atom]):
+                value = columns[atom] | _any_body(bodies(atom), column, size)
+                if not np.array_equal(value, columns[atom]):
                     changed = True
                 columns[atom] = value
+
+
+def _any_body(bodies: tuple[Body, ...], column: Callable[[int], Column], size: int) -> Column:
+    value: Column | None = None
+    for body in bodies:
+        found = body_column(body, column, size)
+        value = found if value is None else value | found
+    return np.zeros(size, dtype=np.bool_) if value is None else value

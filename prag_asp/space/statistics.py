@@ -60,7 +60,7 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
     Raises:
         QueryError: there is nothing to draw.
     """
-    weighed = weighed_words(engine, by, length, weights)
+    weighed = weighed_words(engine, by, length, weights, plain=True)
     letters = engine.letters
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     names = sorted(set(name_of))

@@ -25,6 +25,7 @@ from prag_asp.space.drawing.drawers import Drawer, Over
 from prag_asp.space.drawing.draws import drawn_words, log_probability, make_drawer
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
 from prag_asp.space.engines.protocol import Progress
+from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
 from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
@@ -44,15 +45,24 @@ Prefix = Sequence[str | Atom]
 class TaskSpace:
     """All tasks of a domain with a given number of actions: counted, enumerated, tested and drawn exactly.
 
-    `engine` is ``automaton``, ``clingo`` or ``auto``. There is no ``len()``: counts outgrow it.
+    `engine` is ``automaton``, ``clingo`` or ``auto``; `limits` say what each question may take. There is no
+    ``len()``: counts outgrow it.
 
     Raises:
         QueryError: the length is negative, or there is no such engine.
         EngineError: the engine asked for cannot express the domain; it is raised by the first question.
     """
 
-    def __init__(self, domain: Domain, length: int, *, engine: str = "auto", progress: Progress | None = None) -> None:
-        self._shared = _Shared(Model(domain), engine, progress)
+    def __init__(
+        self,
+        domain: Domain,
+        length: int,
+        *,
+        engine: str = "auto",
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+    ) -> None:
+        self._shared = _Shared(Model(domain), engine, progress, limits)
         self.domain = domain
         self.length = _checked(length)
         self.condition = Condition()
@@ -76,7 +86,8 @@ class TaskSpace:
             space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
         if space.condition != self.condition:
             domain = conditioned(self.domain, space.condition)
-            space._shared = _Shared(Model(domain), self._shared.engine, self._shared.progress)
+            shared = self._shared
+            space._shared = _Shared(Model(domain), shared.engine, shared.progress, shared.limits)
         return space
 
     def __repr__(self) -> str:
@@ -88,6 +99,7 @@ class TaskSpace:
 
         Raises:
             QueryError: no such level, or the prefix names no action of the domain.
+            LimitReached: a limit ended the count; the error has the number that was found until then.
         """
         first = self._prefix(by, prefix)
         key = (by, self.length, first)
@@ -352,13 +364,14 @@ class _Shared:
     model: Model
     engine: str
     progress: Progress | None
+    limits: Limits
     engines: dict[Level, Engine] = field(default_factory=dict)
     counts: dict[tuple[Level, int, tuple[str, ...]], int] = field(default_factory=dict)
     drawer: tuple[tuple[Any, ...], Drawer] | None = None
 
     def engine_for(self, by: Level) -> Engine:
         if by not in self.engines:
-            self.engines[by] = select(self.engine, self.model, by, self.progress)
+            self.engines[by] = select(self.engine, self.model, by, self.progress, self.limits)
         return self.engines[by]
 
     @cached_property

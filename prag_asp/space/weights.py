@@ -12,6 +12,7 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm, prod
+from typing import TYPE_CHECKING
 
 import clingo
 import numpy as np
@@ -23,6 +24,9 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name, mentioned_entities
 from prag_asp.space.automaton import Automaton, Completions
 from prag_asp.space.spelling import unknown
+
+if TYPE_CHECKING:
+    from prag_asp.space.merged import MergedRanking
 
 Number = int | Fraction | Decimal | str
 
@@ -175,11 +179,13 @@ class Weighed:
     """The words of a level as paths of an automaton: a word weighs the product of its edges, times `unit`.
 
     `goals` numbers what is known after an edge that is the last of a word, shape (edges,); None where nobody asked.
+    `ranking` tells the words apart where a path stands for several, and is None where each path is one word.
     """
 
     completions: Completions
     unit: Fraction = Fraction(1)
     goals: NDArray[np.int64] | None = None
+    ranking: MergedRanking | None = None
 
     @property
     def automaton(self) -> Automaton:

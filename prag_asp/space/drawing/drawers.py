@@ -16,6 +16,7 @@ from prag_asp.space.automaton import Automaton, Completions, positive
 from prag_asp.space.drawing.bits import Bits
 from prag_asp.space.drawing.paths import PathDrawer, chunks
 from prag_asp.space.drawing.table import exact_choice
+from prag_asp.space.merged import MergedRanking
 from prag_asp.space.skeletons import skeleton_automaton
 from prag_asp.space.weights import Weighed
 
@@ -55,6 +56,29 @@ class ByWeight:
         edges = self._paths.draw(bits, first, count)
         letters = _letters(self._automaton, edges)
         return Drawn(letters, _shares(self._automaton, edges, [self._total] * count) if tell else ())
+
+
+class ByWalk:
+    """Draws as `ByWeight`, the same words, where states were merged and a path stands for several words."""
+
+    def __init__(self, ranking: MergedRanking, length: int) -> None:
+        self._ranking = ranking
+        self._length = length
+
+    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+        """Return the draws from number `first` on."""
+        words, probabilities = [], []
+        for number in range(first, first + count):
+            drawn = bits.words(number, 1, self._length)[0].tolist()
+
+            def choose(step: int, running: Sequence[int], number: int = number, drawn: list[int] = drawn) -> int:
+                return exact_choice(running, drawn[step], partial(bits.further, number, step))
+
+            word, weight = self._ranking.walk(choose)
+            words.append(word)
+            probabilities.append(Fraction(weight, self._ranking.total))
+        letters = np.array(words, dtype=np.int32).reshape(count, self._length)
+        return Drawn(letters, probabilities if tell else ())
 
 
 class OverGoals:
@@ -124,7 +148,7 @@ class OverSkeletons:
         self._automaton = positive(weighed.automaton)
         self._length = length
         self._names = names
-        completions = Completions(skeleton_automaton(self._automaton, names))
+        completions = Completions(skeleton_automaton(self._automaton, names)[0])
         self._skeletons = PathDrawer(completions, length)
         self._skeleton_letters = completions.automaton.letters
         self._count = int(completions.row(length)[0])

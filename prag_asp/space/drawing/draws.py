@@ -13,7 +13,7 @@ from prag_asp.domain.facts import Facts
 from prag_asp.errors import QueryError
 from prag_asp.logic.program import action_name
 from prag_asp.space.drawing.bits import Bits
-from prag_asp.space.drawing.drawers import OVER, ByWeight, Drawer, Over, OverGoals, OverSkeletons
+from prag_asp.space.drawing.drawers import OVER, ByWalk, ByWeight, Drawer, Over, OverGoals, OverSkeletons
 from prag_asp.space.engines.protocol import Draw, Engine, Level
 from prag_asp.space.weights import Weighed, Weights
 
@@ -33,21 +33,25 @@ def make_drawer(
         raise QueryError(f"cannot draw over {over!r}; there are {', '.join(OVER)}")
     if over and by == "skeleton":
         raise QueryError(f"{over} are drawn first for tasks and plans alone; choose task or plan")
-    weighed = weighed_words(engine, by, length, weights, goals=over == "goals" and length > 0)
+    weighed = weighed_words(engine, by, length, weights, goals=over == "goals" and length > 0, plain=over is not None)
     if over == "skeletons":
         names = {str(action): action_name(action) for action in facts.actions}
         numbers = {name: number for number, name in enumerate(sorted(set(names.values())))}
         return OverSkeletons(weighed, length, np.array([numbers[names[letter]] for letter in engine.letters]))
-    return OverGoals(weighed, length) if over == "goals" and length else ByWeight(weighed, length)
+    if over == "goals" and length:
+        return OverGoals(weighed, length)
+    return ByWalk(weighed.ranking, length) if weighed.ranking else ByWeight(weighed, length)
 
 
-def weighed_words(engine: Engine, by: Level, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+def weighed_words(
+    engine: Engine, by: Level, length: int, weights: Weights, *, goals: bool = False, plain: bool = False
+) -> Weighed:
     """Return the words of a level and a length with their weights, as the engine does, if any weighs more than 0.
 
     Raises:
         QueryError: there is nothing to draw.
     """
-    weighed = engine.weighed(length, weights, goals=goals)
+    weighed = engine.weighed(length, weights, goals=goals, plain=plain)
     if not weighed.total(length):
         count = engine.count(length)
         why = f": all {count} weigh 0; raise a weight that is 0" if count else ""

@@ -13,6 +13,7 @@ from prag_asp.logic.ground import unrolled
 from prag_asp.logic.model import Model
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
 from prag_asp.space.weights import Weighed, Weights
 
 POLL = 0.2
@@ -22,20 +23,33 @@ POLL = 0.2
 class ClingoEngine:
     """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
 
-    def __init__(self, model: Model, level: Level, progress: Progress | None = None) -> None:
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
         self._model = model
+        self._limits = limits
         self._level = level
         self._progress = progress
         self._unrolled: tuple[int, _Unrolled] | None = None
         self.letters = all_letters(model, level)
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length, by enumerating them all."""
+        """Return the number of words of a length, by enumerating them all.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
         if self._progress:
             self._progress(f"enumerating answer sets for length {length}")
         plans = self._plans(length)
         assumptions = plans.assume(prefix)
-        return 0 if assumptions is None else plans.count(assumptions)
+        if assumptions is None:
+            return 0
+        found, stopped = plans.count(assumptions, budget)
+        if stopped:
+            raise stopped_at(stopped, found, self._level, length)
+        return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily: by one search for each way to go on."""
@@ -73,7 +87,7 @@ class ClingoEngine:
         """Return the rank of a word among those of its length, or None where it is no word."""
         return next((rank for rank, each in enumerate(self.words(len(word))) if each == word), None)
 
-    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by enumerating them all."""
         return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
@@ -122,19 +136,26 @@ class _Unrolled:
         self._limit(1)
         return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
 
-    def count(self, assumptions: Sequence[int]) -> int:
-        """Return the number of projected answer sets that satisfy the literals."""
+    def count(self, assumptions: Sequence[int], budget: Budget) -> tuple[int, str | None]:
+        """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
+
+        Those found until then are counted.
+        """
         self._limit(0)
+        stopped = None
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    pass
+                    stopped = budget.spent()
+                    if stopped:
+                        handle.cancel()
+                        break
             except BaseException:
                 handle.cancel()
                 raise
             handle.get()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
-        return int(self._control.statistics["summary"]["models"]["enumerated"])
+        return int(self._control.statistics["summary"]["models"]["enumerated"]), stopped
 
     def _limit(self, models: int) -> None:
         solving = self._control.configuration.solve

@@ -9,6 +9,7 @@ from typing import Literal, Protocol
 
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
+from prag_asp.space.limits import Limits
 from prag_asp.space.weights import Weighed, Weights
 
 Level = Literal["plan", "task", "skeleton"]
@@ -58,8 +59,10 @@ class Engine(Protocol):
         """The texts of the letters, in their order."""
         ...
 
-    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights; with `goals`, also what is known after each.
+
+        With `plain` (or `goals`), each path is one word; otherwise it may stand for several.
 
         Raises:
             QueryError: the weights tell interchangeable entities apart, or skeletons are weighed.
@@ -70,7 +73,7 @@ class Engine(Protocol):
 Progress = Callable[[str], None]
 """Told in a few words how far a long computation is."""
 
-MakeEngine = Callable[[Model, Level, "Progress | None"], Engine]
+MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
 
 
 def all_letters(model: Model, level: Level) -> Letters:

@@ -11,6 +11,7 @@ from prag_asp.logic.solver import Solver
 from prag_asp.space.engines.formula import WordFormula, word_formula
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
+from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
 from prag_asp.space.weights import Weighed, Weights
 
 REPORTED = 1000
@@ -24,20 +25,31 @@ class SatEngine:
         EngineError: by each question, where the program has no counterpart in clauses.
     """
 
-    def __init__(self, model: Model, level: Level, progress: Progress | None = None) -> None:
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
         self._model = model
+        self._limits = limits
         self._level = level
         self._progress = progress
         self._search: _Search | None = None
         self.letters = all_letters(model, level)
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length, by finding them one by one and forbidding each."""
+        """Return the number of words of a length, by finding them one by one and forbidding each.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
         found = 0
         for _ in self._all(length, prefix):
             found += 1
             if self._progress and found % REPORTED == 0:
                 self._progress(f"{found:,} {self._level}s found")
+            stopped = budget.spent()
+            if stopped:
+                raise stopped_at(stopped, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -63,7 +75,7 @@ class SatEngine:
             return None
         return next(rank for rank, each in enumerate(self.words(len(word))) if each == word)
 
-    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by finding them all."""
         return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 

@@ -9,13 +9,14 @@ from prag_asp.logic.counter import count_models, require_ganak
 from prag_asp.logic.model import Model
 from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.engines.sat import SatEngine
+from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.weights import Weighed, Weights
 
 
 class SharpEngine:
     """Answers for one domain at one level by counting the models of a formula.
 
-    `seconds` limits each count. Words are found as by the engine sat; ranks and draws count the words under prefixes.
+    The limit of time is one for each count. Words are found as by the engine sat; ranks count the words under prefixes.
 
     Raises:
         EngineError: the model counter is not installed; by each question, where the program has no counterpart in
@@ -23,12 +24,12 @@ class SharpEngine:
     """
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, seconds: float | None = None
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         require_ganak()
         self._progress = progress
         self._level = level
-        self._seconds = seconds
+        self._seconds = limits.seconds
         self._sat = SatEngine(model, level)
         self._totals: dict[int, int] = {}
 
@@ -87,6 +88,6 @@ class SharpEngine:
         """The texts of the letters, in their order."""
         return self._sat.letters
 
-    def weighed(self, length: int, weights: Weights, *, goals: bool = False) -> Weighed:
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by finding them all: the counter's weights are not exact."""
         return self._sat.weighed(length, weights, goals=goals)
