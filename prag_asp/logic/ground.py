@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,9 +16,7 @@ from prag_asp.logic.stationary import Signature, StepReads, locate_head
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""
 
-MOST_ROUNDS = 2000
-"""Steps after which a predicate that still takes new values is held to take them without end."""
-
+FEWEST_ROUNDS = 100
 CONTRACT = {("holds", 3), ("occurs", 2)}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
@@ -67,7 +66,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """
     seeds = _seeds(facts, reads)
     endless = _add_carried(seeds, program, reads)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(_most_rounds(program)):
         ground = _ground_once(program, seeds, facts, reads)
         made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
         new = (made | ground.initial) - seeds
@@ -85,6 +84,15 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     return replace(ground, obstacles=(*ground.obstacles, told))
 
 
+def _most_rounds(program: Program) -> int:
+    """Return after how many steps a predicate that still takes new values is held to take them without end.
+
+    A counter that ends does so at a number that the program names, or a few times as large.
+    """
+    numbers = (int(digits) for digits in re.findall(r"(?<!\d)\d{1,4}(?!\d)", program.text))
+    return FEWEST_ROUNDS + 2 * max(numbers, default=0)
+
+
 def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) -> Signature | None:
     """Add to `seeds` what steps may carry along, step by step; return the predicate that does not come to an end."""
     carried = sorted(reads.previous - CONTRACT)
@@ -93,7 +101,7 @@ def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) 
     grounder = Grounder(program)
     grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
-    times = [START, *(clingo.Number(STEP + step) for step in range(MOST_ROUNDS))]
+    times = [START, *(clingo.Number(STEP + step) for step in range(_most_rounds(program)))]
     for step, time in enumerate(times):
         if step == 1:
             _declare(grounder, seeds, [])
@@ -150,19 +158,20 @@ def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, read
     grounder, recorder = _start(program)
     recorder.part = "before"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
-    told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
-    # The check of a plan without a step reads the start, which may have atoms that no step makes.
-    atoms = grounder.control.symbolic_atoms
-    carried = sorted((reads.timed | reads.previous) - CONTRACT)
-    stated = (
-        timeless(a.symbol) for each in carried for a in atoms.by_signature(*each) if a.symbol.arguments[-1] == START
+    _declare(
+        grounder, seeds, [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
     )
-    started = [clingo.Function(symbol.name, [*symbol.arguments, NOW]) for symbol in sorted(stated)]
-    _declare(grounder, seeds, [*told, *started])
     for part in ("step", "hindsight", "check", "ending"):
         recorder.part = part
         grounder.ground([(part, [NOW])])
     return _recorded(grounder, recorder, reads)
+
+
+def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
+    """Return the atoms of the start, without their time."""
+    atoms = grounder.control.symbolic_atoms
+    found = (atom.symbol for signature in reads.timed | reads.previous for atom in atoms.by_signature(*signature))
+    return {timeless(symbol) for symbol in found if symbol.arguments[-1] == START}
 
 
 def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:
