@@ -158,9 +158,10 @@ def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, read
     grounder, recorder = _start(program)
     recorder.part = "before"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
-    _declare(
-        grounder, seeds, [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
-    )
+    told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
+    # The check of a plan without a step reads the start, which may have atoms that no step makes.
+    started = [clingo.Function(s.name, [*s.arguments, NOW]) for s in sorted(_initial(grounder, reads))]
+    _declare(grounder, seeds, [*told, *started])
     for part in ("step", "hindsight", "check", "ending"):
         recorder.part = part
         grounder.ground([(part, [NOW])])

@@ -96,3 +96,13 @@ def test_progress_says_why_clingo_took_over() -> None:
     told: list[str] = []
     TaskSpace(domain_of(TWO + BEYOND[1][0]), 2, progress=told.append).count("plan")
     assert any("because" in words and "number of the step" in words for words in told)
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
+def test_an_action_without_arguments_is_told_from_a_name(engine: str) -> None:
+    """The action a can never occur; a is also the name of an action that can."""
+    domain = domain_of("fluent(f). action(a). action(a(1)). precondition(a,f,true). initially(f,false).")
+    space = TaskSpace(domain, 2, engine=engine)
+    assert list(space.words("plan")) == [("a(1)", "a(1)")]
+    assert ("a", "a(1)") not in space
+    assert space.count("skeleton", ["a"]) == 1

@@ -68,7 +68,7 @@ def test_ranks_are_the_same_where_memory_holds_few_rows(monkeypatch: pytest.Monk
     task = spaces[0][rank]
     drawn = spaces[0].draw_array(300, seed=1)
     monkeypatch.setattr(automaton, "KEPT_BYTES", 3000)
-    completions = spaces[1]._engine("task")._completions(60)  # type: ignore[attr-defined]
+    completions = spaces[1]._engine("task").explored(60).completions  # type: ignore[attr-defined]
     assert spaces[1][rank] == task and spaces[1].index(task) == rank
     assert (spaces[1].draw_array(300, seed=1) == drawn).all()
     assert 1 < len(completions._kept) < 10

@@ -54,30 +54,32 @@ class ClingoEngine:
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily: by one search for each way to go on."""
         plans = self._plans(length)
-        word: list[str] = []
 
-        def below() -> Iterator[Letters]:
-            assumptions = plans.assume((*word, *prefix[len(word) :]))
-            if assumptions is None or not plans.satisfiable(assumptions):
-                return
-            if len(word) == length:
-                yield tuple(word)
-                return
+        def onward(word: Letters) -> Iterator[Letters]:
+            step = len(word)
             for letter in self.letters:
-                word.append(letter)
-                if self._fits(letter, prefix[len(word) - 1 : len(word)]):
-                    yield from below()
-                word.pop()
+                longer = (*word, letter)
+                if self._fits(letter, prefix[step : step + 1]) and plans.possible((*longer, *prefix[step + 1 :])):
+                    yield longer
 
-        return below()
+        if length == 0:
+            yield from [()] if plans.possible(prefix) else []
+            return
+        waiting = [onward(())]
+        while waiting:
+            word = next(waiting[-1], None)
+            if word is None:
+                waiting.pop()
+            elif len(word) == length:
+                yield word
+            else:
+                waiting.append(onward(word))
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
         if not all(letter in self.letters for letter in word):
             return False
-        plans = self._plans(len(word))
-        assumptions = plans.assume(word)
-        return assumptions is not None and plans.satisfiable(assumptions)
+        return self._plans(len(word)).possible(word)
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1, by enumerating the words before it."""
@@ -92,20 +94,24 @@ class ClingoEngine:
         return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def _fits(self, letter: str, wanted: Letters) -> bool:
-        return not wanted or wanted[0] in (letter, letter.partition("(")[0])
+        if not wanted or wanted[0] == letter:
+            return True
+        return wanted[0] not in self.letters and letter.partition("(")[0] == wanted[0]
 
     def _plans(self, length: int) -> _Unrolled:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
-            self._unrolled = (length, _Unrolled(program, length, self._level))
+            self._unrolled = (length, _Unrolled(program, length, self._level, self.letters))
         return self._unrolled[1]
 
 
 class _Unrolled:
     """The ground program of all plans of one length."""
 
-    def __init__(self, program: Program, length: int, level: Level) -> None:
-        projected = "named(N,t) : named(N,t)" if level == "skeleton" else "occurs(A,t) : occurs(A,t)"
+    def __init__(self, program: Program, length: int, level: Level, letters: Letters) -> None:
+        self._shown = "named" if level == "skeleton" else "occurs"
+        self._letters = frozenset(letters)
+        projected = f"{self._shown}(X,t) : {self._shown}(X,t)"
         grounder = Grounder(program, "0", "--project=project", "--stats")
         self._control = grounder.control
         self._control.add("step", ["t"], f"#project {projected}.")
@@ -119,7 +125,7 @@ class _Unrolled:
             return None
         found = []
         for step, letter in enumerate(letters, 1):
-            predicate = "named" if "(" not in letter and self._is_name(letter, step) else "occurs"
+            predicate = self._shown if letter in self._letters else "named"
             symbol = clingo.Function(predicate, [clingo.parse_term(letter), clingo.Number(step)])
             atom = self._control.symbolic_atoms[symbol]
             if atom is None:
@@ -127,9 +133,10 @@ class _Unrolled:
             found.append(atom.literal)
         return found
 
-    def _is_name(self, letter: str, step: int) -> bool:
-        symbol = clingo.Function("named", [clingo.parse_term(letter), clingo.Number(step)])
-        return self._control.symbolic_atoms[symbol] is not None
+    def possible(self, letters: Sequence[str]) -> bool:
+        """Return whether a word begins with `letters`."""
+        assumptions = self.assume(letters)
+        return assumptions is not None and self.satisfiable(assumptions)
 
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
