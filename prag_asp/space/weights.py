@@ -165,13 +165,13 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
     """Return the facts for ``rules/weights.lp``, and the atoms that then tell what an edge weighs."""
-    facts = [f"weighed({first},{second})." for first, second in sorted(weights.pairs)]
-    facts += [f"weighed({entity})." for entity in sorted(weights.entities)]
-    labels = [
-        clingo.Function("follows", [clingo.parse_term(first), clingo.parse_term(second)])
-        for first, second in sorted(weights.pairs)
+    pairs = [
+        clingo.Function("weighed", [clingo.parse_term(name) for name in pair]) for pair in sorted(weights.pairs)
     ]
-    return facts, [*labels, *(clingo.Function("first_use", [entity]) for entity in sorted(weights.entities))]
+    entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
+    found = [clingo.Function("follows", pair.arguments) for pair in pairs]
+    found += [clingo.Function("first_use", entity.arguments) for entity in entities]
+    return [f"asked({each})." for each in (*pairs, *entities)], [clingo.Function("tested", [each]) for each in found]
 
 
 @dataclass(frozen=True)

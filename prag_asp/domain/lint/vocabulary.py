@@ -10,6 +10,9 @@ from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled, s
 from prag_asp.domain.lint.statement import Atom, Statement, names, plain_atom
 from prag_asp.domain.sources import HIERARCHY
 
+BY_LIBRARY = {("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2), ("introduces_late", 2), ("successor", 2)}
+"""What the encodings in ``rules`` and ``conditions`` derive, which join the program where they are asked for."""
+
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
 
 
@@ -42,14 +45,15 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
 
 
 def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the own heads of predicates that only the hierarchy of actions may derive."""
-    taken = {
-        atom.signature for each in statements if not each.own and each.path.name == HIERARCHY for atom in each.heads
-    }
+    """Yield the own heads of predicates that only the library may derive."""
+    taken = dict.fromkeys(BY_LIBRARY, "conditions and tasks")
+    for each in statements:
+        if not each.own and each.path.name == HIERARCHY:
+            taken |= dict.fromkeys((atom.signature for atom in each.heads), "the hierarchy of actions")
     for statement in statements:
         for atom in statement.heads if statement.own else ():
             if atom.signature in taken:
-                text = f"{spelled(atom.signature)} belongs to the hierarchy of actions; choose another name"
+                text = f"{spelled(atom.signature)} belongs to {taken[atom.signature]}; choose another name"
                 yield statement.problem(text, atom.line)
 
 
