@@ -28,7 +28,7 @@ READINGS_SHOWN = 5
     help="All states in words; or as in sample.",
 )  # fmt: skip
 def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> None:
-    """Show the task of a rank, or the rank of a task.
+    """Show the task of a rank, or print the rank of a task.
 
     Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms: the order depends
     on the domain alone.
@@ -39,9 +39,9 @@ def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> Non
         raise QueryError("give either --index or --rank-of")
     with progress() as tell:
         space = asked.space(tell)
-        if plan is not None:
-            index = space.index(plan.split())
-        assert index is not None
+        if index is None:
+            click.echo(space.index((plan or "").split()))
+            return
         try:
             found = space[index]
         except IndexError:
