@@ -50,7 +50,7 @@ STEP_RULES = (
 
 @st.composite
 def symmetric_texts(draw: st.DrawFn) -> str:
-    """Draw the text of a domain over 3 to 5 things of one class and 1 to 3 places, told apart by nothing or by little."""
+    """Draw the text of a domain over 3 to 5 things of one class and 1 to 3 places, told apart by little or nothing."""
     things, places = draw(st.integers(3, 5)), draw(st.integers(1, 3))
     lines = ["class(c). class(d).", f"entity(x(1..{things}),c). entity(y(1..{places}),d)."]
     lines += ["thing(X) :- entity(X,c). place(Y) :- entity(Y,d)."]

@@ -100,7 +100,7 @@ postcondition(off(L),(lit(L);warm(L)),false) :- entity(L,lamp).
 
 
 def stirling(n: int, k: int) -> int:
-    """The number of partitions of n steps into k lamps that were used: one action of each lamp is possible at a time."""
+    """The number of partitions of n steps into k lamps that were used: a lamp allows one action at a time."""
     return int(n == k) if n == 0 or k == 0 else k * stirling(n - 1, k) + stirling(n - 1, k - 1)
 
 
@@ -132,7 +132,8 @@ fluent(base(X)) :- entity(X,b). initially(F,false) :- fluent(F), not initially(F
 initially((top(X);base(X)),true) :- entity(X,b). action(put(X,Y)) :- fluent(on(X,Y)).
 precondition(put(X,Y),(top(X);base(X);top(Y)),true) :- fluent(on(X,Y)).
 precondition(put(X,Y),on(Y,X),false) :- fluent(on(X,Y)).
-postcondition(put(X,Y),on(X,Y),true) :- fluent(on(X,Y)). postcondition(put(X,Y),(top(Y);base(X)),false) :- fluent(on(X,Y)).
+postcondition(put(X,Y),on(X,Y),true) :- fluent(on(X,Y)).
+postcondition(put(X,Y),(top(Y);base(X)),false) :- fluent(on(X,Y)).
 """
 
 
