@@ -51,6 +51,8 @@ class Asked:
             parse_time(self.time) if self.time else None,
             self.cached,
         )
+        if not all(map(str.strip, self.where)):
+            raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
         space = TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
         return space.where(*self.where)
 

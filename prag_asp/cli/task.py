@@ -54,17 +54,23 @@ def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> Non
 
 def _described(found: Task, space: TaskSpace) -> list[str]:
     """Return the lines that tell a task: its rank, its start, what each action makes true, its goal, its readings."""
-    lines = [f"task {space.index(found)} of {space.count()}", f"start  {_told(found.initial)}"]
+    fluents = len(space.domain.facts.fluents)
+    lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, fluents)}"]
     width = max((len(str(action)) for action in found.actions), default=0)
     for number, (action, subgoal) in enumerate(zip(found.actions, found.subgoals, strict=True), 1):
         lines.append(f"{number:>5}  {action!s:<{width}}  {_told(subgoal)}".rstrip())
-    lines.append(f"goal   {_told(found.goal)}")
+    lines.append(f"goal   {_state(found.goal, fluents)}")
     readings = space.readings(found) if space.domain.facts.composites else None
     if readings is not None:
         lines += [f"read   {' '.join(map(str, reading))}" for reading in islice(readings, READINGS_SHOWN)]
         if readings.count() > READINGS_SHOWN:
             lines.append(f"       and {readings.count() - READINGS_SHOWN} more readings")
     return lines
+
+
+def _state(state: State, fluents: int) -> str:
+    """Return what is known of a state in words; of one that is known whole, what is true."""
+    return _told({fluent: value for fluent, value in state.items() if value or len(state) < fluents})
 
 
 def _told(state: State) -> str:

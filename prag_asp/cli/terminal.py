@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +13,9 @@ import click
 from prag_asp.errors import LimitReached, OutputError, PragError
 
 FAILED, BAD_INPUT, LIMITED, INTERRUPTED = 1, 2, 3, 130
+COLLECT = (100_000, 50, 100)
+"""A ground program is a great many small values without cycles, among which looking for garbage is a waste of time."""
+
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
 
@@ -23,6 +27,7 @@ class Command(click.Group):
         """Run the command and return its exit code."""
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
+        gc.set_threshold(*COLLECT)
         try:
             return super().main(*args, **{**kwargs, "standalone_mode": False}) or 0
         except click.exceptions.Exit as stop:

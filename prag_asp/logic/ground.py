@@ -16,7 +16,8 @@ from prag_asp.logic.stationary import Signature, StepReads, locate_head
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""
 
-FEWEST_ROUNDS = 100
+FEWEST_STEPS, MOST_ATOMS = 100, 2_000_000
+"""Where a predicate that carries something along is held to go on without end: after so many steps, or atoms."""
 CONTRACT = {("holds", 3), ("occurs", 2)}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
@@ -66,7 +67,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """
     seeds = _seeds(facts, reads)
     endless = _add_carried(seeds, program, reads)
-    for _ in range(_most_rounds(program)):
+    for _ in range(_most_steps(program)):
         ground = _ground_once(program, seeds, facts, reads)
         made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
         new = (made | ground.initial) - seeds
@@ -84,35 +85,41 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     return replace(ground, obstacles=(*ground.obstacles, told))
 
 
-def _most_rounds(program: Program) -> int:
+def _most_steps(program: Program) -> int:
     """Return after how many steps a predicate that still takes new values is held to take them without end.
 
-    A counter that ends does so at a number that the program names, or a few times as large.
+    A counter that ends does so at a number that the program names, or not far beyond.
     """
     numbers = (int(digits) for digits in re.findall(r"(?<!\d)\d{1,4}(?!\d)", program.text))
-    return FEWEST_ROUNDS + 2 * max(numbers, default=0)
+    return FEWEST_STEPS + 2 * max(numbers, default=0)
 
 
 def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) -> Signature | None:
-    """Add to `seeds` what steps may carry along, step by step; return the predicate that does not come to an end."""
+    """Add to `seeds` what steps may carry along; return a predicate that does not come to an end.
+
+    Steps are ground one after another, and looked at after 1, 2, 4, ... of them.
+    """
     carried = sorted(reads.previous - CONTRACT)
     if not carried:
         return None
     grounder = Grounder(program)
     grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
-    times = [START, *(clingo.Number(STEP + step) for step in range(_most_rounds(program)))]
-    for step, time in enumerate(times):
-        if step == 1:
-            _declare(grounder, seeds, [])
-        if step:
-            grounder.ground([("step", [time])])
-        found = {a.symbol for each in carried for a in atoms.by_signature(*each) if a.symbol.arguments[-1] == time}
-        new = {timeless(symbol) for symbol in found} - seeds
-        if step and not new:
+    _declare(grounder, seeds | _initial(grounder, reads), [])
+    most, steps = _most_steps(program), 0
+    while True:
+        more = max(steps, 1)
+        grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
+        steps += more
+        last = clingo.Number(STEP + steps - 1)
+        found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
+        seeds |= {timeless(symbol) for symbol in found if symbol.arguments[-1] != last}
+        new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds
+        if not new:
             return None
         seeds |= new
-    return _signature(min(new))
+        if steps > most or len(atoms) > MOST_ATOMS:
+            return _signature(min(new))
 
 
 def timeless(symbol: clingo.Symbol) -> clingo.Symbol:

@@ -88,6 +88,11 @@ class Merging:
         begins[list(self.starts)] = True
         return begins
 
+    @cached_property
+    def _group(self) -> NDArray[np.int64]:
+        """The number of the group of each entity."""
+        return np.cumsum(self._begins)
+
     def canonical(self, states: Rows) -> tuple[Rows, Orders]:
         """Return the chosen renaming of each state, and the order of entities that leads to it."""
         together = max(TOGETHER // self.size, 1)
@@ -145,12 +150,14 @@ class Merging:
             twins, ties = self._alike(bits, keys, found)
             unsettled = ties & ~twins
             rows = np.flatnonzero(unsettled.any(axis=1))
-            # The entities from the first of a tie up to where the twins end are told apart from the rest of it.
-            last = unsettled[rows].argmax(axis=1)[:, None] - 1
-            tied = keys[rows] == np.take_along_axis(keys[rows], last, axis=1)
-            row, place = np.nonzero(tied & (np.arange(self.size) <= last))
+            # One of the first entities that are tied and no twins is told apart, together with its twins.
+            one = unsettled[rows].argmax(axis=1)[:, None]
+            tied = keys[rows] == np.take_along_axis(keys[rows], one, axis=1)
+            row, place = np.nonzero(tied & (self._group == self._group[one]))
+            chosen = found[rows[row], one[row, 0]]
+            alike = are_twins(bits, self.moved, rows[row], np.stack([chosen, found[rows[row], place]], axis=1))
             told_apart = told_apart[rows]
-            told_apart[row, found[rows[row], place]] += MARK
+            told_apart[row[alike], found[rows[row], place][alike]] += MARK
             waiting = waiting[rows]
         return orders
 

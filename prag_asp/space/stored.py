@@ -25,9 +25,9 @@ from prag_asp.space.reach import Reach
 WORTH_KEEPING = 0.2
 """Seconds of work from which it is kept."""
 
-RENAMINGS = {"multiplicities": 1, "order_of": 1, "orders": 2, "twins": 2}
-KINDS = {"offsets": 1, "letters": 1, "targets": 1, "accepting": 1, **RENAMINGS}
-"""The number of dimensions of each array; the latter ones are there where states were merged."""
+RENAMINGS = {"multiplicities": ("i", 1), "order_of": ("i", 1), "orders": ("i", 2), "twins": ("b", 2)}
+ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accepting": ("b", 1), **RENAMINGS}
+"""The kind of the values and the number of dimensions of each array; the latter ones belong to merged states."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,10 @@ class Shelf:
     def read(self) -> Reach | None:
         """Return what was kept, where it can be believed."""
         entry = read_entry(self.folder, self.key)
-        return _restored(entry) if entry else None
+        try:
+            return _restored(entry) if entry else None
+        except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises the latter where a text is no term
+            return None
 
     def write(self, reach: Reach) -> bool:
         """Keep what was explored, and return whether that was possible."""
@@ -89,8 +92,8 @@ def _restored(entry: Entry) -> Reach | None:
     """Return an entry as what was explored, or None where its parts do not fit together."""
     arrays, texts = entry.arrays, entry.texts
     merged = "twins" in arrays
-    wanted = list(KINDS) if merged else [name for name in KINDS if name not in RENAMINGS]
-    if [*arrays] != wanted or any(arrays[name].ndim != KINDS[name] for name in wanted):
+    wanted = {name: kind for name, kind in ARRAYS.items() if merged or name not in RENAMINGS}
+    if {name: (array.dtype.kind, array.ndim) for name, array in arrays.items()} != wanted:
         return None
     letters, names, horizon = tuple(texts["letters"]), tuple(texts["names"]), texts["horizon"]
     automaton = Automaton(

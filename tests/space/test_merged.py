@@ -105,7 +105,7 @@ postcondition(off(L),(lit(L);warm(L)),false) :- entity(L,lamp).
 
 
 def stirling(n: int, k: int) -> int:
-    """The number of partitions of n steps into k lamps that were used: one action of each lamp at a time."""
+    """The number of partitions of n steps into k lamps that were used: a lamp allows one action at a time."""
     return int(n == k) if n == 0 or k == 0 else k * stirling(n - 1, k) + stirling(n - 1, k - 1)
 
 
