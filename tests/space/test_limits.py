@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace
 from prag_asp.errors import LimitReached
+from prag_asp.space import limits
 from prag_asp.space.limits import Limits, memory_in_use, parse_memory, parse_time
 from tests.domains import domain_of
 from tests.space.test_explore import LAMPS
@@ -26,10 +28,12 @@ def test_a_time_limit_gives_a_lower_bound_on_the_count(engine: str, by: str) -> 
     assert 0 <= e.value.at_least <= space.count(by)
 
 
-def test_a_limit_is_looked_at_in_every_layer_so_that_more_time_finds_more() -> None:
+def test_a_limit_is_looked_at_in_every_layer_so_that_more_time_finds_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock advances by a second whenever it is looked at."""
+    monkeypatch.setattr(limits, "monotonic", itertools.count().__next__)
     domain = domain_of(LAMPS.replace("K", "17"))
     found = []
-    for seconds in (0.0, 0.3):
+    for seconds in (3, 12):
         with pytest.raises(LimitReached) as reached:
             TaskSpace(domain, 17, limits=Limits(seconds=seconds)).count("plan")
         found.append(reached.value.at_least)
