@@ -176,14 +176,21 @@ def sample(
 
 @cli.command()
 @click.argument("file", metavar="TASKS.jsonl")
-@click.option("--domain", "name", metavar="DOMAIN", help="Domain of the tasks.  [default: the one that they name]")
+@asks(
+    (
+        click.option("--domain", "name", metavar="DOMAIN", default="", help="Their domain.  [default: what they name]"),
+        *options.PROGRAM,
+        options.WHERE,
+    )
+)
 @options.seed
 @options.workers
 @click.option("--witness-only", is_flag=True, help="Check the witnesses in the file, and look for no new ones.")
-def validate(*, file: str, name: str | None, seed: int, workers: int, witness_only: bool) -> None:
+def validate(*, asked: Asked, file: str, seed: int, workers: int, witness_only: bool) -> None:
     """Check tasks of a file again: that their plans are valid, and that a robot can do them.
 
-    Prints a line for each task: its number, its verdict and the reason.
+    Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
+    and --where that the tasks were made with.
     """
     from prag_asp.dataset.jsonl import read_lines
 
@@ -195,7 +202,7 @@ def validate(*, file: str, name: str | None, seed: int, workers: int, witness_on
 
     passed = 0
     with progress() as tell:
-        results = check_again(records, name, seed=seed, workers=workers, witness_only=witness_only)
+        results = check_again(records, asked, seed=seed, workers=workers, witness_only=witness_only)
         for number, (status, reason) in zip(range(1, len(records) + 1), results, strict=True):
             passed += status == "feasible"
             click.echo(f"{number}\t{status}\t{reason}".rstrip())

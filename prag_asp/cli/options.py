@@ -57,20 +57,21 @@ class Asked:
         return space.where(*self.where)
 
 
-DOMAIN = (
-    click.argument("name", metavar="DOMAIN"),
+PROGRAM = (
     click.option(
         "--rule", "rules", metavar="RULE", multiple=True, help="Rule to add, such as no_undo or 'at_most(grasp,2)'."
     ),
     click.option("--encodings", metavar="DIR", help="Folder of encodings to use in place of the shipped ones."),
     click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
 )
+DOMAIN = (click.argument("name", metavar="DOMAIN"), *PROGRAM)
+WHERE = click.option(
+    "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
+)
 SPACE = (
     *DOMAIN,
     click.option("-n", "--length", type=int, required=True, metavar="N", help="Number of actions of a task."),
-    click.option(
-        "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
-    ),
+    WHERE,
     click.option(
         "--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton, clingo, sat or sharp."
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from itertools import groupby, islice, tee
 from typing import TYPE_CHECKING
 
@@ -75,18 +76,18 @@ def first_feasible(
 
 
 def check_again(
-    records: Sequence[Record], name: str | None, *, seed: int, workers: int, witness_only: bool
+    records: Sequence[Record], asked: Asked, *, seed: int, workers: int, witness_only: bool
 ) -> Iterator[tuple[str, str]]:
     """Yield for each record its verdict and the reason: whether its plan is valid, and whether physics agrees.
 
-    `name` is the domain of all records; without it, each names its own.
+    Where `asked` has no domain, each names its own.
     """
     for own, group in groupby(records, key=lambda record: record.task.domain):
-        space = Asked(name or own).space()
+        space = replace(asked, name=asked.name or own).space()
         scene = scene_of(space.domain)
         found = [(record, _fault(record.task, space)) for record in group]
-        asked = (record.task for record, fault in found if not fault and not witness_only)
-        with closing(validate_tasks(asked, scene, seed=seed, workers=workers)) as verdicts:
+        valid = (record.task for record, fault in found if not fault and not witness_only)
+        with closing(validate_tasks(valid, scene, seed=seed, workers=workers)) as verdicts:
             for record, fault in found:
                 if fault:
                     yield "invalid", fault
