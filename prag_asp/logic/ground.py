@@ -163,13 +163,15 @@ class _Recorder(clingo.Observer):
 
 def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads) -> GroundStep:
     grounder, recorder = _start(program)
-    recorder.part = "before"
+    # What `not p(_,t)` reads is defined by rules that clingo makes as soon as the atoms p(X,t) are there.
+    recorder.part = "step"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
     told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
-    # The check of a plan without a step reads the start, which may have atoms that no step makes.
-    started = [clingo.Function(s.name, [*s.arguments, NOW]) for s in sorted(_initial(grounder, reads))]
-    _declare(grounder, seeds, [*told, *started])
+    _declare(grounder, seeds, told)
     for part in ("step", "hindsight", "check", "ending"):
+        if part == "check":
+            recorder.part = "step"
+            _open_start(grounder, reads)
         recorder.part = part
         grounder.ground([(part, [NOW])])
     return _recorded(grounder, recorder, reads)
@@ -180,6 +182,18 @@ def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
     atoms = grounder.control.symbolic_atoms
     found = (atom.symbol for signature in reads.timed | reads.previous for atom in atoms.by_signature(*signature))
     return {timeless(symbol) for symbol in found if symbol.arguments[-1] == START}
+
+
+def _open_start(grounder: Grounder, reads: StepReads) -> None:
+    """Leave open which atoms that only the start has are there: the check of a plan without a step reads them."""
+    atoms = grounder.control.symbolic_atoms
+    missing = [at_now for at_now in sorted(map(_now, _initial(grounder, reads))) if atoms[at_now] is None]
+    grounder.control.add("start", [], "\n".join(f"#external {atom}." for atom in missing))
+    grounder.ground([("start", [])])
+
+
+def _now(symbol: clingo.Symbol) -> clingo.Symbol:
+    return clingo.Function(symbol.name, [*symbol.arguments, NOW])
 
 
 def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:

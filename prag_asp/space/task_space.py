@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from itertools import islice
-from typing import Any, overload
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +19,17 @@ from prag_asp.logic.program import action_name
 from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
 from prag_asp.space.conditions import Condition, Part, conditioned
 from prag_asp.space.drawing.bits import SeededBits
-from prag_asp.space.drawing.drawers import Drawer, Over
-from prag_asp.space.drawing.draws import drawn_words, log_probability, make_drawer
-from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
+from prag_asp.space.drawing.drawers import Over
+from prag_asp.space.drawing.draws import drawn_words, log_probability
+from prag_asp.space.engines import LEVELS, Draw, Engine, Level
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.narrate import Narrator
 from prag_asp.space.prefix import parse_prefix
 from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
-from prag_asp.space.ranks import distinct_ranks
-from prag_asp.space.readings import Hierarchy, Readings, hierarchy_of
+from prag_asp.space.readings import Readings
+from prag_asp.space.shared import Shared
 from prag_asp.space.shuffle import Shuffle
-from prag_asp.space.split import classes_for, divided, parse_shares
+from prag_asp.space.split import classes_for, divided, held_out, parse_shares
 from prag_asp.space.statistics import Statistics, statistics_of
 from prag_asp.space.task import Task
 from prag_asp.space.temperature import Temperature, tempered
@@ -62,7 +59,7 @@ class TaskSpace:
         progress: Progress | None = None,
         limits: Limits = UNLIMITED,
     ) -> None:
-        self._shared = _Shared(Model(domain), engine, progress, limits)
+        self._shared = Shared(Model(domain), engine, progress, limits)
         self.domain = domain
         self.length = _checked(length)
         self.condition = Condition()
@@ -87,7 +84,7 @@ class TaskSpace:
         if space.condition != self.condition:
             domain = conditioned(self.domain, space.condition)
             shared = self._shared
-            space._shared = _Shared(Model(domain), shared.engine, shared.progress, shared.limits)
+            space._shared = Shared(Model(domain), shared.engine, shared.progress, shared.limits)
         return space
 
     def __repr__(self) -> str:
@@ -101,11 +98,7 @@ class TaskSpace:
             QueryError: no such level, or the prefix names no action of the domain.
             LimitReached: a limit ended the count; the error has the number that was found until then.
         """
-        first = self._prefix(by, prefix)
-        key = (by, self.length, first)
-        if key not in self._shared.counts:
-            self._shared.counts[key] = self._engine(by).count(self.length, first)
-        return self._shared.counts[key]
+        return self._shared.count(_level(by), self.length, self._prefix(by, prefix))
 
     def words(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
         """Yield plans, tasks or skeletons as texts of actions or as names, in rank order, lazily, each once.
@@ -183,14 +176,8 @@ class TaskSpace:
         Raises:
             QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
         """
-        for group in self._shared.model.groups(self.length):
-            if what in map(str, group):
-                others = ", ".join(str(entity) for entity in group if str(entity) != what)
-                raise QueryError(f"{what} is interchangeable with {others}, so it is nothing new; hold out its class")
-        facts = self.domain.facts
-        is_action = what in map(action_name, facts.actions) or ">" in what or what in map(str, facts.actions)
-        without, having = ("lacks", "has") if is_action else ("avoids", "uses")
-        return self.where(f"{without} {what}"), self.where(f"{having} {what}")
+        without, having = held_out(what, self.domain.facts, self._shared.model.groups(self.length))
+        return self.where(without), self.where(having)
 
     def index(self, task: Task | Sequence[str | Atom]) -> int:
         """Return the rank of a task, or of its plan; interchangeable entities may have any of their names.
@@ -237,7 +224,9 @@ class TaskSpace:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
         if distinct:
-            return self._draw_distinct(_drawable(count), seed, self._tempered(weights, temperature), by, over)
+            if over or self._tempered(weights, temperature):
+                raise QueryError("distinct tasks are drawn uniformly; give weights={}, and no over")
+            return self._shared.draw_distinct(_drawn(by), self.length, _drawable(count), seed)
         drawn = self.draw(seed=seed, weights=weights, by=by, temperature=temperature, over=over)
         return list(islice(drawn, _drawable(count)))
 
@@ -251,9 +240,7 @@ class TaskSpace:
         over: Over | None = None,
     ) -> Iterator[Task]:
         """Yield tasks drawn as by `sample`, without end."""
-        if by == "skeleton":
-            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
-        draws = self.draw_words(seed=seed, weights=weights, by=by, temperature=temperature, over=over)
+        draws = self.draw_words(seed=seed, weights=weights, by=_drawn(by), temperature=temperature, over=over)
         return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
 
     def draw_words(
@@ -269,7 +256,7 @@ class TaskSpace:
 
         Skeletons are drawn uniformly alone.
         """
-        drawer = self._drawer(self._tempered(weights, temperature), by, over)
+        drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
         return drawn_words(drawer, self._engine(by), SeededBits(seed))
 
     def draw_array(
@@ -287,7 +274,7 @@ class TaskSpace:
 
         It holds places in `letters`. Draws are independent of each other, so portions may be made apart.
         """
-        drawer = self._drawer(self._tempered(weights, temperature), by, over)
+        drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
         return drawer.draw(SeededBits(seed), first, _drawable(count), tell=False).letters
 
     def letters(self, by: Level = "task") -> tuple[str, ...]:
@@ -312,28 +299,6 @@ class TaskSpace:
     def _tempered(self, weights: Mapping[str, Number] | None, temperature: Temperature) -> Weights:
         return tempered(self.weights(weights), temperature)
 
-    def _drawer(self, weights: Weights, by: Level, over: Over | None) -> Drawer:
-        key = (by, self.length, weights, over)
-        made = self._shared.drawer
-        if made is None or made[0] != key:
-            made = (key, make_drawer(self._engine(by), self.domain.facts, by, self.length, weights, over))
-            self._shared.drawer = made
-        return made[1]
-
-    def _draw_distinct(self, count: int, seed: int, weights: Weights, by: Level, over: Over | None) -> list[Task]:
-        if weights or over:
-            raise QueryError("distinct tasks are drawn uniformly; give weights={}, and no over")
-        if by == "skeleton":
-            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
-        engine = self._engine(by)
-        total = engine.count(self.length)
-        if count > total:
-            raise QueryError(f"cannot draw {count} distinct {by}s: there are {total}")
-        ranks = distinct_ranks(SeededBits(seed), total, count)
-        share = log_probability(Fraction(1, total)) if total else None
-        words = ((engine.unrank(self.length, rank), share) for rank in ranks)
-        return list(self._shared.narrator.tasks(words))
-
     def weights(self, weights: Mapping[str, Number] | None = None) -> Weights:
         """Return weights as the engines take them; None are those of the domain.
 
@@ -344,9 +309,7 @@ class TaskSpace:
         return parse_weights(given, self.domain.facts)
 
     def _engine(self, by: Level) -> Engine:
-        if by not in LEVELS:
-            raise QueryError(f"no level {by!r}; there are {', '.join(LEVELS)}")
-        return self._shared.engine_for(by)
+        return self._shared.engine_for(_level(by))
 
     def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
         facts = self.domain.facts
@@ -357,36 +320,22 @@ class TaskSpace:
         return canonical_prefix(found, map(action_name, facts.actions), groups)
 
 
-@dataclass
-class _Shared:
-    """What the spaces of one domain share: its logic and its engines, made when first asked for."""
-
-    model: Model
-    engine: str
-    progress: Progress | None
-    limits: Limits
-    engines: dict[Level, Engine] = field(default_factory=dict)
-    counts: dict[tuple[Level, int, tuple[str, ...]], int] = field(default_factory=dict)
-    drawer: tuple[tuple[Any, ...], Drawer] | None = None
-
-    def engine_for(self, by: Level) -> Engine:
-        if by not in self.engines:
-            self.engines[by] = select(self.engine, self.model, by, self.progress, self.limits)
-        return self.engines[by]
-
-    @cached_property
-    def hierarchy(self) -> Hierarchy:
-        return hierarchy_of(self.model.domain.facts)
-
-    @cached_property
-    def narrator(self) -> Narrator:
-        return Narrator(self.model)
-
-
 def _checked(length: int) -> int:
     if length < 0:
         raise QueryError(f"length {length}: a plan has at least 0 actions")
     return length
+
+
+def _level(by: Level) -> Level:
+    if by not in LEVELS:
+        raise QueryError(f"no level {by!r}; there are {', '.join(LEVELS)}")
+    return by
+
+
+def _drawn(by: Level) -> Level:
+    if by == "skeleton":
+        raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
+    return by
 
 
 def _drawable(count: int) -> int:

@@ -165,9 +165,7 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
     """Return the facts for ``rules/weights.lp``, and the atoms that then tell what an edge weighs."""
-    pairs = [
-        clingo.Function("weighed", [clingo.parse_term(name) for name in pair]) for pair in sorted(weights.pairs)
-    ]
+    pairs = [clingo.Function("weighed", [clingo.parse_term(name) for name in pair]) for pair in sorted(weights.pairs)]
     entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
     found = [clingo.Function("follows", pair.arguments) for pair in pairs]
     found += [clingo.Function("first_use", entity.arguments) for entity in entities]

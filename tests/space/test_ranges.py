@@ -108,7 +108,7 @@ def test_a_split_of_skeletons_shares_none(space: TaskSpace) -> None:
     assert 0.15 < share < 0.25
 
 
-@pytest.mark.parametrize("what", ["can_1", "apple", "grasp", "grasp>move", "rotate(panda,can_1,straight)"])
+@pytest.mark.parametrize("what", ["can_1", "apple", "grasp", "grasp>move", "rotate(panda, can_1, straight)"])
 def test_what_is_held_out_is_in_the_second_part_only(space: TaskSpace, what: str) -> None:
     train, test = space.hold_out(what)
     assert train.count("plan") + test.count("plan") == space.count("plan")
@@ -116,9 +116,10 @@ def test_what_is_held_out_is_in_the_second_part_only(space: TaskSpace, what: str
     assert not set(train.words("plan")) & set(test.words("plan"))
 
 
-def test_an_entity_that_another_replaces_cannot_be_held_out(space: TaskSpace) -> None:
+@pytest.mark.parametrize("what", ["apple_1", "grasp(panda,apple_1)"])
+def test_an_entity_that_another_replaces_cannot_be_held_out(space: TaskSpace, what: str) -> None:
     with pytest.raises(QueryError, match="interchangeable with apple_2"):
-        space.hold_out("apple_1")
+        space.hold_out(what)
 
 
 @pytest.mark.parametrize("shares", [{"train": 0.8}, {"a": 1.5, "b": -0.5}, {"a": "much"}, {}])
