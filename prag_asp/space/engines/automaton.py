@@ -13,6 +13,7 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.logic.transition import Transition
 from prag_asp.space.automaton import Ranking, accepts, count_words, words
+from prag_asp.space.bounded import count_within
 from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
 from prag_asp.space.limits import UNLIMITED, Budget, Limits
 from prag_asp.space.merged import MergedRanking, accepts_merged, count_merged, merged_words
@@ -83,9 +84,12 @@ class AutomatonEngine:
         """
         budget = self._limits.begin()
         reach = self._reach(length, budget)
-        found = self._count(reach, length, prefix)
-        if not reach.covers(length):
-            raise limit_reached(reach, found, self._level, length)
+        if prefix or self._limits.seconds is None:
+            found, stopped = self._count(reach, length, prefix), reach.stopped
+        else:
+            found, stopped = count_within(reach.completions, length, self._limits.begin().spent)
+        if stopped or reach.stopped:
+            raise limit_reached(reach, reach.stopped or stopped, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -166,7 +170,7 @@ class AutomatonEngine:
         """
         reach = self._reach(length, self._limits.begin())
         if not reach.covers(length):
-            raise limit_reached(reach, self._count(reach, length, ()), self._level, length)
+            raise limit_reached(reach, reach.stopped, self._count(reach, length, ()), self._level, length)
         return reach
 
     def _ranking(self, length: int, weights: Weights) -> Ranking | MergedRanking:
@@ -184,15 +188,15 @@ class AutomatonEngine:
     def _weighed(self, length: int, weights: Weights) -> Reach:
         reach = self._explorer.weighed(length, weights, self._limits.begin())
         if not reach.covers(length):
-            raise limit_reached(reach, 0, self._level, length)
+            raise limit_reached(reach, reach.stopped, 0, self._level, length)
         return reach
 
 
-def limit_reached(reach: Reach, found: int, level: Level, length: int) -> LimitReached:
-    """Return the error that says how far an exploration came, and how many words it found."""
+def limit_reached(reach: Reach, limit: str, found: int, level: Level, length: int) -> LimitReached:
+    """Return the error that says which limit was reached, how far it came until then, and how many words it found."""
     states = reach.completions.automaton.states
     return LimitReached(
-        f"{reach.stopped} was reached with {states:,} states explored: there are at least {found} {level}s of length "
+        f"{limit} was reached with {states:,} states explored: there are at least {found} {level}s of length "
         f"{length}; allow more, or ask for shorter ones",
         found,
     )
