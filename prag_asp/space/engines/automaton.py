@@ -84,6 +84,7 @@ class AutomatonEngine:
         """
         budget = self._limits.begin()
         reach = self._reach(length, budget)
+        # What was explored in time is counted on a clock of its own, or nothing would be known at its end.
         if prefix or self._limits.seconds is None:
             found, stopped = self._count(reach, length, prefix), reach.stopped
         else:
