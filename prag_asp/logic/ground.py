@@ -11,12 +11,14 @@ import clingo
 from prag_asp.domain.facts import Facts
 from prag_asp.domain.grounding import Grounder, Part
 from prag_asp.domain.sources import Program
-from prag_asp.logic.stationary import Signature, StepReads, locate_head
+from prag_asp.logic.growth import locate_head
+from prag_asp.logic.stationary import StepReads
+from prag_asp.logic.syntax import Signature
 
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""
 
-FEWEST_STEPS, MOST_ATOMS = 100, 2_000_000
+FEW_STEPS, MOST_ATOMS = 30, 1_000_000
 """Where a predicate that carries something along is held to go on without end: after so many steps, or atoms."""
 CONTRACT = {("holds", 3), ("occurs", 2)}
 
@@ -67,7 +69,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """
     seeds = _seeds(facts, reads)
     endless = _add_carried(seeds, program, reads)
-    for _ in range(_most_steps(program)):
+    for _ in range(_most_steps(program, reads)):
         ground = _ground_once(program, seeds, facts, reads)
         made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
         new = (made | ground.initial) - seeds
@@ -85,13 +87,15 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     return replace(ground, obstacles=(*ground.obstacles, told))
 
 
-def _most_steps(program: Program) -> int:
+def _most_steps(program: Program, reads: StepReads) -> int:
     """Return after how many steps a predicate that still takes new values is held to take them without end.
 
-    A counter that ends does so at a number that the program names, or not far beyond.
+    A counter that is bounded ends at a number that the program names, or not far beyond.
     """
+    if reads.growing & reads.previous:
+        return FEW_STEPS
     numbers = (int(digits) for digits in re.findall(r"(?<!\d)\d{1,4}(?!\d)", program.text))
-    return FEWEST_STEPS + 2 * max(numbers, default=0)
+    return FEW_STEPS + 2 * max(numbers, default=0)
 
 
 def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) -> Signature | None:
@@ -106,7 +110,7 @@ def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) 
     grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
     _declare(grounder, seeds | _initial(grounder, reads), [])
-    most, steps = _most_steps(program), 0
+    most, steps = _most_steps(program, reads), 0
     while True:
         more = max(steps, 1)
         grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])

@@ -26,8 +26,8 @@ from prag_asp.space.weights import Weights, weigh, weighing_facts
 if TYPE_CHECKING:
     from prag_asp.space.engines.protocol import Level
 
-PATIENCE, LARGE = 250_000, 100
-"""Edges of a space beyond which its states are merged, where entities have at least so many renamings."""
+PATIENCE, WORDS, LARGE = 250_000, 4, 100
+"""Edges of a space beyond which its states are merged, where these take few words, and have so many renamings."""
 
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
@@ -115,7 +115,8 @@ class Explorer:
         if self.merge:
             merging = self._merging(transition, weights)
             return explore(transition, length, self._watch(budget), merging=merging), merging
-        patience = None if self.merge is False else PATIENCE
+        words = transition.initial.shape[1]
+        patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
         explored = explore(transition, length, self._watch(budget, patience))
         if explored.stopped == OUTGROWN:
             merging = self._merging(transition, weights)

@@ -8,9 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import QueryError, TaskSpace
+from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.errors import LimitReached
+from prag_asp.logic.model import Model
 from prag_asp.space import limits
+from prag_asp.space.bounded import count_within
+from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.limits import Limits, memory_in_use, parse_memory, parse_time
 from tests.domains import domain_of
 from tests.space.test_explore import LAMPS
@@ -61,6 +64,16 @@ def test_clingo_says_how_many_it_has_enumerated() -> None:
     with pytest.raises(LimitReached, match=r"at least \d+ plans of length 12") as reached:
         TaskSpace(domain, 12, engine="clingo", limits=Limits(seconds=0.5)).count("plan")
     assert 0 < reached.value.at_least < 12**12
+
+
+@pytest.mark.parametrize("stop_after", [0, 1, 5, 29])
+def test_counting_that_is_stopped_knows_the_words_that_begin_with_one_path(stop_after: int) -> None:
+    engine = AutomatonEngine(Model(load_domain("prag")), "plan")
+    completions, calls = engine.explored(30).completions, iter(range(100))
+    found, stopped = count_within(completions, 30, lambda: "time" if next(calls) >= stop_after else None)
+    assert stopped == "time" and 0 < found < engine.count(30)
+    assert found >= engine.count(stop_after) // 48  # at least what completes some state that 48 actions lead to
+    assert count_within(completions, 30, lambda: None) == (engine.count(30), "")
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.logic.transition import Transition
 from prag_asp.space.automaton import Ranking, accepts, count_words, words
+from prag_asp.space.bounded import count_within
 from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.goals import numbered_goals
 from prag_asp.space.limits import UNLIMITED, Budget, Limits
@@ -86,9 +87,13 @@ class AutomatonEngine:
         """
         budget = self._limits.begin()
         reach = self._reach(length, budget)
-        found = self._count(reach, length, prefix)
-        if not reach.covers(length):
-            raise limit_reached(reach, found, self._level, length)
+        # What was explored in time is counted on a clock of its own, or nothing would be known at its end.
+        if prefix or self._limits.seconds is None:
+            found, stopped = self._count(reach, length, prefix), reach.stopped
+        else:
+            found, stopped = count_within(reach.completions, length, self._limits.begin().spent)
+        if stopped or reach.stopped:
+            raise limit_reached(reach, reach.stopped or stopped, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -167,7 +172,7 @@ class AutomatonEngine:
         """
         reach = self._reach(length, self._limits.begin())
         if not reach.covers(length):
-            raise limit_reached(reach, self._count(reach, length, ()), self._level, length)
+            raise limit_reached(reach, reach.stopped, self._count(reach, length, ()), self._level, length)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking:
@@ -182,12 +187,13 @@ class AutomatonEngine:
         hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
         read = hindsight.last_read if hindsight else ()
         explorer = self._plain if plain or goals else self._explorer
-        known = self.explored(length)
-        if not weights and not goals and not (plain and known.merged):
-            return Weighed(known.completions, ranking=_merged_ranking(known, length))
+        if not weights and not goals:
+            known = self.explored(length)
+            if not (plain and known.merged):
+                return Weighed(known.completions, ranking=_merged_ranking(known, length))
         reach, unit, marks = explorer.weighed(length, weights, self._limits.begin(), read)
         if not reach.covers(length):
-            raise limit_reached(reach, 0, self._level, length)
+            raise limit_reached(reach, reach.stopped, 0, self._level, length)
         ends = numbered_goals(hindsight, marks) if hindsight else None
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 
@@ -196,11 +202,11 @@ def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
     return MergedRanking(reach.merged, reach.completions, length) if reach.merged else None
 
 
-def limit_reached(reach: Reach, found: int, level: Level, length: int) -> LimitReached:
-    """Return the error that says how far an exploration came, and how many words it found."""
+def limit_reached(reach: Reach, limit: str, found: int, level: Level, length: int) -> LimitReached:
+    """Return the error that says which limit was reached, how far it came until then, and how many words it found."""
     states = reach.completions.automaton.states
     return LimitReached(
-        f"{reach.stopped} was reached with {states:,} states explored: there are at least {found} {level}s of length "
+        f"{limit} was reached with {states:,} states explored: there are at least {found} {level}s of length "
         f"{length}; allow more, or ask for shorter ones",
         found,
     )
