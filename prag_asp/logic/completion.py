@@ -66,7 +66,8 @@ def complete(rules: Iterable[Rule]) -> Completion:
             clauses.add(-_body(clauses, rule, value))
         else:
             clauses.add(*(-value(literal) for literal in rule.body))
-    for component in components(_positive_graph(open_rules)):
+    graph = _positive_graph(open_rules)
+    for component in components(graph, lambda atom: (below for below in graph[atom] if below in graph)):
         if len(component) > 1 or any(component[0] in rule.body for rule in open_rules[component[0]]):
             _found(clauses, component, open_rules, value)
     return Completion(clauses, values)

@@ -2,30 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator
 
 
-def components(graph: Mapping[int, Sequence[int]]) -> Iterator[list[int]]:
-    """Yield the strongly connected components, each after those that it leads to (Tarjan 1972, without recursion).
+def components(roots: Iterable[int], below: Callable[[int], Iterable[int]]) -> Iterator[list[int]]:
+    """Yield the strongly connected components that `roots` lead to (Tarjan 1972, without recursion).
 
-    `graph` maps each node to the nodes that it leads to; one that is no key is left out.
+    Each comes after those that it leads to; `below` gives the nodes that a node leads to.
     """
     index: dict[int, int] = {}
     low: dict[int, int] = {}
     path: list[int] = []
     waiting: set[int] = set()
-    for root in graph:
-        if root in index:
-            continue
-        work = [_entered(root, graph, index, low, path, waiting)]
+
+    def entered(node: int) -> tuple[int, Iterator[int]]:
+        index[node] = low[node] = len(index)
+        path.append(node)
+        waiting.add(node)
+        return node, iter(below(node))
+
+    for root in roots:
+        work = [] if root in index else [entered(root)]
         while work:
             node, rest = work[-1]
-            for below in rest:
-                if below not in index:
-                    work.append(_entered(below, graph, index, low, path, waiting))
+            for other in rest:
+                if other not in index:
+                    work.append(entered(other))
                     break
-                if below in waiting:
-                    low[node] = min(low[node], index[below])
+                if other in waiting:
+                    low[node] = min(low[node], index[other])
             else:
                 work.pop()
                 if work:
@@ -37,17 +42,3 @@ def components(graph: Mapping[int, Sequence[int]]) -> Iterator[list[int]]:
                         found.append(path.pop())
                     waiting.difference_update(found)
                     yield found
-
-
-def _entered(
-    node: int,
-    graph: Mapping[int, Sequence[int]],
-    index: dict[int, int],
-    low: dict[int, int],
-    path: list[int],
-    waiting: set[int],
-) -> tuple[int, Iterator[int]]:
-    index[node] = low[node] = len(index)
-    path.append(node)
-    waiting.add(node)
-    return node, (below for below in graph[node] if below in graph)
