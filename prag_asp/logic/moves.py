@@ -41,14 +41,14 @@ class Move:
 def compile_move(rules: StepRules, action: int) -> Move:
     """Return what is left of the rules once the atom `action` is true and no other action is."""
     affected = _affected(rules, action)
-    constants = Constants(rules.actions, action)
-    bodies, strata = _left_of_rules(rules, affected, constants)
+    constants = {**rules.no_action, action: True}
+    bodies, strata = _left_of_rules(rules, action, affected, constants)
     touched = {number for atom in (*affected, action) for number in rules.constraint_readers.get(atom, ())}
     left = [simplified(rules.constraints[number], constants) for number in sorted(touched)]
     residual = [body for body in left if isinstance(body, Body)]
     guards = tuple(body for body in residual if not any(abs(literal) in affected for literal in body.literals))
     later = tuple(body for body in residual if any(abs(literal) in affected for literal in body.literals))
-    known = {atom: value for atom, value in constants.items() if atom in affected or atom == action}
+    known = {atom: constants[atom] for atom in (action, *affected) if atom in constants}
     values = {place: value for atom, value in known.items() for place in rules.places.get(atom, ())}
     changed = {place: atom for atom in affected if atom not in known for place in rules.places.get(atom, ())}
     labels = [(place, atom) for atom in affected if atom not in known for place in rules.label_places.get(atom, ())]
@@ -84,7 +84,7 @@ def _affected(rules: StepRules, action: int) -> set[int]:
 
 
 def _left_of_rules(
-    rules: StepRules, affected: set[int], constants: Constants
+    rules: StepRules, action: int, affected: set[int], constants: Constants
 ) -> tuple[dict[int, tuple[Body, ...]], list[Stratum]]:
     """Return what is left of the bodies of the atoms affected, and these in order; learn what is constant."""
     bodies: dict[int, tuple[Body, ...]] = {}
@@ -93,7 +93,7 @@ def _left_of_rules(
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            left = [simplified(body, constants) for body in rules.bodies_with(constants.action, atom)]
+            left = [simplified(body, constants) for body in rules.bodies_with(action, atom)]
             if any(body is True for body in left):
                 constants[atom] = True
             elif atom not in inside and all(body is False for body in left):

@@ -7,39 +7,27 @@ from dataclasses import dataclass
 
 from prag_asp.logic.normal import Body
 
-
-class Constants(dict[int, bool]):
-    """The atoms of known truth, among them that no action occurs other than `action`, or none where that is 0."""
-
-    def __init__(self, actions: frozenset[int], action: int) -> None:
-        super().__init__({action: True} if action else {})
-        self.action = action
-        self._actions = actions
-
-    def known(self, atom: int) -> bool | None:
-        """Return the truth of an atom, or None where the action does not decide it."""
-        found = self.get(atom)
-        return False if found is None and atom in self._actions else found
+Constants = dict[int, bool]
+"""Atoms of known truth."""
 
 
 def simplified(body: Body, constants: Constants) -> Body | bool:
     """Return a body without its literals of known truth, or its truth where that decides it."""
     if body.weights:
         return _simplified_sum(body, constants)
-    literals = []
+    unknown = [literal for literal in body.literals if abs(literal) not in constants]
+    if len(unknown) == len(body.literals):
+        return body if unknown else True
     for literal in body.literals:
-        known = constants.known(abs(literal))
-        if known is None:
-            literals.append(literal)
-        elif known != (literal > 0):
+        if constants.get(abs(literal)) == (literal < 0):
             return False
-    return Body(tuple(literals)) if literals else True
+    return Body(tuple(unknown)) if unknown else True
 
 
 def _simplified_sum(body: Body, constants: Constants) -> Body | bool:
     bound, literals, weights = body.bound, [], []
     for literal, weight in zip(body.literals, body.weights, strict=True):
-        known = constants.known(abs(literal))
+        known = constants.get(abs(literal))
         if known is None:
             literals.append(literal)
             weights.append(weight)

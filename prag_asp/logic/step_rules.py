@@ -40,21 +40,25 @@ class StepRules:
         return frozenset(self.step.occurs.values())
 
     @cached_property
+    def no_action(self) -> Constants:
+        """The atoms of all actions, all false."""
+        return dict.fromkeys(self.actions, False)
+
+    @cached_property
     def idle(self) -> Mapping[int, tuple[Body, ...]]:
         """What is left of the bodies of each atom where no action occurs."""
-        nothing = Constants(self.actions, 0)
         return {
-            atom: tuple(as_bodies(simplified(body, nothing) for body in self.step.bodies[atom])) for atom in self.order
+            atom: tuple(as_bodies(simplified(body, self.no_action) for body in self.step.bodies[atom]))
+            for atom in self.order
         }
 
     @cached_property
     def idle_constraints(self) -> list[tuple[int, Body]]:
         """What is left of the constraints where no action occurs, with their numbers."""
-        nothing = Constants(self.actions, 0)
         return [
             (number, left)
             for number, body in enumerate(self.constraints)
-            for left in as_bodies([simplified(body, nothing)])
+            for left in as_bodies([simplified(body, self.no_action)])
         ]
 
     @cached_property
