@@ -57,7 +57,8 @@ def main() -> None:
     entities = {str(entity): str(name) for entity, name in domain.facts.entities.items()}
     scene = parse_scene(domain.settings.scene, domain.facts.parents, entities)
     drawn = {
-        n: list(TaskSpace(domain, n).sample(options.count, seed=options.seed, weights={})) for n in options.lengths
+        n: list(TaskSpace(domain, n).sample(options.count, seed=options.seed, weights={}))
+        for n in options.lengths
     }
     with open_validator(scene) as validator:
         for index, task in enumerate(next(iter(drawn.values()))[:WARM_UP]):
