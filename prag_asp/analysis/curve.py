@@ -49,7 +49,7 @@ def counts_by_length(space: TaskSpace) -> Curve:
         Series(f"{level}s", tuple(space.at(length).count(level) for length in lengths))
         for level in ("plan", "task", "skeleton")
     ]
-    every = Series(f"{names}ⁿ, all sequences of names", tuple(names**length for length in lengths))
+    every = Series(f"{names}^n, all sequences of names", tuple(names**length for length in lengths))
     return Curve(space.domain.name, (*counted, every))
 
 

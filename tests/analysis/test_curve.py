@@ -20,7 +20,7 @@ def test_its_lines_are_the_counts_of_each_level_and_all_sequences_of_names() -> 
     lines = {series.name: series.counts for series in CURVE.series}
     assert lines["skeletons"] == (8, 30, 124, 524, 2224, 9448)
     assert lines["tasks"][:3] == (36, 265, 2092) and lines["plans"][2] == 2800
-    assert lines["8ⁿ, all sequences of names"] == tuple(8**n for n in range(1, 7))
+    assert lines["8^n, all sequences of names"] == tuple(8**n for n in range(1, 7))
 
 
 def test_logarithms_are_taken_of_counts_that_no_float_holds() -> None:
