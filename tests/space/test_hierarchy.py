@@ -149,8 +149,8 @@ def test_a_composite_whose_parts_are_all_free_changes_nothing_and_needs_no_state
     for length in range(5):
         whole, flat = (TaskSpace(load_domain(folder, flat=flat), length) for flat in (False, True))
         assert whole.count("plan") == flat.count("plan") == 9**length
-    automata = [explore(Model(load_domain(folder, flat=flat)).transition(tasks=False), 9)[0] for flat in (False, True)]
-    assert automata[0].states == automata[1].states
+    automata = [explore(Model(load_domain(folder, flat=flat)).transition(tasks=False), 9) for flat in (False, True)]
+    assert automata[0].automaton.states == automata[1].automaton.states
 
 
 def test_without_the_hierarchy_any_sequence_of_actions_is_a_plan_with_one_reading(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from prag_asp.logic.counter import count_models
 from prag_asp.logic.model import Model
 from prag_asp.space.engines import ENGINES
 from prag_asp.space.engines.sharp import SharpEngine
+from prag_asp.space.limits import UNLIMITED, Limits
 from tests.domains import domain_of
 from tests.processes import children
 from tests.space.test_engines import TWO
@@ -21,7 +22,7 @@ from tests.space.test_engines_clauses import needs_ganak
 def test_without_ganak_one_line_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("prag_asp.logic.counter.find_spec", lambda name: None)
     with pytest.raises(EngineError, match=r"pip install 'prag_asp\[sharp\]'"):
-        ENGINES["sharp"](Model(domain_of(TWO)), "plan", None)
+        ENGINES["sharp"](Model(domain_of(TWO)), "plan", None, UNLIMITED)
 
 
 @needs_ganak
@@ -53,7 +54,7 @@ def test_a_variable_of_no_clause_counts_twice_if_it_is_shown() -> None:
 
 @needs_ganak
 def test_a_count_that_takes_too_long_ends_with_an_error_and_no_process() -> None:
-    engine = SharpEngine(Model(load_domain("tabletop")), "plan", seconds=1.5)
+    engine = SharpEngine(Model(load_domain("tabletop")), "plan", limits=Limits(seconds=1.5))
     begun = time.monotonic()
     with pytest.raises(EngineError, match=r"no count after 1\.5 s"):
         engine.count(6)
