@@ -1,16 +1,15 @@
-"""Exact counting and drawing beside clingo's enumeration, in one run: python benchmarks/counting.py."""
+"""Exact counting beside clingo's enumeration, in one run: python benchmarks/counting.py."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import islice
 from pathlib import Path
 from time import perf_counter
 
 from rich.console import Console
 from rich.table import Table
 
-from prag_asp import Domain, TaskSpace, load_domain
+from prag_asp import TaskSpace, load_domain
 
 TRANSPORT = Path(__file__).parent / "transport"
 ENUMERATED = 7
@@ -25,7 +24,7 @@ def seconds(work: Callable[[], object]) -> float:
 
 
 def main() -> None:
-    """Print the table of counting times and their ratios, then the rates of drawing."""
+    """Print the table of counting times and their ratios."""
     domain = load_domain(TRANSPORT)
     table = Table("length", "plans", "automaton, s", "clingo, s", "ratio")
     reference = TaskSpace(domain, ENUMERATED, engine="clingo")
@@ -46,21 +45,7 @@ def main() -> None:
             shown if length == ENUMERATED else f"{shown} (extrapolated)",
             f"{ratio:,}" if ratio else "-",
         )
-    console = Console()
-    console.print(table)
-    console.print(_drawing(domain))
-
-
-def _drawing(domain: Domain) -> Table:
-    table = Table("drawing at length 15", "tasks/s")
-    space = TaskSpace(domain, 15)
-    engine = space.draw_words(seed=0, weights={})
-    list(islice(engine, 100))
-    table.add_row("words", f"{int(20_000 / seconds(lambda: list(islice(engine, 20_000)))):,}")
-    tasks = space.draw(seed=0, weights={})
-    list(islice(tasks, 1100))
-    table.add_row("Task objects", f"{int(3000 / seconds(lambda: list(islice(tasks, 3000)))):,}")
-    return table
+    Console().print(table)
 
 
 if __name__ == "__main__":

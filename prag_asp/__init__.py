@@ -20,11 +20,13 @@ if TYPE_CHECKING:
     from prag_asp.domain.atom import Atom, parse_atom
     from prag_asp.domain.load import Domain, load_domain
     from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
+    from prag_asp.space.conditions import Condition
     from prag_asp.space.task import Task
     from prag_asp.space.task_space import TaskSpace
 
 __all__ = [
     "Atom",
+    "Condition",
     "Domain",
     "DomainError",
     "EngineError",
@@ -42,6 +44,7 @@ _HOMES = {
     "prag_asp.domain.atom": ("Atom", "parse_atom"),
     "prag_asp.domain.load": ("Domain", "load_domain"),
     "prag_asp.errors": ("DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError"),
+    "prag_asp.space.conditions.condition": ("Condition",),
     "prag_asp.space.task": ("Task",),
     "prag_asp.space.task_space": ("TaskSpace",),
 }

@@ -4,6 +4,7 @@ PragError
 ├── DomainError        a domain's files are wrong: every message is ``file:line: what; what to do``
 ├── QueryError         a question does not fit the domain: unknown action, negative length, bad weight
 ├── EngineError        an engine cannot express a domain, and says why
+│   └── LimitReached   a limit on memory or time ended the work; has what was found until then
 ├── SceneError         the scene or a body of it cannot be built
 └── OutputError        a result could not be written
 """
@@ -25,6 +26,14 @@ class QueryError(PragError):
 
 class EngineError(PragError):
     """An engine cannot express the domain."""
+
+
+class LimitReached(EngineError):
+    """A limit on memory or time was reached; there are at least `at_least` of what was counted."""
+
+    def __init__(self, message: str, at_least: int) -> None:
+        super().__init__(message)
+        self.at_least = at_least
 
 
 class SceneError(PragError):

@@ -24,7 +24,11 @@ class Action:
 
 @dataclass(frozen=True)
 class Toy:
-    """A ground domain over the fluents f0, f1, ...; an unknown effect is None."""
+    """A ground domain over the fluents f0, f1, ...; an unknown effect is None.
+
+    A part of a composite is the number of an action or, above these, the number of actions plus that of a composite
+    before it. Without composites, `free` means nothing.
+    """
 
     fluents: int
     actions: tuple[Action, ...]
@@ -35,6 +39,8 @@ class Toy:
     never_after: tuple[tuple[int, int], ...] = ()
     at_most: dict[str, int] = field(default_factory=dict)
     blocked: tuple[tuple[int, int, int], ...] = ()
+    composites: tuple[tuple[int, ...], ...] = ()
+    free: tuple[int, ...] = ()
 
     def text(self) -> str:
         lines = [f"fluent(f{f})." for f in range(self.fluents)]
@@ -47,6 +53,11 @@ class Toy:
         lines += [f"implies(f{f},f{g})." for f, g in self.implies]
         lines += [f"goal(f{f},{spelled(v)})." for f, v in self.goal.items()]
         lines += [f"at_most({name},{k})." for name, k in self.at_most.items()]
+        lines += [f"composite(c{i})." for i in range(len(self.composites))]
+        lines += [
+            f"stage(c{i},{k},{part(self, p)})." for i, c in enumerate(self.composites) for k, p in enumerate(c, 1)
+        ]
+        lines += [f"free({term(self, i)})." for i in self.free]
         lines.append("#program step(t).")
         lines += [f":- occurs({term(self, i)},t-1), occurs({term(self, j)},t)." for i, j in self.never_after]
         lines += [
@@ -89,13 +100,31 @@ class Toy:
             if not states:
                 return
             if len(plan) == length:
-                if any(agrees(state, self.goal) for state in states):
+                if any(agrees(state, self.goal) for state in states) and (
+                    not self.composites or next(self.readings(plan), None) is not None
+                ):
                     yield plan
                 return
             for i in range(len(self.actions)):
                 yield from extend((*plan, i), self.after(states, plan, i))
 
         return extend((), self.start())
+
+    def word(self, number: int) -> tuple[int, ...]:
+        """Return the actions of a part."""
+        if number < len(self.actions):
+            return (number,)
+        return tuple(i for p in self.composites[number - len(self.actions)] for i in self.word(p))
+
+    def readings(self, plan: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        """Yield the ways to read a plan as whole composites and free actions, each as their numbers."""
+        if not plan:
+            yield ()
+        composites = (len(self.actions) + i for i in range(len(self.composites)))
+        for number in (*self.free, *composites):
+            word = self.word(number)
+            if plan and plan[: len(word)] == word:
+                yield from ((number, *rest) for rest in self.readings(plan[len(word) :]))
 
 
 def agrees(state: State, values: Values) -> bool:
@@ -104,6 +133,10 @@ def agrees(state: State, values: Values) -> bool:
 
 def term(toy: Toy, i: int) -> str:
     return f"{toy.actions[i].name}({i})"
+
+
+def part(toy: Toy, number: int) -> str:
+    return term(toy, number) if number < len(toy.actions) else f"c{number - len(toy.actions)}"
 
 
 def spelled(value: bool | None) -> str:

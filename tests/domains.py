@@ -16,5 +16,6 @@ ENCODINGS = data_folder("encodings")
 def domain_of(text: str, *rules: str) -> Domain:
     """Return the domain of a text, with rules by their names."""
     added = tuple(s for rule in rules for s in read_sources(ENCODINGS / "rules" / f"{rule}.lp", ENCODINGS))
-    program = Program((*core_sources(ENCODINGS), Source(Path("domain.lp"), text), *added))
+    hierarchy = read_sources(ENCODINGS / "hierarchy.lp", ENCODINGS) if "composite(" in text else ()
+    program = Program((*core_sources(ENCODINGS), *hierarchy, Source(Path("domain.lp"), text), *added))
     return Domain("toy", Path(), ENCODINGS, program, ground_facts(program), Settings(Path("domain.toml")))

@@ -35,3 +35,12 @@ def interrupt(process: subprocess.Popen[str]) -> str:
     """Press Ctrl-C, and return what the process then says on stderr."""
     os.killpg(process.pid, signal.SIGINT)
     return process.communicate(timeout=30)[1]
+
+
+def children(of: int | str = "self") -> list[int]:
+    """Return the processes that a process has started, and that still run."""
+    return [
+        int(pid)
+        for task in Path(f"/proc/{of}/task").iterdir()
+        for pid in (task / "children").read_text().split()
+    ]  # fmt: skip

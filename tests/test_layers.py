@@ -12,8 +12,8 @@ import prag_asp
 PACKAGE = Path(prag_asp.__file__).parent
 LAYERS = ("errors", "domain", "logic", "space", "physics", "dataset", "rl", "analysis", "cli")
 PUBLIC = {
-    "Atom", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError", "Task",
-    "TaskSpace", "load_domain", "parse_atom",
+    "Atom", "Condition", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError",
+    "Task", "TaskSpace", "load_domain", "parse_atom",
 }  # fmt: skip
 
 
@@ -53,7 +53,7 @@ def loaded_by(*arguments: str) -> set[str]:
 def test_counting_loads_neither_the_simulator_nor_data_packages() -> None:
     loaded = loaded_by("count", "prag", "--length", "3")
     assert "clingo" in loaded
-    assert not loaded & {"pybullet", "frankik", "pyarrow", "rich", "PIL", "multiprocessing"}
+    assert not loaded & {"pybullet", "frankik", "pyarrow", "rich", "PIL", "multiprocessing", "pysat", "pyganak"}
 
 
 def test_asking_for_help_loads_no_solver() -> None:

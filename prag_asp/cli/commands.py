@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from itertools import islice
 from typing import Any
 
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, asks
-from prag_asp.cli.terminal import FAILED, Command, progress, writer
-from prag_asp.errors import OutputError, QueryError
+from prag_asp.cli.options import Asked, Checking, Weighing, asks
+from prag_asp.cli.split import split
+from prag_asp.cli.statistics import stats
+from prag_asp.cli.task import task
+from prag_asp.cli.terminal import FAILED, LIMITED, Command, progress, writer
+from prag_asp.errors import LimitReached, QueryError
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""
@@ -45,9 +49,10 @@ def check(*, asked: Asked) -> None:
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
+    composites = f"{len(facts.composites)} composites, " if facts.composites else ""
     click.echo(
         f"{domain.name}: ok; {world} world, {len(facts.entities)} entities, {len(facts.fluents)} fluents, "
-        f"{len(facts.actions)} actions, {scene}"
+        f"{len(facts.actions)} actions, {composites}{scene}"
     )
 
 
@@ -69,17 +74,25 @@ def new(name: str) -> None:
 @options.prefix
 @click.option("--upto", is_flag=True, help="Print a table for the lengths 1 to N.")
 def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool) -> None:
-    """Print the exact number of tasks of length N."""
+    """Print the exact number of tasks of length N.
+
+    Where --memory or --time ends the count, prints "at least K" for the K that were found, and exits with code 3.
+    """
     first = _split(prefix)
-    with progress() as tell:
-        space = asked.space(tell)
-        if not upto:
-            click.echo(space.count(by, first))
-            return
-        width = max(len(str(asked.length)), len("length"))
-        click.echo(f"{'length':>{width}}  {by}s")
-        for length in range(1, asked.length + 1):
-            click.echo(f"{length:>{width}}  {space.at(length).count(by, first)}")
+    width = max(len(str(asked.length)), len("length")) if upto else 0
+    label = ""
+    try:
+        with progress() as tell:
+            space = asked.space(tell)
+            if upto:
+                click.echo(f"{'length':>{width}}  {by}s")
+            for length in range(1, asked.length + 1) if upto else (asked.length,):
+                label = f"{length:>{width}}  " if upto else ""
+                click.echo(f"{label}{space.at(length).count(by, first)}")
+    except LimitReached as limit:
+        click.echo(f"{label}at least {limit.at_least}")
+        click.echo(str(limit), err=True)
+        raise click.exceptions.Exit(LIMITED) from None
 
 
 @cli.command()
@@ -113,16 +126,15 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
 @asks(options.SPACE)
 @click.option("--count", "wanted", type=click.IntRange(min=0), default=10, show_default=True, help="How many tasks.")
 @options.seed
+@options.weighs
 @click.option(
-    "--weight", "weights", metavar="KEY=W", multiple=True, help="Such as grasp=2, 'grasp>move=0.5', apple=1/3."
+    "--over",
+    type=click.Choice(["skeletons", "goals"]),
+    help="Draw a skeleton (or a goal) uniformly first, then a task that has it.",
 )
-@click.option("--uniform", is_flag=True, help="Leave out the weights of domain.toml.")
 @click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
-@options.workers
-@options.budget
-@options.tier
-@options.demonstrate
+@options.checks
 @click.option("--max-draws", type=click.IntRange(min=1), metavar="K", help="Give up after K draws.  [1000 a task]")
 @options.form
 @options.output
@@ -131,14 +143,11 @@ def sample(
     asked: Asked,
     wanted: int,
     seed: int,
-    weights: tuple[str, ...],
-    uniform: bool,
+    weighing: Weighing,
+    over: Any,
     by: Any,
     physics: bool | None,
-    workers: int,
-    budget: str,
-    tier: str,
-    demonstrate: str | None,
+    checking: Checking,
     max_draws: int | None,
     form: str,
     output: str | None,
@@ -146,56 +155,42 @@ def sample(
     """Draw tasks of length N, each with a probability proportional to its weight, exactly."""
     from prag_asp.dataset.jsonl import Record
 
-    given = options.parse_weight_options(weights)
     with progress() as tell:
         space = asked.space(tell)
         line = options.line_form(form, space.domain)
-        own = {} if uniform else dict(space.domain.settings.weights)
-        drawn = space.draw(seed=seed, weights={**own, **given}, by=by) if wanted else iter(())
-        if physics is False or (physics is None and not space.domain.settings.scene):
-            with writer(output) as write:
+        drawn = space.draw(seed=seed, by=by, over=over, **weighing.arguments(space.domain)) if wanted else iter(())
+        if physics is None:
+            physics = bool(space.domain.settings.scene)
+        with writer(output) as write:
+            if not physics:
                 for task in islice(drawn, wanted):
                     write(line(Record(task)))
-            return
-        from prag_asp.cli.physics import Recordings, Tally, feasible
+                return
+            from prag_asp.cli.physics import first_feasible
 
-        tally, limit = Tally(), max_draws or DRAWS_FOR_EACH * wanted
-        scene, allowed = options.scene_of(space.domain), options.parse_budget(budget, tier, demonstrate)
-        try:
-            with writer(output) as write:
-                found = feasible(islice(drawn, limit), scene, seed, workers, allowed, Recordings(demonstrate), tally)
-                for record in islice(found, wanted):
+            scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
+            with closing(first_feasible(drawn, wanted, scene, seed, checking, limit, tell)) as records:
+                for record in records:
                     write(line(record))
-                    tell(str(tally))
-        finally:
-            click.echo(str(tally), err=True)
-    if tally.passed < wanted:
-        raise OutputError(f"only {tally.passed} of {wanted} tasks were found in {limit} draws; raise --max-draws")
 
 
 @cli.command()
 @click.argument("file", metavar="TASKS.jsonl")
-@click.option("--domain", "name", metavar="DOMAIN", help="Domain of the tasks.  [default: the one that they name]")
+@asks(
+    (
+        click.option("--domain", "name", metavar="DOMAIN", default="", help="Their domain.  [default: what they name]"),
+        *options.PROGRAM,
+        options.WHERE,
+    )
+)
 @options.seed
-@options.workers
-@options.budget
-@options.tier
-@options.demonstrate
+@options.checks
 @click.option("--witness-only", is_flag=True, help="Check the witnesses in the file, and look for no new ones.")
-def validate(
-    *,
-    file: str,
-    name: str | None,
-    seed: int,
-    workers: int,
-    budget: str,
-    tier: str,
-    demonstrate: str | None,
-    witness_only: bool,
-) -> None:
+def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_only: bool) -> None:
     """Check tasks of a file again: that their plans are valid, and that a robot can do them.
 
-    Prints a line for each task: its number, its verdict and the reason.
+    Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
+    and --where that the tasks were made with.
     """
     from prag_asp.dataset.jsonl import read_lines
 
@@ -203,27 +198,23 @@ def validate(
         records = list(read_lines(lines, file))
     if not records:
         raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
-    from prag_asp.cli.physics import Recordings, check_again
+    from prag_asp.cli.physics import check_again
 
-    passed, allowed = 0, options.parse_budget(budget, tier, demonstrate)
+    passed = 0
     with progress() as tell:
-        results = check_again(
-            records,
-            name,
-            seed=seed,
-            workers=workers,
-            budget=allowed,
-            recordings=Recordings(demonstrate),
-            witness_only=witness_only,
-        )
+        results = check_again(records, asked, seed=seed, checking=checking, witness_only=witness_only)
         for number, (status, reason) in zip(range(1, len(records) + 1), results, strict=True):
             passed += status == "feasible"
             click.echo(f"{number}\t{status}\t{reason}".rstrip())
             tell(f"{number} of {len(records)} tasks")
-    checked = f"the witness, {allowed.tier}" if witness_only else f"budget {allowed}"
-    click.echo(f"{passed} of {len(records)} tasks passed ({checked})", err=True)
+    click.echo(f"{passed} of {len(records)} tasks passed", err=True)
     if passed < len(records):
         raise click.exceptions.Exit(FAILED)
+
+
+cli.add_command(task)
+cli.add_command(split)
+cli.add_command(stats)
 
 
 def _split(prefix: str | None) -> list[str]:

@@ -28,33 +28,59 @@ class Asked:
     name: str
     rules: tuple[str, ...] = ()
     encodings: str | None = None
+    flat: bool = False
     length: int = 0
     engine: str = "auto"
+    where: tuple[str, ...] = ()
+    memory: str | None = None
+    time: str | None = None
+    cached: bool = True
 
     def domain(self) -> Domain:
         """Load the domain."""
         from prag_asp.domain.load import load_domain
 
-        return load_domain(self.name, rules=self.rules, encodings=self.encodings)
+        return load_domain(self.name, rules=self.rules, encodings=self.encodings, flat=self.flat)
 
     def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
         """Return the task space, which tells its progress to `tell`."""
+        from prag_asp.space.limits import Limits, parse_memory, parse_time
         from prag_asp.space.task_space import TaskSpace
 
-        return TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell)
+        limits = Limits(
+            parse_memory(self.memory) if self.memory else None,
+            parse_time(self.time) if self.time else None,
+            self.cached,
+        )
+        if not all(map(str.strip, self.where)):
+            raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
+        space = TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
+        return space.where(*self.where)
 
 
-DOMAIN = (
-    click.argument("name", metavar="DOMAIN"),
+PROGRAM = (
     click.option(
         "--rule", "rules", metavar="RULE", multiple=True, help="Rule to add, such as no_undo or 'at_most(grasp,2)'."
     ),
     click.option("--encodings", metavar="DIR", help="Folder of encodings to use in place of the shipped ones."),
+    click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
+)
+DOMAIN = (click.argument("name", metavar="DOMAIN"), *PROGRAM)
+WHERE = click.option(
+    "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
 )
 SPACE = (
     *DOMAIN,
     click.option("-n", "--length", type=int, required=True, metavar="N", help="Number of actions of a task."),
-    click.option("--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton or clingo."),
+    WHERE,
+    click.option(
+        "--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton, clingo, sat or sharp."
+    ),
+    click.option("--memory", metavar="SIZE", help="Stop at this much memory, such as 4GB."),
+    click.option("--time", metavar="TIME", help="Stop exploring or counting after this long, such as 60s or 5m."),
+    click.option(
+        "--cache/--no-cache", "cached", default=True, help="Keep what took long for the next run.  [default: cache]"
+    ),
 )
 
 by_level = click.option(
@@ -75,45 +101,105 @@ form = click.option(
     help="Actions; sentences by the domain's [language]; or all that is known of a task.",
 )
 seed = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same bytes.")
-workers = click.option(
-    "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics."
-)
+CHECKS = (
+    click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics."),
+    click.option(
+        "--budget", metavar="RxS", default="10x10", show_default=True,
+        help="How hard physics looks: first states tried for a task x attempts at each action.",
+    ),
+    click.option(
+        "--tier", type=click.Choice(["kinematics", "settling", "demonstration"]), default="kinematics",
+        show_default=True,
+        help="Dearest tier of checks: arrangements and arm, also that objects stay in a simulation, also that the "
+        "robot performs the task in it.",
+    ),
+    click.option(
+        "--demonstrate", metavar="DIR", help="Let the robot perform each task, and write recordings (.npz) into DIR."
+    ),
+)  # fmt: skip
 
-budget = click.option(
-    "--budget",
-    metavar="RxS",
-    default="10x10",
-    show_default=True,
-    help="How hard physics looks: first states tried for a task x attempts at each action.",
-)
-tier = click.option(
-    "--tier",
-    type=click.Choice(["kinematics", "settling", "demonstration"]),
-    default="kinematics",
-    show_default=True,
-    help="Dearest tier of checks: arrangements and arm, also that objects stay in a simulation, also that the "
-    "robot performs the task in it.",
-)
-demonstrate = click.option(
-    "--demonstrate", metavar="DIR", help="Let the robot perform each task, and write recordings (.npz) into DIR."
-)
+
+@dataclass(frozen=True)
+class Checking:
+    """How a command line wants tasks checked by physics."""
+
+    workers: int
+    budget: str
+    tier: str
+    demonstrate: str | None
+
+    def limits(self) -> Budget:
+        """Return the budget; whoever asks for recordings asks for demonstrations.
+
+        Raises:
+            QueryError: --budget is not of the form RxS with positive numbers.
+        """
+        from prag_asp.physics import TIERS, Budget
+
+        restarts, _, samples = self.budget.partition("x")
+        if not (restarts.isdecimal() and samples.isdecimal()):
+            raise QueryError(f"--budget {self.budget}: write RESTARTSxSAMPLES, such as 10x10")
+        dearest = "demonstration" if self.demonstrate is not None else self.tier
+        return Budget(int(restarts), int(samples), TIERS[TIERS.index(dearest)])
+
+
+def checks(function: Function) -> Function:
+    """Give a command the options of physics, as one value `checking`."""
+    return _bundled(function, "checking", Checking, CHECKS)
 
 
 def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Function], Function]:
     """Give a command these options, as one value `asked`."""
+    return lambda function: _bundled(function, "asked", Asked, options)
 
-    def decorate(function: Function) -> Function:
-        @wraps(function)
-        def command(**values: Any) -> Any:
-            own = {key: values.pop(key) for key in Asked.__dataclass_fields__ if key in values}
-            return function(asked=Asked(**own), **values)
 
-        decorated: Function = command
-        for option in reversed(options):
-            decorated = option(decorated)
-        return decorated
+def _bundled(function: Function, name: str, kind: Any, options: Sequence[Callable[[Function], Function]]) -> Function:
+    """Return a command with options whose values it gets as one value of a dataclass."""
 
-    return decorate
+    @wraps(function)
+    def command(**values: Any) -> Any:
+        own = {key: values.pop(key) for key in kind.__dataclass_fields__ if key in values}
+        return function(**{name: kind(**own)}, **values)
+
+    decorated: Function = command
+    for option in reversed(options):
+        decorated = option(decorated)
+    return decorated
+
+
+WEIGHING = (
+    click.option(
+        "--weight", "given", metavar="KEY=W", multiple=True, help="Such as grasp=2, 'grasp>move=0.5', apple=1/3."
+    ),
+    click.option("--uniform", is_flag=True, help="Leave out the weights of domain.toml."),
+    click.option(
+        "--temperature", default="1", show_default=True, metavar="T",
+        help="Each weight w becomes w^(1/T): below 1 sharpens, inf makes all alike.",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """The weights that a command line asks for."""
+
+    given: tuple[str, ...] = ()
+    uniform: bool = False
+    temperature: str = "1"
+
+    def arguments(self, domain: Domain) -> dict[str, Any]:
+        """Return them as arguments for the methods of a task space.
+
+        Raises:
+            QueryError: an option is not of the form KEY=W.
+        """
+        own = {} if self.uniform else dict(domain.settings.weights)
+        return {"weights": {**own, **parse_weight_options(self.given)}, "temperature": self.temperature.strip()}
+
+
+def weighs(function: Function) -> Function:
+    """Give a command the options of weights, as one value `weighing`."""
+    return _bundled(function, "weighing", Weighing, WEIGHING)
 
 
 def scene_of(domain: Domain) -> Scene:
@@ -128,21 +214,6 @@ def scene_of(domain: Domain) -> Scene:
         raise QueryError(f"{domain.name} has no [scene] in its domain.toml; add one, or draw with --no-physics")
     entities = {str(entity): name for entity, name in domain.facts.entities.items()}
     return parse_scene(domain.settings.scene, domain.facts.parents, entities)
-
-
-def parse_budget(text: str, tier: str, demonstrate: str | None) -> Budget:
-    """Return the budget that options state; whoever asks for recordings asks for demonstrations.
-
-    Raises:
-        QueryError: the text is not of the form RxS with positive numbers.
-    """
-    from prag_asp.physics import TIERS, Budget
-
-    restarts, _, samples = text.partition("x")
-    if not (restarts.isdecimal() and samples.isdecimal()):
-        raise QueryError(f"--budget {text}: write RESTARTSxSAMPLES, such as 10x10")
-    dearest = "demonstration" if demonstrate is not None else tier
-    return Budget(int(restarts), int(samples), TIERS[TIERS.index(dearest)])
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
-from itertools import groupby, tee
+from dataclasses import replace
+from itertools import groupby, islice, tee
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.cli.options import Asked, scene_of
+import click
+
+from prag_asp.cli.options import Asked, Checking, scene_of
 from prag_asp.dataset.jsonl import Record
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.physics import (
@@ -74,11 +77,10 @@ class Tally:
         return f"{self.drawn} drawn, {self.passed} passed{share}{reasons}"
 
 
-def feasible(
-    tasks: Iterator[Task], scene: Scene, seed: int, workers: int, budget: Budget, recordings: Recordings, tally: Tally
-) -> Iterator[Record]:
+def feasible(tasks: Iterator[Task], scene: Scene, seed: int, checking: Checking, tally: Tally) -> Iterator[Record]:
     """Yield the feasible tasks with verdict and witness, write their demonstrations, and count all of them."""
     asked, kept = tee(tasks)
+    recordings, workers, budget = Recordings(checking.demonstrate), checking.workers, checking.limits()
     with closing(validate_tasks(asked, scene, seed=seed, workers=workers, budget=budget)) as verdicts:
         for task, verdict in zip(kept, verdicts, strict=False):
             tally.add(verdict)
@@ -91,27 +93,45 @@ def feasible(
                 yield Record(task, told, witness)
 
 
-def check_again(
-    records: Sequence[Record],
-    name: str | None,
-    *,
+def first_feasible(
+    tasks: Iterator[Task],
+    wanted: int,
+    scene: Scene,
     seed: int,
-    workers: int,
-    budget: Budget,
-    recordings: Recordings,
-    witness_only: bool,
+    checking: Checking,
+    limit: int,
+    tell: Callable[[str], None],
+) -> Generator[Record, None, None]:
+    """Yield the first `wanted` feasible ones of at most `limit` tasks, and say on stderr how many it took.
+
+    Raises:
+        OutputError: they are fewer.
+    """
+    tally = Tally()
+    try:
+        for record in islice(feasible(islice(tasks, limit), scene, seed, checking, tally), wanted):
+            yield record
+            tell(str(tally))
+    finally:
+        click.echo(str(tally), err=True)
+    if tally.passed < wanted:
+        raise OutputError(f"only {tally.passed} of {wanted} tasks were found in {limit} draws; raise --max-draws")
+
+
+def check_again(
+    records: Sequence[Record], asked: Asked, *, seed: int, checking: Checking, witness_only: bool
 ) -> Iterator[tuple[str, str]]:
     """Yield for each record its verdict and the reason: whether its plan is valid, and whether physics agrees.
 
-    `name` is the domain of all records; without it, each names its own.
+    Where `asked` has no domain, each names its own.
     """
-    number = 0
+    number, budget, recordings = 0, checking.limits(), Recordings(checking.demonstrate)
     for own, group in groupby(records, key=lambda record: record.task.domain):
-        space = Asked(name or own).space()
+        space = replace(asked, name=asked.name or own).space()
         scene = scene_of(space.domain)
         found = [(record, _fault(record.task, space)) for record in group]
-        asked = (record.task for record, fault in found if not fault and not witness_only)
-        with closing(validate_tasks(asked, scene, seed=seed, workers=workers, budget=budget)) as verdicts:
+        valid = (record.task for record, fault in found if not fault and not witness_only)
+        with closing(validate_tasks(valid, scene, seed=seed, workers=checking.workers, budget=budget)) as verdicts:
             for record, fault in found:
                 number += 1
                 if fault:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,9 +10,12 @@ from typing import Any, TextIO
 
 import click
 
-from prag_asp.errors import OutputError, PragError
+from prag_asp.errors import LimitReached, OutputError, PragError
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+FAILED, BAD_INPUT, LIMITED, INTERRUPTED = 1, 2, 3, 130
+COLLECT = (100_000, 50, 100)
+"""A ground program is a great many small values without cycles, among which looking for garbage is a waste of time."""
+
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
 
@@ -23,6 +27,7 @@ class Command(click.Group):
         """Run the command and return its exit code."""
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
+        gc.set_threshold(*COLLECT)
         try:
             return super().main(*args, **{**kwargs, "standalone_mode": False}) or 0
         except click.exceptions.Exit as stop:
@@ -46,6 +51,8 @@ def _end(error: BaseException) -> int:
         click.echo(f"{error.filename or 'output'}: {error.strerror or error}", err=True)
         return FAILED
     click.echo(str(error), err=True)
+    if isinstance(error, LimitReached):
+        return LIMITED
     return FAILED if isinstance(error, OutputError) else BAD_INPUT
 
 

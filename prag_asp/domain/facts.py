@@ -37,6 +37,9 @@ class Facts:
     exclusive: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
     implies: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
     goal: Assignment
+    composites: tuple[clingo.Symbol, ...]
+    stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
+    free: tuple[clingo.Symbol, ...]
 
     @property
     def closed(self) -> bool:
@@ -65,6 +68,9 @@ def read_facts(control: clingo.Control) -> Facts:
     for child, parent in rows(control, "class", 2):
         parents[str(child)] = (*parents.get(str(child), ()), str(parent))
     fluents = tuple(fluent for (fluent,) in rows(control, "fluent", 1))
+    stages: dict[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]] = {}
+    for composite, number, part in rows(control, "stage", 3):
+        stages[composite] = (*stages.get(composite, ()), (number, part))
     return Facts(
         parents=parents,
         entities={entity: str(name) for entity, name in rows(control, "entity", 2)},
@@ -77,6 +83,9 @@ def read_facts(control: clingo.Control) -> Facts:
         exclusive=tuple((first, second) for first, second in rows(control, "exclusive", 2)),
         implies=tuple((first, second) for first, second in rows(control, "implies", 2)),
         goal=tuple((fluent, str(value)) for fluent, value in rows(control, "goal", 2)),
+        composites=tuple(composite for (composite,) in rows(control, "composite", 1)),
+        stages=stages,
+        free=tuple(action for (action,) in rows(control, "free", 1)),
     )
 
 

@@ -25,7 +25,7 @@ def domain_folder(name_or_path: str | Path) -> Path:
     """Return the folder of a domain given as a shipped name or as a folder.
 
     Raises:
-        DomainError: there is neither a shipped domain nor a folder of that name, or the folder has no domain.lp.
+        DomainError: there is neither a shipped domain nor a folder of that name, it is a file, or it has no domain.lp.
     """
     shipped = shipped_domains()
     if str(name_or_path) in shipped:
@@ -35,6 +35,8 @@ def domain_folder(name_or_path: str | Path) -> Path:
         return folder
     if folder.is_dir():
         raise DomainError(f"{folder}: this folder has no domain.lp; `prag-asp new NAME` writes one")
+    if folder.is_file():
+        raise DomainError(f"{folder}: a file, not a folder; give the folder of the domain, {folder.parent}")
     near = difflib.get_close_matches(str(name_or_path), shipped, n=1)
     hint = f"did you mean {near[0]}?" if near else f"shipped are {', '.join(shipped)}; or give a folder"
     raise DomainError(f"{name_or_path}: no such domain; {hint}")

@@ -13,6 +13,12 @@ from prag_asp.domain.tokens import blanked
 from prag_asp.errors import DomainError
 
 KEYWORD = re.compile(r"#include\b")
+CONTRACT = "contract.lp"
+"""The encoding that every folder of encodings has."""
+
+HIERARCHY = "hierarchy.lp"
+"""The encoding that only domains with composites need."""
+
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 
@@ -107,13 +113,13 @@ def read_text(path: Path) -> str:
 
 
 def core_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that every domain uses: the logic programs directly in the folder `encodings`.
+    """Return the encodings that every domain uses: the logic programs directly in the folder, but the hierarchy.
 
     Raises:
         DomainError: the folder holds no encodings.
     """
-    paths = sorted(encodings.glob("*.lp"))
-    if not paths:
-        raise DomainError(f"{encodings}: no encodings (*.lp) here; copy the shipped ones")
+    if not (encodings / CONTRACT).is_file():
+        raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
+    paths = sorted(path for path in encodings.glob("*.lp") if path.name != HIERARCHY)
     found: Iterable[Source] = (source for path in paths for source in read_sources(path, encodings))
     return tuple({source.path.resolve(): source for source in found}.values())

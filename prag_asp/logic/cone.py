@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import clingo
 
+from prag_asp.logic.ground import timeless
 from prag_asp.logic.normal import Body, NormalStep
 
 
@@ -24,6 +26,7 @@ class Cone:
 
 def find_cone(step: NormalStep, labels: Iterable[int] = ()) -> Cone:
     """Return the cone of influence of the constraints of a step, its final check and the atoms `labels`."""
+    influence = _Influence(step)
     actions = set(step.occurs.values())
     direct: list[Body] = []
     candidates: list[Body] = []
@@ -31,15 +34,13 @@ def find_cone(step: NormalStep, labels: Iterable[int] = ()) -> Cone:
         (direct if any(abs(literal) in actions for literal in body.literals) else candidates).append(body)
     leaves = _leaves(step)
     roots = [*_atoms(direct), *labels, *leaves]
-    reached = _reach(step, roots)
-    asked = [body for body in candidates if not _reach(step, _atoms([body])) <= reached]
-    kept = [body for body in candidates if body not in asked]
+    reached = influence.of(roots)
+    asked = [body for body in candidates if not _atoms([body]) <= reached]
+    kept = [body for body in candidates if _atoms([body]) <= reached]
     broken = breakable(step, asked) if asked else []
-    reached = _reach(step, [*roots, *_atoms(kept), *_atoms(broken)])
-    before = {atom: symbol for symbol, atom in step.ground.before.items()}
-    final = {step.ground.names[atom] for atom in leaves}
-    variables = {before[atom] for atom in reached if atom in before}
-    variables |= {clingo.Function(symbol.name, symbol.arguments[:-1]) for symbol in final}
+    reached = influence.of([*roots, *_atoms(kept), *_atoms(broken)])
+    variables = {influence.before[atom] for atom in reached if atom in influence.before}
+    variables |= {timeless(step.ground.names[atom]) for atom in leaves}
     return Cone(tuple(sorted(variables)), (*direct, *kept, *broken))
 
 
@@ -53,20 +54,30 @@ def _atoms(bodies: Iterable[Body]) -> set[int]:
     return {abs(literal) for body in bodies for literal in body.literals}
 
 
-def _reach(step: NormalStep, roots: Iterable[int]) -> set[int]:
-    """Return the atoms that `roots` depend on, in this step and in all before."""
-    before = {atom: symbol for symbol, atom in step.ground.before.items()}
-    seen: set[int] = set()
-    waiting = list(roots)
-    while waiting:
-        atom = waiting.pop()
-        if atom in seen:
-            continue
-        seen.add(atom)
-        waiting += _atoms(step.bodies.get(atom, ()))
-        if atom in before and before[atom] in step.ground.now:
-            waiting.append(step.ground.now[before[atom]])
-    return seen
+@dataclass(frozen=True)
+class _Influence:
+    """What the atoms of a step depend on, in this step and in all before."""
+
+    step: NormalStep
+
+    @cached_property
+    def before(self) -> Mapping[int, clingo.Symbol]:
+        """The atoms of step t-1 with their symbols, which have no time."""
+        return {atom: symbol for symbol, atom in self.step.ground.before.items()}
+
+    def of(self, roots: Iterable[int]) -> set[int]:
+        """Return the atoms that `roots` depend on, and these."""
+        seen: set[int] = set()
+        waiting = list(roots)
+        while waiting:
+            atom = waiting.pop()
+            if atom in seen:
+                continue
+            seen.add(atom)
+            waiting += _atoms(self.step.bodies.get(atom, ()))
+            if atom in self.before and self.before[atom] in self.step.ground.now:
+                waiting.append(self.step.ground.now[self.before[atom]])
+        return seen
 
 
 def breakable(step: NormalStep, asked: list[Body]) -> list[Body]:
@@ -75,52 +86,65 @@ def breakable(step: NormalStep, asked: list[Body]) -> list[Body]:
     The states considered are those in which the rules and constraints that speak of the state alone hold: they hold
     after every step, and the ones assumed hold at the start. The rest is an induction over the steps.
     """
-    reached = _reach(step, _atoms(asked))
-    control = clingo.Control(["--warn=none"])
-    with control.backend() as backend:
-        known: dict[int, int] = {}
-
-        def atom_of(atom: int) -> int:
-            if atom not in known:
-                known[atom] = backend.add_atom()
-            return known[atom]
-
-        def literals(body: Body) -> list[int]:
-            return [atom_of(literal) if literal > 0 else -atom_of(-literal) for literal in body.literals]
-
-        def add(heads: list[int], body: Body) -> None:
-            if body.weights:
-                backend.add_weight_rule(heads, body.bound, list(zip(literals(body), body.weights, strict=True)))
-            else:
-                backend.add_rule(heads, literals(body))
-
-        free = sorted(set(step.ground.before.values()) & reached)
-        actions = sorted(set(step.occurs.values()) & reached)
-        backend.add_rule([atom_of(atom) for atom in (*free, *actions)], choice=True)
-        backend.add_weight_rule([], 2, [(atom_of(action), 1) for action in actions])
-        for atom in sorted(reached):
-            for body in step.bodies.get(atom, ()):
-                add([atom_of(atom)], body)
-        for body in _state_constraints(step, reached):
-            add([], body)
-        some = backend.add_atom()
-        broken, open_ = [], []
-        for body in asked:
-            broken.append(backend.add_atom())
-            open_.append(backend.add_atom())
-            backend.add_external(open_[-1], clingo.TruthValue.True_)
-            add([broken[-1]], body)
-            backend.add_rule([some], [broken[-1], open_[-1]])
+    question = _Question(step, asked)
     found: set[int] = set()
     while True:
-        with control.solve(assumptions=[some], yield_=True) as handle:
-            model = handle.model()
-            new = [] if model is None else [i for i in range(len(asked)) if i not in found and model.is_true(broken[i])]
+        new = question.broken() - found
         if not new:
-            return [asked[i] for i in sorted(found)]
-        found.update(new)
-        for i in new:
-            control.assign_external(open_[i], False)
+            return [asked[number] for number in sorted(found)]
+        found |= new
+        question.leave_out(new)
+
+
+class _Question:
+    """A program whose answer sets are steps, from any state considered, that break a constraint still asked for."""
+
+    def __init__(self, step: NormalStep, asked: list[Body]) -> None:
+        self._control = clingo.Control(["--warn=none"])
+        self._atom_of: dict[int, int] = {}
+        with self._control.backend() as backend:
+            self._add_steps(backend, step, _Influence(step).of(_atoms(asked)))
+            self._some = backend.add_atom()
+            self._broken = [backend.add_atom() for _ in asked]
+            self._open = [backend.add_atom() for _ in asked]
+            for body, broken, open_ in zip(asked, self._broken, self._open, strict=True):
+                backend.add_external(open_, clingo.TruthValue.True_)
+                self._add(backend, [broken], body)
+                backend.add_rule([self._some], [broken, open_])
+
+    def broken(self) -> set[int]:
+        """Return the numbers of some constraints asked for that one step breaks; none where none can be."""
+        with self._control.solve(assumptions=[self._some], yield_=True) as handle:
+            model = handle.model()
+            if model is None:
+                return set()
+            return {number for number, atom in enumerate(self._broken) if model.is_true(atom)}
+
+    def leave_out(self, numbers: Iterable[int]) -> None:
+        """Ask for these constraints no more."""
+        for number in numbers:
+            self._control.assign_external(self._open[number], False)
+
+    def _add_steps(self, backend: clingo.Backend, step: NormalStep, reached: set[int]) -> None:
+        """Add the choice of a state and an action, the rules of a step, and what every state satisfies."""
+        free = sorted(set(step.ground.before.values()) & reached)
+        actions = sorted(set(step.occurs.values()) & reached)
+        for atom in sorted(reached):
+            self._atom_of[atom] = backend.add_atom()
+        backend.add_rule([self._atom_of[atom] for atom in (*free, *actions)], choice=True)
+        backend.add_weight_rule([], 2, [(self._atom_of[action], 1) for action in actions])
+        for atom in sorted(reached):
+            for body in step.bodies.get(atom, ()):
+                self._add(backend, [self._atom_of[atom]], body)
+        for body in _state_constraints(step, reached):
+            self._add(backend, [], body)
+
+    def _add(self, backend: clingo.Backend, heads: list[int], body: Body) -> None:
+        literals = [self._atom_of[abs(literal)] * (1 if literal > 0 else -1) for literal in body.literals]
+        if body.weights:
+            backend.add_weight_rule(heads, body.bound, list(zip(literals, body.weights, strict=True)))
+        else:
+            backend.add_rule(heads, literals)
 
 
 def _state_constraints(step: NormalStep, reached: set[int]) -> list[Body]:

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import clingo
 
 from prag_asp.domain.facts import Facts
 from prag_asp.domain.grounding import Grounder, Part
 from prag_asp.domain.sources import Program
+from prag_asp.logic.growth import locate_head
 from prag_asp.logic.stationary import StepReads
+from prag_asp.logic.syntax import Signature
 
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""
+
+FEW_STEPS, MOST_ATOMS = 30, 1_000_000
+"""Where a predicate that carries something along is held to go on without end: after so many steps, or atoms."""
+CONTRACT = {("holds", 3), ("occurs", 2)}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
 OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
@@ -54,18 +61,69 @@ class GroundStep:
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """Ground one step of a program for every state that it may start from.
 
-    Which atoms step t-1 may have is not known beforehand: the step is grounded again until it makes no new ones.
+    Which atoms step t-1 may have is not known beforehand: the step is grounded again until it makes no new ones. Where
+    it makes new ones without end, such as a counter without a bound, the result has an obstacle that says so.
 
     Raises:
         DomainError: clingo cannot ground the program.
     """
     seeds = _seeds(facts, reads)
-    while True:
+    endless = _add_carried(seeds, program, reads)
+    for _ in range(_most_steps(program, reads)):
         ground = _ground_once(program, seeds, facts, reads)
         made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
-        if made | ground.initial <= seeds:
-            return ground
-        seeds |= made | ground.initial
+        new = (made | ground.initial) - seeds
+        if not new or endless:
+            break
+        seeds |= new
+    else:
+        endless = _signature(min(new))
+    if not endless:
+        return ground
+    where = locate_head(program, endless)
+    told = (
+        f"{where}: {endless[0]}/{endless[1]} takes new values at every step without end; add a condition that ends it"
+    )
+    return replace(ground, obstacles=(*ground.obstacles, told))
+
+
+def _most_steps(program: Program, reads: StepReads) -> int:
+    """Return after how many steps a predicate that still takes new values is held to take them without end.
+
+    A counter that is bounded ends at a number that the program names, or not far beyond.
+    """
+    if reads.growing & reads.previous:
+        return FEW_STEPS
+    numbers = (int(digits) for digits in re.findall(r"(?<!\d)\d{1,4}(?!\d)", program.text))
+    return FEW_STEPS + 2 * max(numbers, default=0)
+
+
+def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) -> Signature | None:
+    """Add to `seeds` what steps may carry along; return a predicate that does not come to an end.
+
+    Steps are ground one after another, and looked at after 1, 2, 4, ... of them.
+    """
+    carried = sorted(reads.previous - CONTRACT)
+    if not carried:
+        return None
+    grounder = Grounder(program)
+    grounder.ground([("base", [])])
+    atoms = grounder.control.symbolic_atoms
+    _declare(grounder, seeds | _initial(grounder, reads), [])
+    most, steps = _most_steps(program, reads), 0
+    while True:
+        more = max(steps, 1)
+        grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
+        steps += more
+        last = clingo.Number(STEP + steps - 1)
+        found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
+        seeds |= {timeless(symbol) for symbol in found if symbol.arguments[-1] != last}
+        new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds
+        if not new:
+            return None
+        seeds |= new
+        if steps > most or len(atoms) > MOST_ATOMS:
+            return _signature(min(new))
 
 
 def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
@@ -73,7 +131,7 @@ def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
     return clingo.Function(symbol.name, symbol.arguments[:-1])
 
 
-def _signature(symbol: clingo.Symbol) -> tuple[str, int]:
+def _signature(symbol: clingo.Symbol) -> Signature:
     return symbol.name, len(symbol.arguments) + 1
 
 
@@ -109,16 +167,44 @@ class _Recorder(clingo.Observer):
 
 def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads) -> GroundStep:
     grounder, recorder = _start(program)
-    recorder.part = "before"
+    # What `not p(_,t)` reads is defined by rules that clingo makes as soon as the atoms p(X,t) are there.
+    recorder.part = "step"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
     told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
-    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told]
-    grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
-    grounder.ground([("before", [])])
+    _declare(grounder, seeds, told)
     for part in ("step", "hindsight", "check", "ending"):
+        if part == "check":
+            recorder.part = "step"
+            _open_start(grounder, reads)
         recorder.part = part
         grounder.ground([(part, [NOW])])
     return _recorded(grounder, recorder, reads)
+
+
+def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
+    """Return the atoms of the start, without their time."""
+    atoms = grounder.control.symbolic_atoms
+    found = (atom.symbol for signature in reads.timed | reads.previous for atom in atoms.by_signature(*signature))
+    return {timeless(symbol) for symbol in found if symbol.arguments[-1] == START}
+
+
+def _open_start(grounder: Grounder, reads: StepReads) -> None:
+    """Leave open which atoms that only the start has are there: the check of a plan without a step reads them."""
+    atoms = grounder.control.symbolic_atoms
+    missing = [at_now for at_now in sorted(map(_now, _initial(grounder, reads))) if atoms[at_now] is None]
+    grounder.control.add("start", [], "\n".join(f"#external {atom}." for atom in missing))
+    grounder.ground([("start", [])])
+
+
+def _now(symbol: clingo.Symbol) -> clingo.Symbol:
+    return clingo.Function(symbol.name, [*symbol.arguments, NOW])
+
+
+def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:
+    """Leave open what step t-1 may have, and the atoms `told`."""
+    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told]
+    grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
+    grounder.ground([("before", [])])
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
@@ -155,15 +241,16 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
     atoms = grounder.control.symbolic_atoms
     signatures = sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)})
     for atom in (atom for signature in signatures for atom in atoms.by_signature(*signature)):
-        time = atom.symbol.arguments[-1]
+        symbol = atom.symbol
+        *arguments, time = symbol.arguments
         if time == START:
-            initial.add(timeless(atom.symbol))
+            initial.add(clingo.Function(symbol.name, arguments))
             if not atom.is_fact:
-                obstacles.append(f"{atom.symbol} depends on a choice: plans do not begin in one state")
+                obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
             continue
-        names[atom.literal] = atom.symbol
+        names[atom.literal] = symbol
         if time in (NOW, BEFORE):
-            (now if time == NOW else before)[timeless(atom.symbol)] = atom.literal
+            (now if time == NOW else before)[clingo.Function(symbol.name, arguments)] = atom.literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
         obstacles.append("the base part makes a choice")
     return GroundStep(

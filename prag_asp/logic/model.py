@@ -42,8 +42,19 @@ class Model:
 
     @cached_property
     def ground(self) -> GroundStep:
-        """One step, ground."""
+        """One step, ground.
+
+        Raises:
+            EngineError: a step reads more than the step before it.
+        """
+        if self.reads.obstacles:
+            raise EngineError(self.reads.obstacles[0])
         return ground_step(self.program, self.domain.facts, self.reads)
+
+    @property
+    def obstacles(self) -> tuple[str, ...]:
+        """Why a step is not a function of the state and the action, where it is not."""
+        return self.reads.obstacles or self.ground.obstacles
 
     @cached_property
     def step(self) -> NormalStep:
@@ -52,7 +63,7 @@ class Model:
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
         """Return the groups of interchangeable entities in plans of a length; most domains have the same for all."""
-        if not self.ground.obstacles:
+        if not self.obstacles:
             return self._groups
         unrolled = ground_plan(self.program, length, self.reads)
         return tuple(interchangeable(self.domain.facts, unrolled))
@@ -76,13 +87,13 @@ class Model:
         Raises:
             EngineError: the step is not a function of the state and the action.
         """
-        if self.ground.obstacles:
-            raise EngineError(self.ground.obstacles[0])
+        if self.obstacles:
+            raise EngineError(self.obstacles[0])
         program = self.task_program(0) if tasks else self.program
         if weighed:
             rules = read_sources(self.domain.encodings / "rules" / "weights.lp", self.domain.encodings)
             program = with_facts(Program((*program.sources, *rules)), weighed)
         if program is self.program:
-            return build_transition(self.step)
+            return build_transition(self.step, labels)
         reads = read_step(Program(tuple(s for s in program.sources if s.path.suffix == ".lp")))
         return build_transition(stratified_step(ground_step(program, self.domain.facts, reads)), labels)

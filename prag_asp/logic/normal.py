@@ -66,6 +66,7 @@ def normal_step(ground: GroundStep) -> NormalStep:
             final_bodies.setdefault(head, []).append(_body(rule))
         if not rule.heads:
             final.append(_body(rule))
+    _add_unnamed(ground, final_bodies, final)
     return NormalStep(
         ground, {action: atom for action, atom in occurs.items() if atom in allowed}, _frozen(bodies),
         tuple(constraints), _frozen(final_bodies), tuple(final),
@@ -97,6 +98,27 @@ def _step_rules(ground: GroundStep, actions: set[int]) -> tuple[set[int], dict[i
             bodies[atom] = allowed
             constraints.append(Body((action, -atom)))
     return set(support), bodies, constraints
+
+
+def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[Body]], final: Iterable[Body]) -> None:
+    """Add to `final_bodies` what defines the unnamed atoms that the final check reads.
+
+    An atom with an unnamed argument, such as ``p(_,t)``, has one definition in the part that reads it first, and each
+    later part adds to the one before.
+    """
+    defined: dict[int, list[Body]] = {}
+    for part in ground.rules.values():
+        for rule in part:
+            for head in rule.heads:
+                if head not in ground.names:
+                    defined.setdefault(head, []).append(_body(rule))
+    waiting = [body for found in final_bodies.values() for body in found] + list(final)
+    while waiting:
+        for literal in waiting.pop().literals:
+            atom = abs(literal)
+            if atom not in final_bodies and atom in defined:
+                final_bodies[atom] = defined[atom]
+                waiting += defined[atom]
 
 
 def _at_step(symbol: clingo.Symbol) -> str:

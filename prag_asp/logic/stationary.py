@@ -6,17 +6,16 @@ one before. That cannot be seen in the ground program of a single step, so it is
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import clingo
 from clingo.ast import AST, ASTType, parse_string
 
 from prag_asp.domain.sources import Program
+from prag_asp.logic.growth import growing_heads
+from prag_asp.logic.syntax import BEFORE, NOW, Signature, atoms_in, children_of, heads_of, signature_of, time_of
 
-Signature = tuple[str, int]
-
-NOW, BEFORE, START = "t", "(t-1)", "0"
+START = "0"
 PARTS = ("base", "step", "check")
 
 
@@ -24,12 +23,13 @@ PARTS = ("base", "step", "check")
 class StepReads:
     """What the rules of a step read of the step before, and why they are no function of it, if they are none.
 
-    `timed` are the predicates that carry a time.
+    `timed` are the predicates that carry a time; `growing` those of them that may take new values without end.
     """
 
     timed: frozenset[Signature]
     previous: frozenset[Signature]
     obstacles: tuple[str, ...]
+    growing: frozenset[Signature]
 
 
 def read_step(program: Program) -> StepReads:
@@ -47,7 +47,7 @@ def read_step(program: Program) -> StepReads:
     parse_string(program.text, collect)
     timed = {("occurs", 2), ("holds", 3)}
     for rule in rules["step"]:
-        timed |= {_signature(atom) for atom in _atoms(rule.head) if _time(atom) == NOW}
+        timed |= {signature_of(atom) for atom in atoms_in(rule.head) if time_of(atom) == NOW}
     previous: set[Signature] = set()
     obstacles = []
     for name in PARTS:
@@ -56,12 +56,13 @@ def read_step(program: Program) -> StepReads:
             if obstacle:
                 path, line = program.locate(rule.location.begin.line)
                 obstacles.append(f"{path}:{line}: {obstacle}")
-    return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles))
+    growing = {head for rule in rules["step"] for head in growing_heads(rule, timed)}
+    return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing))
 
 
 def _obstacle(rule: AST, part: str, timed: set[Signature], previous: set[Signature]) -> str | None:
-    for atom in _atoms(rule):
-        signature, time = _signature(atom), _time(atom)
+    for atom in atoms_in(rule):
+        signature, time = signature_of(atom), time_of(atom)
         spelled = f"{atom.name}/{len(atom.arguments)}"
         if part == "base":
             if signature in timed and time != START:
@@ -72,52 +73,11 @@ def _obstacle(rule: AST, part: str, timed: set[Signature], previous: set[Signatu
             return f"{spelled} is read at a step other than t and t-1"
         if time == BEFORE:
             previous.add(signature)
-    if part == "step" and any(_time(atom) != NOW for atom in _heads(rule.head)):
+    if part == "step" and any(time_of(atom) != NOW for atom in heads_of(rule.head)):
         return "a head in step(t) does not carry the time t"
     if part != "base" and _reads_number(rule):
         return "the rule reads the number of the step; carry a counter along instead"
     return None
-
-
-def _children(node: AST) -> Iterator[AST]:
-    for key in node.child_keys:
-        child = getattr(node, key)
-        if isinstance(child, AST):
-            yield child
-        elif child is not None:
-            yield from child
-
-
-def _atoms(node: AST) -> Iterator[AST]:
-    """Yield the functions that stand as atoms."""
-    if node.ast_type == ASTType.SymbolicAtom:
-        symbol = node.symbol
-        while symbol.ast_type == ASTType.UnaryOperation:
-            symbol = symbol.argument
-        if symbol.ast_type == ASTType.Function:
-            yield symbol
-    else:
-        for child in _children(node):
-            yield from _atoms(child)
-
-
-def _heads(head: AST) -> Iterator[AST]:
-    """Yield the atoms that a head derives, without the conditions that they stand under."""
-    if head.ast_type == ASTType.ConditionalLiteral:
-        yield from _atoms(head.literal)
-    elif head.ast_type in (ASTType.Aggregate, ASTType.Disjunction):
-        for element in head.elements:
-            yield from _heads(element)
-    else:
-        yield from _atoms(head)
-
-
-def _signature(atom: AST) -> Signature:
-    return atom.name, len(atom.arguments)
-
-
-def _time(atom: AST) -> str:
-    return str(atom.arguments[-1]) if len(atom.arguments) else ""
 
 
 def _reads_number(node: AST) -> bool:
@@ -127,7 +87,7 @@ def _reads_number(node: AST) -> bool:
     if node.ast_type == ASTType.SymbolicAtom:
         return any(
             _reads_number(argument)
-            for atom in _atoms(node)
-            for argument in (atom.arguments[:-1] if _time(atom) in (NOW, BEFORE) else atom.arguments)
+            for atom in atoms_in(node)
+            for argument in (atom.arguments[:-1] if time_of(atom) in (NOW, BEFORE) else atom.arguments)
         )
-    return any(_reads_number(child) for child in _children(node))
+    return any(_reads_number(child) for child in children_of(node))

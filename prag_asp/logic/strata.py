@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import EngineError
+from prag_asp.logic.components import components
 from prag_asp.logic.ground import GroundStep
 from prag_asp.logic.normal import Body, NormalStep, normal_step
 
@@ -37,45 +38,13 @@ def stratified_step(ground: GroundStep) -> NormalStep:
 
 
 def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[Body, ...]]) -> list[Stratum]:
-    """Return the atoms that `roots` depend on and that rules define, in order of dependency (Tarjan 1972).
+    """Return the atoms that `roots` depend on and that rules define, in order of dependency.
 
     Raises:
         EngineError: an atom depends on its own negation.
     """
-    index: dict[int, int] = {}
-    low: dict[int, int] = {}
-    stack: list[int] = []
-    on_stack: set[int] = set()
-    found: list[Stratum] = []
-    for root in roots:
-        if root in index or root not in bodies:
-            continue
-        work = [(root, iter(_dependencies(root, bodies)))]
-        index[root] = low[root] = len(index)
-        stack.append(root)
-        on_stack.add(root)
-        while work:
-            atom, rest = work[-1]
-            for below in rest:
-                if below not in index:
-                    index[below] = low[below] = len(index)
-                    stack.append(below)
-                    on_stack.add(below)
-                    work.append((below, iter(_dependencies(below, bodies))))
-                    break
-                if below in on_stack:
-                    low[atom] = min(low[atom], index[below])
-            else:
-                work.pop()
-                if work:
-                    low[work[-1][0]] = min(low[work[-1][0]], low[atom])
-                if low[atom] == index[atom]:
-                    at = stack.index(atom)
-                    members = stack[at:]
-                    del stack[at:]
-                    on_stack.difference_update(members)
-                    found.append(_stratum(members, bodies))
-    return found
+    defined = (root for root in roots if root in bodies)
+    return [_stratum(members, bodies) for members in components(defined, lambda atom: _dependencies(atom, bodies))]
 
 
 def _dependencies(atom: int, bodies: Mapping[int, tuple[Body, ...]]) -> list[int]:
@@ -114,15 +83,25 @@ def evaluate(
 ) -> None:
     """Add the column of every atom of `strata` to `columns`; `column` reads these and the atoms given beforehand."""
     for stratum in strata:
+        if not stratum.recursive:
+            for atom in stratum.atoms:
+                columns[atom] = _any_body(bodies(atom), column, size)
+            continue
         for atom in stratum.atoms:
             columns[atom] = np.zeros(size, dtype=np.bool_)
         changed = True
         while changed:
             changed = False
             for atom in stratum.atoms:
-                value = columns[atom]
-                for body in bodies(atom):
-                    value = value | body_column(body, column, size)
-                if stratum.recursive and not np.array_equal(value, columns[atom]):
+                value = columns[atom] | _any_body(bodies(atom), column, size)
+                if not np.array_equal(value, columns[atom]):
                     changed = True
                 columns[atom] = value
+
+
+def _any_body(bodies: tuple[Body, ...], column: Callable[[int], Column], size: int) -> Column:
+    value: Column | None = None
+    for body in bodies:
+        found = body_column(body, column, size)
+        value = found if value is None else value | found
+    return np.zeros(size, dtype=np.bool_) if value is None else value

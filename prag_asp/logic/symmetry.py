@@ -6,147 +6,192 @@ check and the initial values onto themselves. Such swaps generate all permutatio
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import clingo
+import numpy as np
+from numpy.typing import NDArray
 
 from prag_asp.domain.facts import Facts
 from prag_asp.logic.ground import GroundStep, Rule
+from prag_asp.logic.renaming import Shaped, Shapes
 
-Term = Hashable
-"""A symbol as nested tuples of names."""
+Literal = tuple[int, int, int]
+"""An atom by its number, whether it is negated (1) or not (0), and its weight."""
 
-Spelled = tuple[Hashable, ...]
-"""A rule whose atoms are numbers of a `_Spelling`."""
+SpelledBody = tuple[bool, int, frozenset[Literal]]
+"""Whether the head is a choice, the sum that the body has to reach, and its literals."""
+
+Key = Shaped | frozenset[SpelledBody] | int
+"""What an atom is: its shape with its entities; where it has no name, what its rules say; itself, where all fails."""
+
+MISSING = -1
+START = 2**32
+"""The bound of the rules that state the initial values."""
 
 
 def interchangeable(facts: Facts, ground: GroundStep) -> list[tuple[clingo.Symbol, ...]]:
     """Return the groups of two or more interchangeable entities, each in clingo's order of terms."""
-    terms = {entity: _term(entity) for entity in sorted(facts.entities)}
-    by_class: dict[str, list[clingo.Symbol]] = {}
-    for entity in terms:
-        by_class.setdefault(facts.entities[entity], []).append(entity)
+    entities = sorted(facts.entities)
+    by_class: dict[str, list[int]] = {}
+    for number, each in enumerate(entities):
+        by_class.setdefault(facts.entities[each], []).append(number)
     classes = [members for members in by_class.values() if len(members) > 1]
-    spelling = _Spelling(ground, {terms[entity] for members in classes for entity in members})
-    rules = frozenset(spelling.rules)
-    index: dict[Term, list[Spelled]] = {}
-    for rule in rules:
-        for mate in spelling.mates_of(rule):
-            index.setdefault(mate, []).append(rule)
-    groups: list[list[clingo.Symbol]] = []
+    if not classes:
+        return []
+    atoms = _Atoms(ground, {entities[number]: number for members in classes for number in members})
+    tables = _tables(atoms)
+    groups: list[list[int]] = []
     for members in classes:
-        found: list[list[clingo.Symbol]] = []
+        found: list[list[int]] = []
         for entity in members:
             for group in found:
-                first, second = terms[group[0]], terms[entity]
-                swap = spelling.swapping(first, second)
-                if all(swap.rule(rule) in rules for mate in (first, second) for rule in index.get(mate, ())):
+                swap = atoms.swap(group[0], entity)
+                if all(table.kept_by(swap, group[0], entity) for table in tables):
                     group.append(entity)
                     break
             else:
                 found.append([entity])
         groups += [group for group in found if len(group) > 1]
-    return [tuple(group) for group in groups]
+    return [tuple(entities[number] for number in group) for group in groups]
 
 
-class _Spelling:
-    """The rules of a ground step with a number for each atom; an unnamed atom is what its rules say it is."""
+class _Atoms:
+    """Numbers for the atoms of a ground step: atoms that mean the same have the same."""
 
-    def __init__(self, ground: GroundStep, mates: set[Term]) -> None:
-        self.numbers: dict[Term, int] = {}
-        self.terms: list[Term] = []
-        self._mates = mates
-        self._mentioned: list[frozenset[Term]] = []
-        self._atoms = {atom: self._number(_term(symbol), ()) for atom, symbol in ground.names.items()}
-        self._definitions: dict[int, list[Rule]] = {}
-        kept = []
-        for part in ("step", "check"):
-            for rule in ground.rules.get(part, ()):
-                if len(rule.heads) == 1 and rule.heads[0] not in ground.names:
-                    self._definitions.setdefault(rule.heads[0], []).append(rule)
-                else:
-                    kept.append(rule)
-        self.rules: list[Spelled] = [
-            (frozenset(map(self._atom, rule.heads)), *self._body(rule)) for rule in kept
-        ]  # fmt: skip
-        initial = frozenset(self._number(_term(symbol), ()) for symbol in ground.initial)
-        self.rules += [(frozenset({atom}), "start", 0, frozenset[object]()) for atom in initial]
-
-    def mates_of(self, rule: Spelled) -> set[Term]:
-        heads, _, _, body = rule
-        assert isinstance(heads, frozenset) and isinstance(body, frozenset)
-        atoms = (*heads, *(atom for (_, atom), _ in body))
-        return {mate for atom in atoms for mate in self._mentioned[atom]}
-
-    def swapping(self, first: Term, second: Term) -> _Swap:
-        return _Swap(self, first, second)
-
-    def _number(self, term: Term, inside: Iterable[int]) -> int:
-        if term not in self.numbers:
-            self.numbers[term] = len(self.terms)
-            self.terms.append(term)
-            below = {mate for atom in inside for mate in self._mentioned[atom]}
-            self._mentioned.append(frozenset(below | (_subterms(term) & self._mates if not inside else set())))
-        return self.numbers[term]
-
-    def _atom(self, atom: int) -> int:
-        if atom not in self._atoms:
-            self._atoms[atom] = self._number(("unnamed", atom), ())  # where it is defined by way of itself
-            bodies = frozenset(self._body(rule) for rule in self._definitions.get(atom, ()))
-            inside = [below for _, _, body in bodies for (_, below), _ in body]
-            self._atoms[atom] = self._number(("defined", bodies), inside)
-        return self._atoms[atom]
-
-    def _body(self, rule: Rule) -> tuple[bool, int, frozenset[tuple[tuple[bool, int], int]]]:
-        weights = rule.weights or (1,) * len(rule.body)
-        counted: dict[tuple[bool, int], int] = {}
-        for literal, weight in zip(rule.body, weights, strict=True):
-            key = (literal > 0, self._atom(abs(literal)))
-            counted[key] = counted.get(key, 0) + weight
-        return rule.choice, rule.bound if rule.weights else len(rule.body), frozenset(counted.items())
-
-
-class _Swap:
-    """The swap of two entities as a map on the numbers of a spelling; -1 is an atom that does not exist."""
-
-    def __init__(self, spelling: _Spelling, first: Term, second: Term) -> None:
-        self._spelling = spelling
-        self._names: dict[Term, Term] = {first: second, second: first}
-        self._cache: dict[int, int] = {}
-
-    def rule(self, rule: Spelled) -> Spelled:
-        heads, kind, bound, body = rule
-        assert isinstance(heads, frozenset)
-        return (frozenset(map(self._atom, heads)), kind, bound, self._literals(body))
-
-    def _literals(self, body: Hashable) -> frozenset[object]:
-        assert isinstance(body, frozenset)
-        return frozenset(((positive, self._atom(atom)), weight) for (positive, atom), weight in body)
-
-    def _atom(self, number: int) -> int:
-        if number not in self._cache:
-            term = self._spelling.terms[number]
-            if isinstance(term, tuple) and term[0] == "defined" and isinstance(term[1], frozenset):
-                bodies = frozenset((kind, bound, self._literals(body)) for kind, bound, body in term[1])
-                renamed: Term = ("defined", bodies)
+    def __init__(self, ground: GroundStep, entities: Mapping[clingo.Symbol, int]) -> None:
+        shapes = Shapes(entities)
+        self._numbers: dict[Key, int] = {}
+        self._keys: list[Key] = []
+        self.mentioned: list[frozenset[int]] = []
+        self._with: dict[int, list[int]] = {entity: [] for entity in entities.values()}
+        self._of_atom = {atom: self._named(shapes.of(symbol)) for atom, symbol in ground.names.items()}
+        self._rules: dict[int, list[Rule]] = {}
+        self.rules: list[Rule] = []
+        for rule in (rule for part in ("step", "check") for rule in ground.rules.get(part, ())):
+            if len(rule.heads) == 1 and rule.heads[0] not in ground.names:
+                self._rules.setdefault(rule.heads[0], []).append(rule)
             else:
-                renamed = _renamed(term, self._names)
-            self._cache[number] = self._spelling.numbers.get(renamed, -1)
-        return self._cache[number]
+                self.rules.append(rule)
+        self.start = [self._named(shapes.of(symbol)) for symbol in ground.initial]
+
+    def number(self, atom: int) -> int:
+        """Return the number of an atom of the ground step."""
+        if atom not in self._of_atom:
+            # An atom that is defined by way of itself stays what it is there.
+            self._of_atom[atom] = self._new(-atom - 1, frozenset())
+            bodies = frozenset(self.body(rule) for rule in self._rules.get(atom, ()))
+            inside = {below for _, _, literals in bodies for below, _, _ in literals}
+            mentioned = frozenset(entity for below in inside for entity in self.mentioned[below])
+            self._of_atom[atom] = self._new(bodies, mentioned)
+        return self._of_atom[atom]
+
+    def body(self, rule: Rule) -> SpelledBody:
+        """Return the body of a rule in numbers, each literal once."""
+        if not rule.weights:
+            plain = frozenset((self.number(abs(literal)), int(literal < 0), 1) for literal in rule.body)
+            return rule.choice, len(plain), plain
+        counted: dict[tuple[int, int], int] = {}
+        for literal, weight in zip(rule.body, rule.weights, strict=True):
+            key = (self.number(abs(literal)), int(literal < 0))
+            counted[key] = counted.get(key, 0) + weight
+        literals = frozenset((atom, sign, weight) for (atom, sign), weight in counted.items())
+        return rule.choice, rule.bound, literals
+
+    def swap(self, first: int, second: int) -> NDArray[np.int64]:
+        """Return the number of each atom under the swap of two entities, `MISSING` where there is no such atom."""
+        swapped = np.arange(len(self._keys))
+        names = {first: second, second: first}
+        for number in sorted({*self._with[first], *self._with[second]}):
+            swapped[number] = self._numbers.get(self._swapped(self._keys[number], names, swapped), MISSING)
+        return swapped
+
+    def _swapped(self, key: Key, names: Mapping[int, int], swapped: NDArray[np.int64]) -> Key:
+        """Return what an atom is under a swap, which is known of the atoms with smaller numbers."""
+        if isinstance(key, tuple):
+            shape, entities = key
+            return shape, tuple(names.get(entity, entity) for entity in entities)
+        if isinstance(key, int):
+            return key
+        return frozenset(
+            (choice, bound, frozenset((int(swapped[atom]), sign, weight) for atom, sign, weight in literals))
+            for choice, bound, literals in key
+        )
+
+    def _named(self, key: Shaped) -> int:
+        return self._new(key, frozenset(key[1]))
+
+    def _new(self, key: Key, mentioned: frozenset[int]) -> int:
+        if key not in self._numbers:
+            number = self._numbers[key] = len(self._keys)
+            self._keys.append(key)
+            self.mentioned.append(mentioned)
+            for entity in mentioned:
+                self._with[entity].append(number)
+        return self._numbers[key]
 
 
-def _term(symbol: clingo.Symbol) -> Term:
-    if symbol.type == clingo.SymbolType.Function:
-        return (symbol.name, symbol.positive, *map(_term, symbol.arguments))
-    return (str(symbol),)
+@dataclass(frozen=True)
+class _Table:
+    """Rules of one form, as rows: the numbers of the heads, then literals, then weights.
+
+    A literal is twice the number of its atom, and 1 more where it is negated.
+
+    `heads` and `literals` are the places in a row where they end. `having` are the rows that mention an entity.
+    """
+
+    rows: NDArray[np.int64]
+    heads: int
+    literals: int
+    having: dict[int, list[int]]
+
+    def kept_by(self, swap: NDArray[np.int64], first: int, second: int) -> bool:
+        """Return whether the swap of two entities maps the rules onto themselves."""
+        having = sorted({*self.having.get(first, ()), *self.having.get(second, ())})
+        if not having:
+            return True
+        rows = self.rows[having]
+        image = rows.copy()
+        image[:, : self.heads] = swap[rows[:, : self.heads]]
+        literals = rows[:, self.heads : self.literals]
+        image[:, self.heads : self.literals] = 2 * swap[literals >> 1] + (literals & 1)
+        return bool((image >= 0).all()) and np.array_equal(self._ordered(image), self._ordered(rows))
+
+    def _ordered(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return rows in order, each with its heads and its literals in order."""
+        inside = rows.copy()
+        inside[:, : self.heads].sort(axis=1)
+        order = np.argsort(inside[:, self.heads : self.literals], axis=1, kind="stable")
+        for start in (self.heads, self.literals):
+            part = inside[:, start : start + order.shape[1]]
+            part[:] = np.take_along_axis(part, order, axis=1)
+        ordered: NDArray[np.int64] = inside[np.lexsort(inside.T[::-1])]
+        return ordered
 
 
-def _renamed(term: Term, names: Mapping[Term, Term]) -> Term:
-    if not isinstance(term, tuple):
-        return term
-    return names[term] if term in names else tuple(_renamed(part, names) for part in term)
+def _tables(atoms: _Atoms) -> list[_Table]:
+    """Return the rules of a ground step and its initial values, each once, by their form."""
+    spelled: set[tuple[frozenset[int], SpelledBody]] = {
+        (frozenset(map(atoms.number, rule.heads)), atoms.body(rule)) for rule in atoms.rules
+    }
+    spelled |= {(frozenset({atom}), (False, START, frozenset())) for atom in atoms.start}
+    forms: dict[tuple[int, bool, int, int], list[tuple[frozenset[int], Sequence[Literal]]]] = {}
+    for heads, (choice, bound, literals) in spelled:
+        form = (len(heads), choice, bound, len(literals))
+        forms.setdefault(form, []).append((heads, sorted(literals)))
+    return [_table(atoms, rules) for rules in forms.values()]
 
 
-def _subterms(term: Term) -> set[Term]:
-    below = (found for part in term for found in _subterms(part)) if isinstance(term, tuple) else ()
-    return {term, *below}
+def _table(atoms: _Atoms, rules: Iterable[tuple[frozenset[int], Sequence[Literal]]]) -> _Table:
+    rows: list[list[int]] = []
+    having: dict[int, list[int]] = {}
+    heads: frozenset[int] = frozenset()
+    literals: Sequence[Literal] = ()
+    for row, (heads, literals) in enumerate(rules):
+        inside = [*heads, *(atom for atom, _, _ in literals)]
+        rows.append([*heads, *(2 * atom + sign for atom, sign, _ in literals), *(weight for _, _, weight in literals)])
+        for entity in {entity for atom in inside for entity in atoms.mentioned[atom]}:
+            having.setdefault(entity, []).append(row)
+    end = len(heads) + len(literals)
+    return _Table(np.array(rows, dtype=np.int64), len(heads), end, having)

@@ -1,20 +1,22 @@
-"""Deterministic automata as arrays: exact counts, words in order, ranks, and words drawn by weight.
+"""Deterministic automata as arrays: exact counts, words in order, and ranks.
 
 Every level of a task space is the set of words of one automaton: plans and tasks over actions, skeletons over names.
 """
 
 from __future__ import annotations
 
-import random
-from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import accumulate
+from itertools import pairwise
+from sys import getsizeof
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+KEPT_BYTES = 1 << 30
+"""Memory for the rows of one automaton, about."""
 
 Word = tuple[int, ...]
 """Letters of an automaton, by number."""
@@ -53,6 +55,26 @@ class Automaton:
         edge = first + int(np.searchsorted(self.letters[first:last], letter))
         return edge if edge < last and self.letters[edge] == letter else None
 
+    def with_edges(self, kept: NDArray[np.int64]) -> Automaton:
+        """Return the automaton with some of its edges alone, given by number in ascending order."""
+        return replace(
+            self,
+            offsets=np.searchsorted(self.sources[kept], np.arange(self.states + 1)).astype(np.int64),
+            letters=self.letters[kept],
+            targets=self.targets[kept],
+            weights=None if self.weights is None else self.weights[kept],
+        )
+
+
+def positive(automaton: Automaton) -> Automaton:
+    """Return the automaton without its edges of weight 0."""
+    return automaton if automaton.weights is None else automaton.with_edges(np.flatnonzero(automaton.weights != 0))
+
+
+def avoiding(automaton: Automaton, letters: Collection[int]) -> Automaton:
+    """Return the automaton of the words without any of some letters."""
+    return automaton.with_edges(np.flatnonzero(~np.isin(automaton.letters, list(letters))))
+
 
 def accepts(automaton: Automaton, word: Sequence[int]) -> bool:
     """Return whether a word belongs to the automaton."""
@@ -70,12 +92,16 @@ def accepts(automaton: Automaton, word: Sequence[int]) -> bool:
 class Completions:
     """For each number of letters left, the weight of all words that complete a path from each state.
 
-    Exact: 64-bit integers as long as nothing can overflow them, Python integers from then on.
+    Exact: 64-bit integers as long as nothing can overflow them, Python integers from then on. All rows are kept while
+    they fit into `KEPT_BYTES`; then every second, fourth, ... is, and those between are made again when asked for.
     """
 
     def __init__(self, automaton: Automaton) -> None:
         self.automaton = automaton
-        self._rows: list[NDArray[Any]] = [automaton.accepting.astype(np.int64)]
+        self._kept: dict[int, NDArray[Any]] = {0: automaton.accepting.astype(np.int64)}
+        self._between: dict[int, NDArray[Any]] = {}
+        self._every = 1
+        self._bytes = 0
         degrees = np.diff(automaton.offsets)
         heaviest = 1 if automaton.weights is None else max((int(w) for w in automaton.weights), default=1)
         self._growth = int(degrees.max(initial=0)) * heaviest
@@ -83,21 +109,49 @@ class Completions:
 
     def row(self, left: int) -> NDArray[Any]:
         """Return the weights for `left` letters, shape (states,), of dtype int64 or object."""
-        while len(self._rows) <= left:
-            self._rows.append(self.following(self._rows[-1]))
-        return self._rows[left]
+        found = self._kept.get(left)
+        if found is None:
+            found = self._between.get(left)
+        return self._climb(left) if found is None else found
+
+    def _climb(self, left: int) -> NDArray[Any]:
+        """Return a row by way of those after the last one kept before it."""
+        place = left - left % self._every
+        while place not in self._kept:
+            place -= self._every
+        row = self._kept[place]
+        self._between = {}
+        for each in range(place + 1, left + 1):
+            row = self.following(row)
+            if each % self._every:
+                self._between[each] = row
+            else:
+                self._between = {}
+                self._keep(each, row)
+        return row
+
+    def _keep(self, left: int, row: NDArray[Any]) -> None:
+        self._kept[left] = row
+        self._bytes += row.nbytes
+        if row.dtype == object:
+            self._bytes += sum(map(getsizeof, row.tolist()))
+        if self._bytes > KEPT_BYTES:
+            self._every *= 2
+            self._kept = {each: kept for each, kept in self._kept.items() if each % self._every == 0}
+            self._bytes //= 2
 
     def last_row(self, left: int) -> NDArray[Any]:
         """Return the same as `row` without keeping the rows before it."""
-        row = self._rows[min(left, len(self._rows) - 1)]
-        for _ in range(left - len(self._rows) + 1):
+        place = max(each for each in self._kept if each <= left)
+        row = self._kept[place]
+        for _ in range(left - place):
             row = self.following(row)
         return row
 
     def following(self, row: NDArray[Any]) -> NDArray[Any]:
         """Return the row for one more letter."""
         automaton = self.automaton
-        if row.dtype != object and int(row.max(initial=0)) * self._growth >= 2**62:
+        if row.dtype != object and int(row.max(initial=1)) * self._growth >= 2**62:
             row = row.astype(object)
         terms = row[automaton.targets]
         if automaton.weights is not None:
@@ -155,69 +209,50 @@ def words(completions: Completions, length: int, prefix: Sequence[Callable[[int]
             waiting.append(iter(range(int(automaton.offsets[target]), int(automaton.offsets[target + 1]))))
 
 
-_Branches = tuple[list[int], list[int], list[int], list[int]]
-"""The running totals of the weights behind the edges of a state, their letters, targets and own weights."""
-
-
 class Ranking:
-    """The words of one length in lexicographic order of their letters, each with its weight's share of the ranks.
+    """The words of one length in lexicographic order of their letters (Nijenhuis and Wilf 1978), without weights.
 
-    Without weights, `unrank` and `rank` are the usual bijection (Nijenhuis and Wilf 1978); with integer weights, a
-    word of weight w owns w consecutive ranks, so that a uniform rank draws words by weight.
+    Rows of completions are all that is kept, so that memory does not grow with the words asked for.
     """
 
     def __init__(self, completions: Completions, length: int) -> None:
         self._completions = completions
         self._length = length
-        self._branches: dict[tuple[int, int], _Branches] = {}
         self.total = count_words(completions, length)
         completions.row(length)
 
-    def _branching(self, state: int, left: int) -> _Branches:
-        """Return the ways on from a state with `left` letters to go."""
-        found = self._branches.get((state, left))
-        if found is None:
-            automaton = self._completions.automaton
-            edges = slice(int(automaton.offsets[state]), int(automaton.offsets[state + 1]))
-            targets = automaton.targets[edges]
-            behind = self._completions.row(left - 1)[targets].tolist()
-            weights = [1] * len(behind) if automaton.weights is None else list(map(int, automaton.weights[edges]))
-            totals = accumulate(w * b for w, b in zip(weights, behind, strict=True))
-            found = (list(totals), automaton.letters[edges].tolist(), targets.tolist(), weights)
-            self._branches[state, left] = found
-        return found
+    @cached_property
+    def _edges(self) -> list[tuple[list[int], list[int]]]:
+        """The letters and the targets of the edges of each state."""
+        automaton = self._completions.automaton
+        letters, targets = automaton.letters.tolist(), automaton.targets.tolist()
+        offsets = automaton.offsets.tolist()
+        return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
 
     def unrank(self, rank: int) -> Word:
-        """Return the word that owns a rank from 0 to total - 1."""
-        return self._descend(rank)[0]
-
-    def draw(self, generator: random.Random) -> tuple[Word, int]:
-        """Return a word drawn with a probability proportional to its weight, exactly, and this weight."""
-        return self._descend(generator.randrange(self.total))
-
-    def _descend(self, rank: int) -> tuple[Word, int]:
-        word, state, weight = [], 0, 1
-        for left in range(self._length, 0, -1):
-            totals, letters, targets, weights = self._branching(state, left)
-            branch = bisect_right(totals, rank)
-            if branch:
-                rank -= totals[branch - 1]
-            if weights[branch] != 1:
-                rank //= weights[branch]
-                weight *= weights[branch]
-            word.append(letters[branch])
-            state = targets[branch]
-        return tuple(word), weight
+        """Return the word of a rank from 0 to total - 1."""
+        word, state = [], 0
+        for left in range(self._length - 1, -1, -1):
+            row = self._completions.row(left)
+            letters, targets = self._edges[state]
+            place, behind = 0, int(row[targets[0]])
+            while rank >= behind:
+                rank -= behind
+                place += 1
+                behind = int(row[targets[place]])
+            word.append(letters[place])
+            state = targets[place]
+        return tuple(word)
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word in an automaton without weights, or None where it is no word of it."""
-        automaton = self._completions.automaton
+        """Return the rank of a word, or None where it is no word of this length."""
         rank, state = 0, 0
-        if len(word) != self._length or not accepts(automaton, word):
+        if len(word) != self._length or not accepts(self._completions.automaton, word):
             return None
-        for left, letter in zip(range(self._length, 0, -1), word, strict=True):
-            totals, letters, targets, _ = self._branching(state, left)
-            branch = letters.index(letter)
-            rank += totals[branch - 1] if branch else 0
-            state = targets[branch]
+        for left, letter in zip(range(self._length - 1, -1, -1), word, strict=True):
+            row = self._completions.row(left)
+            letters, targets = self._edges[state]
+            place = letters.index(letter)
+            rank += sum(int(row[target]) for target in targets[:place])
+            state = targets[place]
         return rank

@@ -9,6 +9,7 @@ import clingo
 from prag_asp.domain.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.logic.program import mentioned_entities
+from prag_asp.logic.renaming import renamed as renamed_term
 
 
 def canonical_names(
@@ -53,12 +54,4 @@ def canonical_prefix(
 
 def renamed(plan: Iterable[Atom], names: Mapping[clingo.Symbol, clingo.Symbol]) -> list[Atom]:
     """Return a plan with other names for its entities."""
-    return [parse_atom(str(_renamed(clingo.parse_term(str(action)), names))) for action in plan]
-
-
-def _renamed(term: clingo.Symbol, names: Mapping[clingo.Symbol, clingo.Symbol]) -> clingo.Symbol:
-    if term in names:
-        return names[term]
-    if term.type == clingo.SymbolType.Function and term.arguments:
-        return clingo.Function(term.name, [_renamed(argument, names) for argument in term.arguments], term.positive)
-    return term
+    return [parse_atom(str(renamed_term(clingo.parse_term(str(action)), names))) for action in plan]

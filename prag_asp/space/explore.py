@@ -1,95 +1,208 @@
-"""From a step function to the automaton of its plans: breadth-first, all states of a layer at once."""
+"""From a step function to the automaton of its plans: breadth-first, all states of a layer at once.
+
+States are numbered in the order in which a breadth-first search finds them that takes states by their number and the
+actions of a state in their order. So numbers depend on the step function alone.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.transition import States, Transition
+from prag_asp.logic.merging import Merging, Orders
+from prag_asp.logic.packed import Rows
+from prag_asp.logic.transition import Successors, Transition
+from prag_asp.logic.twins import Twins
 from prag_asp.space.automaton import Automaton
+from prag_asp.space.numbering import Numbering
 
-CHUNK = 16_384
-"""States that are expanded together: enough to make NumPy's overhead small, few enough to stay in the cache."""
+MOST, FEWEST = 16_384, 64
+"""States that are expanded together: enough to make NumPy's overhead small, few enough for the memory at hand."""
 
-Progress = Callable[[int, int], None]
-"""Called with the depth reached and the number of states found."""
+ROOM = 2**26
+"""Bytes that the states after those expanded together should take at most."""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How far exploring has come; `nbytes` is the memory in use, counting what putting the edges together takes."""
+
+    depth: int
+    states: int
+    edges: int
+    nbytes: int
+
+
+Watch = Callable[[Extent], "str | None"]
+"""Told now and then how far exploring has come; a text that it returns says why exploring has to stop."""
+
+
+@dataclass(frozen=True)
+class Renamings:
+    """What the edges and states of an automaton stand for whose states were merged.
+
+    An edge stands for `multiplicities` actions, shape (edges,); its letter is the first of them. The state after it,
+    renamed, is the target: entity ``orders[order_of[edge], j]`` of the one is entity j of the other. `twins` says of
+    each state which entities cannot be told from the one before, shape (states, entities).
+    """
+
+    multiplicities: NDArray[np.int64]
+    order_of: NDArray[np.int32]
+    orders: Orders
+    twins: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Explored:
+    """The automaton of the plans of a step function.
+
+    `labels` has shape (edges, number of labels). `stopped` says why exploring had to stop early, if it had: some states
+    then have no edges, so that words are missing, none wrong.
+    """
+
+    automaton: Automaton
+    labels: NDArray[np.bool_]
+    stopped: str = ""
+    renamings: Renamings | None = None
 
 
 def explore(
-    transition: Transition, length: int, progress: Progress | None = None
-) -> tuple[Automaton, NDArray[np.bool_]]:
-    """Return the automaton of all plans of up to `length` actions, and the labels of its edges.
+    transition: Transition, length: int, watch: Watch | None = None, *, merging: Merging | None = None
+) -> Explored:
+    """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
-    Letters are numbers of `transition.actions`. The labels have shape (edges, number of labels).
+    Letters are numbers of `transition.actions`.
     """
-    numbers: dict[bytes, int] = {}
-    accepting: list[NDArray[np.bool_]] = []
-    edges: list[NDArray[np.int64]] = []
-    labels: list[NDArray[np.bool_]] = []
-    frontier = transition.initial
-    first = 0
-    _number(frontier, numbers)
-    depth = 0
-    while frontier.shape[1]:
-        accepting.append(transition.accepts(frontier))
+    search = _Search(transition, merging)
+    first, depth, stopped = 0, 0, ""
+    while first < len(search.states):
+        last = len(search.states)
+        while first < last:
+            rows = search.states.rows[first : min(first + search.together, last)]
+            search.take(rows, expanding=depth < length and not stopped)
+            first += len(rows)
+            if watch and not stopped:
+                stopped = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes)) or ""
         if depth == length:
-            break
-        found: list[States] = []
-        for start in range(0, frontier.shape[1], CHUNK):
-            chunk = frontier[:, start : start + CHUNK]
-            for letter, after in enumerate(transition.expand(chunk)):
-                if not len(after.sources):
-                    continue
-                targets, new = _number(after.states, numbers)
-                found.append(new)
-                sources = after.sources.astype(np.int64) + first + start
-                edges.append(np.stack([sources, np.full_like(sources, letter), targets]))
-                labels.append(after.labels.T)
-            if progress:
-                progress(depth + 1, len(numbers))
-        first += frontier.shape[1]
-        frontier = np.concatenate(found, axis=1) if found else frontier[:, :0]
+            return search.explored(length, stopped)
         depth += 1
-    closed = not frontier.shape[1]
-    return _assemble(len(numbers), edges, labels, accepting, len(transition.labels), None if closed else length)
+    return search.explored(None, stopped)
 
 
-def _number(states: States, numbers: dict[bytes, int]) -> tuple[NDArray[np.int64], States]:
-    """Return the number of each state, and the states that had none yet, in the order of their new numbers."""
-    if not states.shape[0]:
-        new = states[:, : 1 if states.shape[1] and not numbers else 0]
-        if states.shape[1]:
-            numbers.setdefault(b"", 0)
-        return np.zeros(states.shape[1], dtype=np.int64), new
-    packed = np.ascontiguousarray(np.packbits(states, axis=0).T)
-    width = packed.shape[1]
-    text = packed.tobytes()
-    known = len(numbers)
-    found = np.empty(len(packed), dtype=np.int64)
-    fresh: list[int] = []
-    for row in range(len(packed)):
-        key = text[row * width : (row + 1) * width]
-        number = numbers.setdefault(key, known + len(fresh))
-        if number == known + len(fresh):
-            fresh.append(row)
-        found[row] = number
-    return found, states[:, fresh]
+class _Search:
+    """What a search has found so far."""
+
+    def __init__(self, transition: Transition, merging: Merging | None) -> None:
+        self._transition = transition
+        self._merging = merging
+        self.states = Numbering(transition.initial.shape[1])
+        self.states.add(transition.initial)
+        self.together = FEWEST
+        self._orders = Numbering(_packed(np.zeros((0, merging.size), dtype=np.int64)).shape[1]) if merging else None
+        self._accepting: list[NDArray[np.bool_]] = []
+        self._degrees: list[NDArray[np.int64]] = []
+        self._edges: list[_Edges] = []
+        self.edges = 0
+        self._twins: list[NDArray[np.bool_]] = []
+        self._bytes = 0
+
+    @property
+    def nbytes(self) -> int:
+        """The memory in use, counting what putting the edges together takes."""
+        return self.states.nbytes + 2 * self._bytes
+
+    def take(self, rows: Rows, *, expanding: bool) -> None:
+        """Add the next states and, if `expanding`, their edges and the states that these lead to."""
+        self._accepting.append(self._transition.accepts(rows))
+        twins = None
+        if self._merging:
+            self._twins.append(self._merging.twins(rows))
+            twins = Twins.between(self._merging.actions, self._twins[-1])
+        if not expanding:
+            self._degrees.append(np.zeros(len(rows), dtype=np.int64))
+            return
+        wanted = self._merging.wanted(rows, twins) if self._merging and twins else None
+        found = list(self._transition.expand(rows, wanted))
+        sources = np.concatenate([np.zeros(0, dtype=np.uint16), *(each.sources.astype(np.uint16) for each in found)])
+        order = np.argsort(sources, kind="stable")
+        self._degrees.append(np.bincount(sources, minlength=len(rows)))
+        if len(order):
+            edges = self._numbered(found, order, twins)
+            self._edges.append(edges)
+            self._bytes += edges.nbytes
+            self.edges += len(edges.letters)
+        taken = len(order) * rows.shape[1] * 8 // len(rows) + (len(self._transition.actions) if twins else 0)
+        room = ROOM // max(taken, 1)
+        self.together = max(FEWEST, min(MOST, 4 * self.together, room))
+
+    def _numbered(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
+        """Return the edges of some successors in order of source and letter, and number the states that they reach."""
+        letters = np.concatenate([np.full(len(each.sources), each.letter, dtype=np.int32) for each in found])[order]
+        states = np.concatenate([each.states for each in found])[order]
+        labels = np.concatenate([each.labels for each in found])[order]
+        if self._merging is None or self._orders is None or twins is None:
+            nothing = _Edges.none(0)
+            targets = self.states.add(states).astype(np.int32)
+            return _Edges(letters, targets, labels, nothing.multiplicities, nothing.order_of)
+        states, orders = self._merging.canonical(states)
+        targets = self.states.add(states).astype(np.int32)
+        multiplicities = np.concatenate([twins.multiplicity(each.letter, each.sources) for each in found])[order]
+        return _Edges(letters, targets, labels, multiplicities, self._orders.add(_packed(orders)).astype(np.int32))
+
+    def explored(self, horizon: int | None, stopped: str) -> Explored:
+        """Return all that was found."""
+        offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
+        if self._degrees:
+            np.cumsum(np.concatenate(self._degrees), out=offsets[1:])
+        ends = np.concatenate([np.zeros(0, dtype=np.bool_), *self._accepting])
+        empty = _Edges.none(len(self._transition.labels))
+        edges = [empty, *self._edges]
+        letters, targets = (np.concatenate([getattr(each, key) for each in edges]) for key in ("letters", "targets"))
+        automaton = Automaton(offsets, letters, targets, ends, horizon=horizon)
+        labels = np.concatenate([each.labels for each in edges])
+        if self._merging is None or self._orders is None:
+            return Explored(automaton, labels, stopped)
+        renamings = Renamings(
+            np.concatenate([each.multiplicities for each in edges]),
+            np.concatenate([each.order_of for each in edges]),
+            _unpacked(self._orders.rows, self._merging.size),
+            np.concatenate([np.zeros((0, self._merging.size), dtype=np.bool_), *self._twins]),
+        )
+        return Explored(automaton, labels, stopped, renamings)
 
 
-def _assemble(
-    size: int,
-    edges: list[NDArray[np.int64]],
-    labels: list[NDArray[np.bool_]],
-    accepting: list[NDArray[np.bool_]],
-    width: int,
-    horizon: int | None,
-) -> tuple[Automaton, NDArray[np.bool_]]:
-    rows = np.concatenate(edges, axis=1) if edges else np.zeros((3, 0), dtype=np.int64)
-    marks = np.concatenate(labels) if labels else np.zeros((0, width), dtype=np.bool_)
-    order = np.lexsort((rows[1], rows[0]))
-    sources, letters, targets = rows[:, order]
-    offsets = np.searchsorted(sources, np.arange(size + 1)).astype(np.int64)
-    ends = np.concatenate(accepting) if accepting else np.zeros(0, dtype=np.bool_)
-    return Automaton(offsets, letters, targets, ends, horizon=horizon), marks[order]
+def _packed(orders: Orders) -> Rows:
+    """Return orders of entities as rows of words."""
+    short = np.zeros((len(orders), -(-orders.shape[1] // 4) * 4), dtype=np.uint16)
+    short[:, : orders.shape[1]] = orders
+    return short.view(np.uint64)
+
+
+def _unpacked(rows: Rows, entities: int) -> Orders:
+    return np.ascontiguousarray(rows).view(np.uint16)[:, :entities].astype(np.int64)
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """Some edges, in order; see `Explored`."""
+
+    letters: NDArray[np.int32]
+    targets: NDArray[np.int32]
+    labels: NDArray[np.bool_]
+    multiplicities: NDArray[np.int64]
+    order_of: NDArray[np.int32]
+
+    @classmethod
+    def none(cls, labels: int) -> _Edges:
+        """Return no edges."""
+        nothing = np.zeros(0, dtype=np.int32)
+        return cls(nothing, nothing, np.zeros((0, labels), dtype=np.bool_), nothing.astype(np.int64), nothing)
+
+    @property
+    def nbytes(self) -> int:
+        """The memory in use, in bytes."""
+        arrays = (self.letters, self.targets, self.labels, self.multiplicities, self.order_of)
+        return sum(each.nbytes for each in arrays)

@@ -2,25 +2,37 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from fractions import Fraction
-from functools import cached_property
-from math import log
+from itertools import islice
+from typing import overload
 
-from prag_asp.domain.atom import Atom
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.domain.atom import Atom, parse_atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
-from prag_asp.space.engines import LEVELS, Draw, Engine, Level, select
+from prag_asp.space.conditions import Condition, Part, conditioned
+from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.space.drawing.drawers import Over
+from prag_asp.space.drawing.draws import drawn_words, log_probability
+from prag_asp.space.engines import LEVELS, Draw, Engine, Level
 from prag_asp.space.engines.protocol import Progress
-from prag_asp.space.narrate import Narrator
+from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.prefix import parse_prefix
-from prag_asp.space.ranks import distinct_ranks
+from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
+from prag_asp.space.readings import Readings
+from prag_asp.space.shared import Shared
+from prag_asp.space.shuffle import Shuffle
+from prag_asp.space.split import classes_for, divided, held_out, parse_shares
+from prag_asp.space.statistics import Statistics, statistics_of
 from prag_asp.space.task import Task
+from prag_asp.space.temperature import Temperature, tempered
 from prag_asp.space.weights import Number, Weights, parse_weights
 
 Prefix = Sequence[str | Atom]
@@ -30,34 +42,63 @@ Prefix = Sequence[str | Atom]
 class TaskSpace:
     """All tasks of a domain with a given number of actions: counted, enumerated, tested and drawn exactly.
 
-    `engine` is ``automaton``, ``clingo`` or ``auto``. There is no ``len()``: counts outgrow it.
+    `engine` is ``automaton``, ``clingo``, ``sat``, ``sharp`` or ``auto``; `limits` say what each question may take.
+    There is no ``len()``: counts outgrow it.
 
     Raises:
         QueryError: the length is negative, or there is no such engine.
         EngineError: the engine asked for cannot express the domain; it is raised by the first question.
     """
 
-    def __init__(self, domain: Domain, length: int, *, engine: str = "auto", progress: Progress | None = None) -> None:
-        self._shared = _Shared(Model(domain), engine, progress)
+    def __init__(
+        self,
+        domain: Domain,
+        length: int,
+        *,
+        engine: str = "auto",
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+    ) -> None:
+        self._shared = Shared(Model(domain), engine, progress, limits)
         self.domain = domain
         self.length = _checked(length)
+        self.condition = Condition()
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of another length, which shares all that was computed."""
-        space = object.__new__(TaskSpace)
-        space._shared, space.domain, space.length = self._shared, self.domain, _checked(length)
+        space = copy(self)
+        space.length = _checked(length)
+        return space
+
+    def where(self, *conditions: str | Condition) -> TaskSpace:
+        """Return the space of those tasks that satisfy all of some conditions, each a value or its words.
+
+        Entities that a condition tells apart are not interchangeable in that space.
+
+        Raises:
+            QueryError: a condition is none, or speaks of something that the domain does not have.
+        """
+        space = copy(self)
+        for condition in conditions:
+            space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
+        if space.condition != self.condition:
+            domain = conditioned(self.domain, space.condition)
+            shared = self._shared
+            space._shared = Shared(Model(domain), shared.engine, shared.progress, shared.limits)
         return space
 
     def __repr__(self) -> str:
-        return f"TaskSpace({self.domain.name!r}, length={self.length})"
+        where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
+        return f"TaskSpace({self.domain.name!r}, length={self.length}){where}"
 
     def count(self, by: Level = "task", prefix: Prefix = ()) -> int:
         """Return the exact number of plans, tasks or skeletons that begin with `prefix`.
 
         Raises:
             QueryError: no such level, or the prefix names no action of the domain.
+            LimitReached: a limit ended the count; the error has the number that was found until then.
         """
-        return self._engine(by).count(self.length, self._prefix(by, prefix))
+        return self._shared.count(_level(by), self.length, self._prefix(by, prefix))
 
     def words(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
         """Yield plans, tasks or skeletons as texts of actions or as names, in rank order, lazily, each once.
@@ -81,30 +122,80 @@ class TaskSpace:
             return False
         return self._engine("plan").contains(tuple(map(str, task)))
 
-    def __getitem__(self, rank: int) -> Task:
-        """Return the task of a rank: actions in clingo's order of terms, tasks in lexicographic order.
+    @overload
+    def __getitem__(self, rank: int) -> Task: ...
+    @overload
+    def __getitem__(self, rank: slice) -> RankedTasks: ...
+    def __getitem__(self, rank: int | slice) -> Task | RankedTasks:
+        """Return the task of a rank, or a lazy range: actions in clingo's order of terms, tasks lexicographically.
 
         Raises:
             IndexError: the rank is not below the number of tasks; a negative one counts from the end.
         """
-        total = self.count()
-        if not -total <= rank < total:
-            raise IndexError(f"rank {rank} of {total} tasks")
-        word = self._engine("task").unrank(self.length, rank % total)
-        return next(self.narrate(iter([word])))
+        return self._ranked()[rank]
 
-    def index(self, task: Task) -> int:
-        """Return the rank of a task; interchangeable entities may have any of their names.
+    def _ranked(self) -> RankedTasks:
+        return RankedTasks(Interval(range(self.count())), self._told, self.index)
+
+    def _told(self, ranks: Iterable[int]) -> Iterator[Task]:
+        """Yield the tasks of ranks."""
+        engine = self._engine("task")
+        return self.narrate(engine.unrank(self.length, rank) for rank in ranks)
+
+    def split(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, RankedTasks]:
+        """Return disjoint random parts that have these shares of the tasks, each rounded by less than one task.
+
+        Raises:
+            QueryError: the shares do not add up to 1.
+        """
+        order = Shuffle(self.count(), seed)
+        parts = divided(order.size, parse_shares(shares))
+        return {
+            name: RankedTasks(Shuffled(order, Interval(places)), self._told, self.index)
+            for name, places in parts.items()
+        }
+
+    def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
+        """Return disjoint random parts without a common skeleton, each a task space with about its share of them.
+
+        Raises:
+            QueryError: the shares do not add up to 1.
+        """
+        found = parse_shares(shares)
+        classes = classes_for(found)
+        parts = divided(classes, found)
+        return {
+            name: self.where(Condition((Part(tuple(residues), classes, seed),))) for name, residues in parts.items()
+        }
+
+    def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
+        """Return the tasks without and those with something: an entity, a class, an action's name or a pair of names.
+
+        The first part is for training; the second has a composition that training never showed.
+
+        Raises:
+            QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
+        """
+        without, having = held_out(what, self.domain.facts, self._shared.model.groups(self.length))
+        return self.where(without), self.where(having)
+
+    def index(self, task: Task | Sequence[str | Atom]) -> int:
+        """Return the rank of a task, or of its plan; interchangeable entities may have any of their names.
 
         Raises:
             QueryError: it is no task of this space.
         """
-        names = canonical_names(task.actions, self._shared.model.groups(self.length))
-        word = tuple(str(action) for action in renamed(task.actions, names))
+        actions = task.actions if isinstance(task, Task) else [parse_atom(str(action)) for action in task]
+        names = canonical_names(actions, self._shared.model.groups(self.length))
+        word = tuple(str(action) for action in renamed(actions, names))
         rank = self._engine("task").rank(word) if len(word) == self.length else None
         if rank is None:
-            raise QueryError(f"no task of {self!r}: {task}")
+            raise QueryError(f"no task of {self!r}: {' '.join(map(str, actions))}")
         return rank
+
+    def readings(self, task: Task) -> Readings:
+        """Return the ways to read a task's plan as whole composites and free actions; its validity is not checked."""
+        return Readings(task.actions, self._shared.hierarchy)
 
     def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
         """Yield the task of each of some valid plans, given as texts of actions."""
@@ -117,50 +208,96 @@ class TaskSpace:
         seed: int,
         weights: Mapping[str, Number] | None = None,
         by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
         distinct: bool = False,
     ) -> list[Task]:
         """Return tasks drawn independently, each with a probability proportional to its weight, exactly.
 
         `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes those
-        of the domain, and an empty mapping draws uniformly. With ``by="plan"``, plans are drawn in place of tasks. With
-        `distinct`, a uniformly random set of tasks is drawn, in random order, without replacement.
+        of the domain, and an empty mapping draws uniformly. At `temperature` T each weight w becomes about w^(1/T):
+        ``"inf"`` makes all alike. With ``over="skeletons"`` (or ``"goals"``), a skeleton (or what is known of the last
+        state) is drawn uniformly, and then a task that has it by weight. With ``by="plan"``, plans are drawn in place
+        of tasks. With `distinct`, a uniformly random set of tasks is drawn, in random order, without replacement.
 
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
-        if count < 0:
-            raise QueryError(f"cannot draw {count} tasks; give a number of at least 0")
         if distinct:
-            return self._draw_distinct(count, seed, self.weights(weights), by)
-        drawn = self.draw(seed=seed, weights=weights, by=by)
-        return [next(drawn) for _ in range(count)]
+            if over or self._tempered(weights, temperature):
+                raise QueryError("distinct tasks are drawn uniformly; give weights={}, and no over")
+            return self._shared.draw_distinct(_drawn(by), self.length, _drawable(count), seed)
+        drawn = self.draw(seed=seed, weights=weights, by=by, temperature=temperature, over=over)
+        return list(islice(drawn, _drawable(count)))
 
-    def draw(self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task") -> Iterator[Task]:
+    def draw(
+        self,
+        *,
+        seed: int,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
+    ) -> Iterator[Task]:
         """Yield tasks drawn as by `sample`, without end."""
-        draws = self.draw_words(seed=seed, weights=weights, by=by)
-        return self._shared.narrator.tasks((draw.word, _log(draw.probability)) for draw in draws)
-
-    def _draw_distinct(self, count: int, seed: int, weights: Weights, by: Level) -> list[Task]:
-        if weights:
-            raise QueryError("distinct tasks are drawn uniformly; give weights={}")
-        if by == "skeleton":
-            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
-        engine = self._engine(by)
-        total = engine.count(self.length)
-        if count > total:
-            raise QueryError(f"cannot draw {count} distinct {by}s: there are {total}")
-        ranks = distinct_ranks(random.Random(seed), total, count)
-        log_probability = -log(total) if total else None
-        words = ((engine.unrank(self.length, rank), log_probability) for rank in ranks)
-        return list(self._shared.narrator.tasks(words))
+        draws = self.draw_words(seed=seed, weights=weights, by=_drawn(by), temperature=temperature, over=over)
+        return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
 
     def draw_words(
-        self, *, seed: int, weights: Mapping[str, Number] | None = None, by: Level = "task"
+        self,
+        *,
+        seed: int,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
     ) -> Iterator[Draw]:
-        """Yield plans drawn as by `sample`, as texts of actions with their exact probability, without end."""
-        if by == "skeleton":
-            raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
-        return self._engine(by).draws(self.length, random.Random(seed), self.weights(weights))
+        """Yield words drawn as by `sample`, as texts with their exact probability, without end.
+
+        Skeletons are drawn uniformly alone.
+        """
+        drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
+        return drawn_words(drawer, self._engine(by), SeededBits(seed))
+
+    def draw_array(
+        self,
+        count: int,
+        *,
+        seed: int,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
+        first: int = 0,
+    ) -> NDArray[np.int32]:
+        """Return the words that `draw_words` yields from number `first` on, as an array of shape (count, length).
+
+        It holds places in `letters`. Draws are independent of each other, so portions may be made apart.
+        """
+        drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
+        return drawer.draw(SeededBits(seed), first, _drawable(count), tell=False).letters
+
+    def letters(self, by: Level = "task") -> tuple[str, ...]:
+        """Return what the numbers of `draw_array` stand for: the texts of actions, or names."""
+        return self._engine(by).letters
+
+    def total_weight(self, *, weights: Mapping[str, Number] | None = None, by: Level = "task") -> Fraction:
+        """Return the exact sum of the weights of all tasks or plans; with ``weights={}``, their number."""
+        weighed = self._engine(by).weighed(self.length, self.weights(weights))
+        return weighed.total(self.length) * weighed.unit
+
+    def statistics(
+        self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1
+    ) -> Statistics:
+        """Return what tasks are like on average, where they are drawn by weight: all exact, at any length.
+
+        Raises:
+            QueryError: there is nothing to draw, or a weight fits nothing.
+        """
+        return statistics_of(self._engine(by), self.domain.facts, by, self.length, self._tempered(weights, temperature))
+
+    def _tempered(self, weights: Mapping[str, Number] | None, temperature: Temperature) -> Weights:
+        return tempered(self.weights(weights), temperature)
 
     def weights(self, weights: Mapping[str, Number] | None = None) -> Weights:
         """Return weights as the engines take them; None are those of the domain.
@@ -172,9 +309,7 @@ class TaskSpace:
         return parse_weights(given, self.domain.facts)
 
     def _engine(self, by: Level) -> Engine:
-        if by not in LEVELS:
-            raise QueryError(f"no level {by!r}; there are {', '.join(LEVELS)}")
-        return self._shared.engine_for(by)
+        return self._shared.engine_for(_level(by))
 
     def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
         facts = self.domain.facts
@@ -185,30 +320,25 @@ class TaskSpace:
         return canonical_prefix(found, map(action_name, facts.actions), groups)
 
 
-@dataclass
-class _Shared:
-    """What the spaces of one domain share: its logic and its engines, made when first asked for."""
-
-    model: Model
-    engine: str
-    progress: Progress | None
-    engines: dict[Level, Engine] = field(default_factory=dict)
-
-    def engine_for(self, by: Level) -> Engine:
-        if by not in self.engines:
-            self.engines[by] = select(self.engine, self.model, by, self.progress)
-        return self.engines[by]
-
-    @cached_property
-    def narrator(self) -> Narrator:
-        return Narrator(self.model)
-
-
 def _checked(length: int) -> int:
     if length < 0:
         raise QueryError(f"length {length}: a plan has at least 0 actions")
     return length
 
 
-def _log(probability: Fraction) -> float:
-    return log(probability.numerator) - log(probability.denominator)
+def _level(by: Level) -> Level:
+    if by not in LEVELS:
+        raise QueryError(f"no level {by!r}; there are {', '.join(LEVELS)}")
+    return by
+
+
+def _drawn(by: Level) -> Level:
+    if by == "skeleton":
+        raise QueryError("tasks and plans are drawn, skeletons are not; choose task or plan")
+    return by
+
+
+def _drawable(count: int) -> int:
+    if count < 0:
+        raise QueryError(f"cannot draw {count} tasks; give a number of at least 0")
+    return count

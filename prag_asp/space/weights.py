@@ -7,11 +7,12 @@ entity that it uses, once; an entity weighs what it and all its classes weigh to
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm, prod
+from typing import TYPE_CHECKING
 
 import clingo
 import numpy as np
@@ -19,10 +20,13 @@ from numpy.typing import NDArray
 
 from prag_asp.domain.facts import Facts
 from prag_asp.errors import QueryError
+from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name, mentioned_entities
-from prag_asp.logic.transition import Transition
-from prag_asp.space.automaton import Automaton
+from prag_asp.space.automaton import Automaton, Completions
 from prag_asp.space.spelling import unknown
+
+if TYPE_CHECKING:
+    from prag_asp.space.merged import MergedRanking
 
 Number = int | Fraction | Decimal | str
 
@@ -105,15 +109,36 @@ def parse_weight(key: str, number: Number) -> Fraction:
     Raises:
         QueryError: it is not a number of at least 0.
     """
-    try:
-        if isinstance(number, (float, bool)):
-            raise ValueError
-        weight = Fraction(number)
-    except (ValueError, ZeroDivisionError, TypeError):
-        raise QueryError(f"weight of {key!r}: {number!r} is no exact number; write 2, '0.5' or '1/3'") from None
+    weight = parse_number(f"weight of {key!r}", number)
     if weight < 0:
         raise QueryError(f"weight of {key!r}: {number} is below 0; weights start at 0, which means never")
     return weight
+
+
+def parse_number(what: str, number: Number) -> Fraction:
+    """Return an exact number as a fraction, read from decimal digits or from p/q; `what` is how errors call it.
+
+    Raises:
+        QueryError: it is no exact number.
+    """
+    try:
+        if isinstance(number, (float, bool)):
+            raise ValueError
+        return Fraction(number)
+    except (ValueError, ZeroDivisionError, TypeError, OverflowError):
+        raise QueryError(f"{what}: {number!r} is no exact number; write 2, '0.5' or '1/3'") from None
+
+
+def refuse_weights(level: str, weights: Weights, model: Model, length: int) -> None:
+    """Refuse weights that a level cannot have.
+
+    Raises:
+        QueryError: skeletons are weighed, or two interchangeable entities of tasks weigh differently.
+    """
+    if weights and level == "skeleton":
+        raise QueryError("skeletons have no weights; choose task or plan, or give weights={} (--uniform)")
+    if weights and level == "task":
+        refuse_unequal(weights, model.groups(length))
 
 
 def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) -> None:
@@ -140,18 +165,44 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
     """Return the facts for ``rules/weights.lp``, and the atoms that then tell what an edge weighs."""
-    facts = [f"weighed({first},{second})." for first, second in sorted(weights.pairs)]
-    facts += [f"weighed({entity})." for entity in sorted(weights.entities)]
-    labels = [
-        clingo.Function("follows", [clingo.parse_term(first), clingo.parse_term(second)])
-        for first, second in sorted(weights.pairs)
-    ]
-    return facts, [*labels, *(clingo.Function("first_use", [entity]) for entity in sorted(weights.entities))]
+    pairs = [clingo.Function("weighed", [clingo.parse_term(name) for name in pair]) for pair in sorted(weights.pairs)]
+    entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
+    found = [clingo.Function("follows", pair.arguments) for pair in pairs]
+    found += [clingo.Function("first_use", entity.arguments) for entity in entities]
+    return [f"asked({each})." for each in (*pairs, *entities)], [clingo.Function("tested", [each]) for each in found]
 
 
-def weigh(automaton: Automaton, labels: NDArray[np.bool_], transition: Transition, weights: Weights) -> Automaton:
-    """Return the automaton with a whole number on each edge: its weight, scaled up by one factor for all edges."""
-    by_letter = [weights.of_action(action) for action in transition.actions]
+@dataclass(frozen=True)
+class Weighed:
+    """The words of a level as paths of an automaton: a word weighs the product of its edges, times `unit`.
+
+    `goals` numbers what is known after an edge that is the last of a word, shape (edges,); None where nobody asked.
+    `ranking` tells the words apart where a path stands for several, and is None where each path is one word.
+    """
+
+    completions: Completions
+    unit: Fraction = Fraction(1)
+    goals: NDArray[np.int64] | None = None
+    ranking: MergedRanking | None = None
+
+    @property
+    def automaton(self) -> Automaton:
+        """The automaton."""
+        return self.completions.automaton
+
+    def total(self, length: int) -> int:
+        """Return the sum of the weights of all words of a length, in units."""
+        return int(self.completions.row(length)[0]) if self.automaton.states else 0
+
+
+def weigh(
+    automaton: Automaton, labels: NDArray[np.bool_], actions: Sequence[clingo.Symbol], weights: Weights
+) -> tuple[Automaton, int]:
+    """Return the automaton with a whole number on each edge, and how much more that is than the edge's weight.
+
+    `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
+    """
+    by_letter = [weights.of_action(action) for action in actions]
     by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
     by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
     rows = np.unique(
@@ -159,9 +210,6 @@ def weigh(automaton: Automaton, labels: NDArray[np.bool_], transition: Transitio
     )
     kinds, inverse = rows[0], rows[1].reshape(-1)
     fractions = [prod((by_label[i] for i in np.flatnonzero(kind[1:])), start=by_letter[int(kind[0])]) for kind in kinds]
-    scale = lcm(*(fraction.denominator for fraction in fractions)) if fractions else 1
+    scale = lcm(*(fraction.denominator for fraction in fractions))
     whole = np.array([int(fraction * scale) for fraction in fractions], dtype=object)
-    edges = whole[inverse] if fractions else np.zeros(0, dtype=object)
-    return Automaton(
-        automaton.offsets, automaton.letters, automaton.targets, automaton.accepting, edges, automaton.horizon
-    )
+    return replace(automaton, weights=whole[inverse]), scale

@@ -17,9 +17,7 @@ else:
     import tomli as tomllib
 
 BAD_DOMAINS = Path(__file__).parent.parent / "bad_domains"
-EXPECTED: dict[str, dict[str, Any]] = tomllib.loads(
-    (BAD_DOMAINS / "expected.toml").read_text(encoding="utf-8")
-)
+EXPECTED: dict[str, dict[str, Any]] = tomllib.loads((BAD_DOMAINS / "expected.toml").read_text(encoding="utf-8"))
 
 
 def test_every_folder_has_an_expectation_and_every_expectation_a_folder() -> None:

@@ -62,21 +62,15 @@ def test_a_step_rule_may_read_what_is_known_at_the_start(tmp_path: Path) -> None
     known = "initially(lit(lamp_1), true).\n"
     rule = "#program step(t).\n:- occurs(press(lamp_2),t), not holds(lit({}),true,t-1).\n"
     load_domain(domain(tmp_path, SWITCH + known + rule.format("lamp_1")))
-    with pytest.raises(
-        DomainError, match=r"domain\.lp:13: .* reads lit\(lamp_2\), which is unknown at the start"
-    ):
+    with pytest.raises(DomainError, match=r"domain\.lp:13: .* reads lit\(lamp_2\), which is unknown at the start"):
         load_domain(domain(tmp_path, SWITCH + known + rule.format("lamp_2")))
 
 
 def test_conditions_on_classes_restrict_what_a_step_rule_reads(tmp_path: Path) -> None:
     more = "old(lamp_1).\ninitially(lit(L), true) :- old(L).\n#program step(t).\n"
-    load_domain(
-        domain(tmp_path, SWITCH + more + ":- occurs(press(_),t), old(L), not holds(lit(L),true,t-1).\n")
-    )
+    load_domain(domain(tmp_path, SWITCH + more + ":- occurs(press(_),t), old(L), not holds(lit(L),true,t-1).\n"))
     with pytest.raises(DomainError, match=r"domain\.lp:14: .* reads lit\(lamp_2\)"):
-        load_domain(
-            domain(tmp_path, SWITCH + more + ":- occurs(press(_),t), not old(L), holds(lit(L),true,t-1).\n")
-        )
+        load_domain(domain(tmp_path, SWITCH + more + ":- occurs(press(_),t), not old(L), holds(lit(L),true,t-1).\n"))
 
 
 def test_a_step_may_carry_a_predicate_along(tmp_path: Path) -> None:

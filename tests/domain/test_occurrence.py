@@ -60,9 +60,7 @@ def test_an_action_is_reported_if_and_only_if_no_state_executes_it(toy: Toy) -> 
 @settings(max_examples=50, deadline=None, derandomize=True)
 @given(toys(closed=False))
 def test_a_goal_is_refused_if_and_only_if_no_state_satisfies_it(toy: Toy) -> None:
-    goal = replace(
-        plain(toy), initially={}, goal=toy.goal, actions=(replace(toy.actions[0], before={}, after={}),)
-    )
+    goal = replace(plain(toy), initially={}, goal=toy.goal, actions=(replace(toy.actions[0], before={}, after={}),))
     everything = itertools.product((False, True), repeat=toy.fluents)
     possible = any(goal.allowed(state) and agrees(state, goal.goal) for state in everything)
     assert ("goal makes" in report(goal)) == (not possible)

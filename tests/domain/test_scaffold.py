@@ -14,32 +14,32 @@ from prag_asp.errors import DomainError
 
 
 def test_a_new_domain_passes_every_check(tmp_path: Path) -> None:
-    folder = write_new_domain("kitchen", tmp_path)
-    assert folder == tmp_path / "kitchen"
+    folder = write_new_domain("pantry", tmp_path)
+    assert folder == tmp_path / "pantry"
     domain = load_domain(folder)
-    assert (domain.name, domain.settings.title) == ("kitchen", "kitchen")
+    assert (domain.name, domain.settings.title) == ("pantry", "pantry")
     assert {action.name for action in domain.facts.actions} == {"pick", "put"}
 
 
 def test_everything_in_a_new_domain_has_a_shape(tmp_path: Path) -> None:
-    domain = load_domain(write_new_domain("kitchen", tmp_path))
+    domain = load_domain(write_new_domain("pantry", tmp_path))
     entities = {str(entity): name for entity, name in domain.facts.entities.items()}
     assert set(parse_scene(domain.settings.scene, domain.facts.parents, entities).shapes) == set(entities)
 
 
 def test_a_name_may_be_a_path(tmp_path: Path) -> None:
-    assert write_new_domain("rooms/kitchen", tmp_path) == tmp_path / "rooms" / "kitchen"
+    assert write_new_domain("rooms/pantry", tmp_path) == tmp_path / "rooms" / "pantry"
     assert write_new_domain(str(tmp_path / "hall"), Path("elsewhere")) == tmp_path / "hall"
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
-    (tmp_path / "kitchen").mkdir()
-    with pytest.raises(DomainError, match="kitchen: exists already; choose another name"):
-        write_new_domain("kitchen", tmp_path)
-    assert list((tmp_path / "kitchen").iterdir()) == []
+    (tmp_path / "pantry").mkdir()
+    with pytest.raises(DomainError, match="pantry: exists already; choose another name"):
+        write_new_domain("pantry", tmp_path)
+    assert list((tmp_path / "pantry").iterdir()) == []
 
 
-@pytest.mark.parametrize("name", ["", ".", "..", "3d", "my kitchen", "kitchen/", "kitchen.lp", "küche", "-x"])
+@pytest.mark.parametrize("name", ["", ".", "..", "3d", "my pantry", "pantry/", "pantry.lp", "küche", "-x"])
 def test_a_bad_name_is_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(DomainError, match="cannot name a domain; begin with a letter"):
         write_new_domain(name, tmp_path)
@@ -54,11 +54,11 @@ def test_the_name_of_a_shipped_domain_is_refused(tmp_path: Path) -> None:
 def test_a_file_in_the_way_is_told(tmp_path: Path) -> None:
     (tmp_path / "rooms").write_text("", encoding="utf-8")
     with pytest.raises(DomainError, match="; choose"):
-        write_new_domain("rooms/kitchen", tmp_path)
+        write_new_domain("rooms/pantry", tmp_path)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
     with pytest.raises(DomainError, match="cannot be written: Permission denied; choose a folder"):
-        write_new_domain("kitchen", tmp_path)
+        write_new_domain("pantry", tmp_path)

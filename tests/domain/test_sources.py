@@ -46,14 +46,10 @@ def test_an_include_in_a_comment_or_a_string_is_none(tmp_path: Path) -> None:
     assert len(read_sources(write(tmp_path, domain=text), tmp_path)) == 1
 
 
-@pytest.mark.parametrize(
-    "include", ['#include %* *% "a.lp".', "#include <a>.", "#include a.", '#include "a.lp"']
-)
+@pytest.mark.parametrize("include", ['#include %* *% "a.lp".', "#include <a>.", "#include a.", '#include "a.lp"'])
 def test_an_include_that_cannot_be_checked_is_refused(tmp_path: Path, include: str) -> None:
     path = write(tmp_path, domain=f"x.\n{include}\n", a="a.")
-    with pytest.raises(
-        DomainError, match=r'domain\.lp:2: unreadable #include; write it as #include "file\.lp"\.'
-    ):
+    with pytest.raises(DomainError, match=r'domain\.lp:2: unreadable #include; write it as #include "file\.lp"\.'):
         read_sources(path, tmp_path)
 
 

@@ -96,3 +96,39 @@ def test_progress_says_why_clingo_took_over() -> None:
     told: list[str] = []
     TaskSpace(domain_of(TWO + BEYOND[1][0]), 2, progress=told.append).count("plan")
     assert any("because" in words and "number of the step" in words for words in told)
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
+def test_an_action_without_arguments_is_told_from_a_name(engine: str) -> None:
+    """The action a can never occur; a is also the name of an action that can."""
+    domain = domain_of("fluent(f). action(a). action(a(1)). precondition(a,f,true). initially(f,false).")
+    space = TaskSpace(domain, 2, engine=engine)
+    assert list(space.words("plan")) == [("a(1)", "a(1)")]
+    assert ("a", "a(1)") not in space
+    assert space.count("skeleton", ["a"]) == 1
+
+
+FLAGS = """
+flag(x,t) :- occurs(a,t).
+flag(y,t) :- occurs(b,t), occurs(a,t-1).
+"""
+
+
+@pytest.mark.parametrize(
+    ("base", "rules", "counts"),
+    [
+        ("flag(x,0).", ":- not flag(_,t-1).", [1, 2, 2, 4, 6]),
+        ("", "#program check(t). :- not flag(_,t).", [0, 1, 3, 6, 12]),
+        (
+            "flag(z,0).",
+            ":- not flag(_,t), occurs(b,t), occurs(b,t-1). #program check(t). :- not flag(_,t).",
+            [1, 1, 3, 5, 8],
+        ),
+        ("flag(z,0).", "#program check(t). :- flag(z,t).", [0, 2, 4, 8, 16]),
+    ],
+)
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
+def test_unnamed_arguments_mean_what_they_mean_in_clingo(engine: str, base: str, rules: str, counts: list[int]) -> None:
+    """What `not flag(_,t)` reads is an atom of clingo's own, defined piece by piece as parts are ground."""
+    space = TaskSpace(domain_of(f"{TWO}\n#program base. {base}\n#program step(t). {FLAGS}{rules}"), 0, engine=engine)
+    assert [space.at(length).count("plan") for length in range(5)] == counts

@@ -3,59 +3,72 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.domain.paths import shipped_domains
 from prag_asp.domain.settings import read_table
+from prag_asp.space.engines.protocol import Level
+from tests.known_counts import known_counts
 
-ENUMERABLE = 10_000
-"""Above it, counting by enumeration takes too long for a test."""
+ENUMERABLE, FOUND_ONE_BY_ONE = 10_000, 3000
+"""Above it, counting by enumeration, or by finding words one by one, takes too long for a test."""
 
 
-def known_counts() -> list[tuple[str, str, int, tuple[str, ...], int]]:
-    rows = []
+Row = tuple[str, str, int, tuple[str, ...], int]
+"""A domain, a level such as ``task`` or ``flat.task``, a length, a prefix, and the count."""
+
+Spaces = dict[tuple[str, bool, str], TaskSpace]
+
+
+def known_rows() -> list[Row]:
+    rows: list[Row] = []
     for domain, folder in shipped_domains().items():
-        table: dict[str, Any] = read_table(folder / "counts.toml")
-        for level in ("plan", "task", "skeleton"):
-            rows += [(domain, level, int(n), (), count) for n, count in table[level].items()]
-        for name, counts in table.get("skeleton_prefix", {}).items():
+        for level, counts in known_counts(folder).items():
+            rows += [(domain, level, length, (), count) for length, count in counts.items()]
+        for name, counts in read_table(folder / "counts.toml").get("skeleton_prefix", {}).items():
             rows += [(domain, "skeleton", int(n), (name,), count) for n, count in counts.items()]
     return rows
 
 
-COUNTS = known_counts()
+COUNTS = known_rows()
 
 
 @pytest.fixture(scope="module")
-def spaces() -> dict[tuple[str, str], TaskSpace]:
+def spaces() -> Spaces:
     return {
-        (domain, engine): TaskSpace(load_domain(domain), 0, engine=engine)
-        for domain in shipped_domains()
-        for engine in ("automaton", "clingo")
+        (domain, flat, engine): TaskSpace(load_domain(domain, flat=flat), 0, engine=engine)
+        for domain, flat in {(row[0], row[1].startswith("flat.")) for row in COUNTS}
+        for engine in ("automaton", "clingo", "sat")
     }
 
 
-@pytest.mark.parametrize(("domain", "level", "length", "prefix", "count"), COUNTS)
-def test_the_automaton_meets_the_known_count(
-    spaces: dict[tuple[str, str], TaskSpace], domain: str, level: Any, length: int, prefix: tuple[str, ...], count: int
-) -> None:
-    assert spaces[domain, "automaton"].at(length).count(level, prefix) == count
+def counted(spaces: Spaces, engine: str, row: Row) -> int:
+    domain, level, length, prefix, _ = row
+    flat, _, by = level.rpartition(".")
+    return spaces[domain, bool(flat), engine].at(length).count(cast(Level, by), prefix)
 
 
-@pytest.mark.parametrize(
-    ("domain", "level", "length", "prefix", "count"), [row for row in COUNTS if row[4] <= ENUMERABLE]
-)
-def test_clingo_meets_the_known_count(
-    spaces: dict[tuple[str, str], TaskSpace], domain: str, level: Any, length: int, prefix: tuple[str, ...], count: int
-) -> None:
-    assert spaces[domain, "clingo"].at(length).count(level, prefix) == count
+@pytest.mark.parametrize("row", COUNTS, ids=str)
+def test_the_automaton_meets_the_known_count(spaces: Spaces, row: Row) -> None:
+    assert counted(spaces, "automaton", row) == row[4]
+
+
+@pytest.mark.parametrize("row", [row for row in COUNTS if row[4] <= ENUMERABLE], ids=str)
+def test_clingo_meets_the_known_count(spaces: Spaces, row: Row) -> None:
+    assert counted(spaces, "clingo", row) == row[4]
+
+
+@pytest.mark.parametrize("row", [row for row in COUNTS if row[4] <= FOUND_ONE_BY_ONE], ids=str)
+def test_sat_meets_the_known_count(spaces: Spaces, row: Row) -> None:
+    assert counted(spaces, "sat", row) == row[4]
 
 
 def test_every_shipped_domain_has_known_counts() -> None:
     assert {row[0] for row in COUNTS} == set(shipped_domains()) >= {"prag", "tabletop", "blocks", "hanoi"}
+    assert {row[0] for row in COUNTS if row[1] == "flat.plan"} == {"kitchen", "two_arms"}
 
 
 def test_a_count_of_a_thousand_actions_is_exact() -> None:

@@ -5,10 +5,16 @@ from __future__ import annotations
 import math
 import random
 from collections import Counter
+from typing import get_args
 
 import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
+from prag_asp.logic.model import Model
+from prag_asp.space import automaton
+from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.engines.protocol import Level
 from prag_asp.space.ranks import distinct_ranks
 
 DOMAIN = load_domain("prag")
@@ -32,6 +38,40 @@ def test_ranks_and_tasks_are_inverse_in_a_space_above_any_machine_word() -> None
     generator = random.Random(0)
     for rank in (0, total - 1, *(generator.randrange(total) for _ in range(5))):
         assert space.index(space[rank]) == rank
+
+
+@pytest.mark.parametrize("name", ["prag", "blocks", "hanoi", "tabletop"])
+@pytest.mark.parametrize("by", get_args(Level))
+def test_ranks_and_words_are_inverse_over_whole_small_spaces(name: str, by: Level) -> None:
+    length = 2
+    engine = AutomatonEngine(Model(load_domain(name)), by)
+    words = list(engine.words(length))
+    assert [engine.unrank(length, rank) for rank in range(len(words))] == words
+    assert [engine.rank(word) for word in words] == list(range(len(words)))
+    assert sorted(words, key=lambda word: [engine.letters.index(letter) for letter in word]) == words
+
+
+@pytest.mark.parametrize(("by", "length", "least"), [("skeleton", 1000, 628), ("plan", 1000, 910), ("task", 300, 100)])
+def test_ranks_and_words_are_inverse_at_random_ranks_of_vast_spaces(by: Level, length: int, least: int) -> None:
+    engine = AutomatonEngine(Model(DOMAIN), by)
+    total = engine.count(length)
+    assert total > 10**least
+    generator = random.Random(2)
+    for rank in (0, total - 1, *(generator.randrange(total) for _ in range(20))):
+        word = engine.unrank(length, rank)
+        assert len(word) == length and engine.contains(word) and engine.rank(word) == rank
+
+
+def test_ranks_are_the_same_where_memory_holds_few_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    spaces = TaskSpace(DOMAIN, 60), TaskSpace(DOMAIN, 60)
+    rank = spaces[0].count() // 3
+    task = spaces[0][rank]
+    drawn = spaces[0].draw_array(300, seed=1)
+    monkeypatch.setattr(automaton, "KEPT_BYTES", 3000)
+    completions = spaces[1]._engine("task").explored(60).completions  # type: ignore[attr-defined]
+    assert spaces[1][rank] == task and spaces[1].index(task) == rank
+    assert (spaces[1].draw_array(300, seed=1) == drawn).all()
+    assert 1 < len(completions._kept) < 10
 
 
 def test_a_task_with_other_names_has_the_same_rank() -> None:
@@ -67,7 +107,7 @@ def test_distinct_draws_are_distinct_and_may_take_the_whole_space() -> None:
 
 
 def test_every_set_of_ranks_is_equally_likely_in_every_order() -> None:
-    generator = random.Random(1)
+    generator = SeededBits(1)
     seen = Counter(tuple(distinct_ranks(generator, 5, 3)) for _ in range(30_000))
     assert len(seen) == 60
     statistic = sum((count - 500) ** 2 / 500 for count in seen.values())

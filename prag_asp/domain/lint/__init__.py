@@ -1,7 +1,7 @@
 """Check a domain before it is used: every problem as one line ``file:line: what is wrong; what to do``.
 
     syntax -> vocabulary, directives, recursion -> (clingo grounds the base part) -> hierarchy, effects
-    -> occurrence, open_world, table
+    -> composites, limits -> occurrence, open_world -> execution, table
 
 A stage is only reached without problems in the stages before, so that one mistake is reported once.
 """

@@ -21,7 +21,7 @@ def effect_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield what speaks of undeclared fluents or actions, has a wrong value, or has two values at once."""
     if not facts.actions:
         yield Problem(*origins.place("action"), "the domain has no action; state one with action(...)")
-    findings = _Findings(origins, facts)
+    findings = Findings(origins, facts)
     for predicate, table in (("precondition", facts.preconditions), ("postcondition", facts.postconditions)):
         findings.undeclared_actions(predicate, table)
         for action, values in table.items():
@@ -45,7 +45,7 @@ class _Culprit:
     places: dict[Place, None] = field(default_factory=dict)
 
 
-class _Findings:
+class Findings:
     """Collects what is undeclared, so that one mistake is reported once however many atoms follow from it."""
 
     def __init__(self, origins: Origins, facts: Facts) -> None:
@@ -62,7 +62,7 @@ class _Findings:
             if action not in self._actions:
                 fluent, value = rows[action][0]
                 row = (action, fluent, clingo.parse_term(value))
-                self._undeclared("action", action, self._facts.actions, predicate, row)
+                self.undeclared("action", action, self._facts.actions, predicate, row)
 
     def assigned(self, predicate: str, values: Iterable[tuple[Symbol, str]], before: Row = ()) -> None:
         """Find the fluents that are not declared, and the values that are none."""
@@ -78,9 +78,10 @@ class _Findings:
     def declared(self, fluent: Symbol, predicate: str, row: Row) -> None:
         """Find a fluent that is not declared."""
         if fluent not in self._fluents:
-            self._undeclared("fluent", fluent, self._facts.fluents, predicate, row)
+            self.undeclared("fluent", fluent, self._facts.fluents, predicate, row)
 
-    def _undeclared(self, kind: str, term: Symbol, known: Iterable[Symbol], predicate: str, row: Row) -> None:
+    def undeclared(self, kind: str, term: Symbol, known: Iterable[Symbol], predicate: str, row: Row) -> None:
+        """Report a term that is not among the `known` ones of its kind."""
         same = next((each for each in known if _name(each) == _name(term)), None)
         near = nearest(_name(term), {_name(each) for each in known})
         if same is not None:

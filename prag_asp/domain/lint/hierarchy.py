@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import clingo
 
 from prag_asp.domain.facts import rows
+from prag_asp.domain.lint.cycle import find_cycle
 from prag_asp.domain.lint.origin import Origins
 from prag_asp.domain.lint.problem import Problem, suggestion
 
@@ -24,7 +25,7 @@ def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Pr
         if parent not in declared:
             hint = suggestion(str(parent), map(str, declared), f"declare class({parent})")
             yield Problem(*origins.place("class", child, parent), f"unknown class {parent} above {child}; {hint}")
-    cycle = _cycle(parents)
+    cycle = find_cycle(parents)
     if cycle:
         place = origins.place("class", cycle[0], cycle[1])
         yield Problem(*place, f"classes form a cycle, {' < '.join(map(str, cycle))}; remove one of these class/2 facts")
@@ -32,25 +33,6 @@ def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Pr
     entities = [(entity, name) for entity, name in rows(control, "entity", 2)]
     wrong = list(_entity_problems(entities, declared, origins))
     yield from wrong or _empty_classes(declared, parents, entities, origins)
-
-
-def _cycle(parents: Mapping[Symbol, Sequence[Symbol]]) -> list[Symbol]:
-    """Return a class, classes above it each, and the class again; nothing where no class is above itself."""
-    finished: set[Symbol] = set()
-    for start in parents:
-        path: list[Symbol] = []
-        branches = [iter([start])]
-        while branches:
-            name = next(branches[-1], None)
-            if name is None:
-                branches.pop()
-                finished |= {path.pop()} if path else set()
-            elif name in path:
-                return [*path[path.index(name) :], name]
-            elif name not in finished:
-                path.append(name)
-                branches.append(iter(parents.get(name, ())))
-    return []
 
 
 def _entity_problems(

@@ -37,7 +37,7 @@ def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield why no initial state or no goal state satisfies the invariants."""
     graph = invariant_graph(facts)
     for predicate, values in (("initially", facts.initially), ("goal", facts.goal)):
-        pair = conflict(entailed(_literals(values), graph))
+        pair = conflict(entailed(literals(values), graph))
         if pair:
             place = max(_place(origins, predicate, literal) for literal in pair)
             yield Problem(*place, f"{predicate} makes {_together(pair)}, but the invariants forbid it; change one")
@@ -52,7 +52,7 @@ def occurrence_problems(
     suspects = {action: _reason(action, facts, graph, fixed) for action in facts.actions}
     reasons = {action: reason for action, reason in suspects.items() if reason is not None}
     yield from _rejections(_rejected(grounder, reasons, fixed), reasons, origins)
-    pair = conflict(entailed(_literals(facts.goal), graph), fixed)
+    pair = conflict(entailed(literals(facts.goal), graph), fixed)
     if pair:
         yield Problem(
             *_place(origins, "goal", pair[1]),
@@ -68,12 +68,12 @@ def unchanging(control: clingo.Control, facts: Facts, statements: Iterable[State
     changing = {fluent for values in facts.postconditions.values() for fluent, _ in values}
     start = clingo.Number(0)
     initial = [(fluent, str(value)) for fluent, value, time in rows(control, "holds", 3) if time == start]
-    return [literal for literal in _literals(initial) if literal[0] not in changing]
+    return [literal for literal in literals(initial) if literal[0] not in changing]
 
 
 def _reason(action: clingo.Symbol, facts: Facts, graph: Graph, fixed: Reasons) -> Reason | None:
     """Return why the invariants and what never changes reject an action, None where they do not."""
-    needed = entailed(_literals(facts.preconditions.get(action, ())), graph)
+    needed = entailed(literals(facts.preconditions.get(action, ())), graph)
     pair = conflict(needed)
     if pair:
         return Reason("precondition", pair[1], f"it needs {_together(pair)}{_forbidden(pair)}")
@@ -84,7 +84,7 @@ def _reason(action: clingo.Symbol, facts: Facts, graph: Graph, fixed: Reasons) -
     effects = facts.postconditions.get(action, ())
     changed = {fluent for fluent, _ in effects}
     kept = [literal for literal in needed if literal[0] not in changed]
-    made = _literals(effects)
+    made = literals(effects)
     after = entailed([*kept, *made], graph)
     pair = conflict(after) or conflict(after, fixed)
     if pair:
@@ -129,7 +129,8 @@ def _rejections(
         )
 
 
-def _literals(values: Assignment | list[tuple[clingo.Symbol, str]]) -> list[Literal]:
+def literals(values: Assignment | list[tuple[clingo.Symbol, str]]) -> list[Literal]:
+    """Return what values state as literals; unknown ones state nothing."""
     return [(fluent, value == "true") for fluent, value in values if value in ("true", "false")]
 
 

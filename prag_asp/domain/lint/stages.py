@@ -8,9 +8,12 @@ from pathlib import Path
 
 from prag_asp.domain.facts import Facts, read_facts
 from prag_asp.domain.grounding import Grounder
+from prag_asp.domain.lint.composites import composite_problems
 from prag_asp.domain.lint.directives import directive_problems, placement_problems
 from prag_asp.domain.lint.effects import effect_problems
+from prag_asp.domain.lint.execution import execution_problems
 from prag_asp.domain.lint.hierarchy import hierarchy_problems
+from prag_asp.domain.lint.limits import limit_problems
 from prag_asp.domain.lint.occurrence import occurrence_problems, state_problems
 from prag_asp.domain.lint.open_world import open_world_problems
 from prag_asp.domain.lint.origin import Origins
@@ -20,9 +23,9 @@ from prag_asp.domain.lint.statement import Statement
 from prag_asp.domain.lint.syntax import parse_sources
 from prag_asp.domain.lint.table import name_problems, table_problems
 from prag_asp.domain.lint.terms import choice_problems, term_problems
-from prag_asp.domain.lint.vocabulary import CONTRACT_FILE, vocabulary_problems
+from prag_asp.domain.lint.vocabulary import vocabulary_problems
 from prag_asp.domain.settings import Settings, read_table, settings_of
-from prag_asp.domain.sources import Program, Source
+from prag_asp.domain.sources import CONTRACT, HIERARCHY, Program, Source
 from prag_asp.errors import DomainError
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
@@ -43,11 +46,13 @@ def check(program: Program, folder: Path) -> tuple[Facts, Settings]:
     raise_problems([*problems, *table_problems(table, settings)])
     raise_problems(directive_problems(statements))
     raise_problems([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
-    grounder = Grounder(_without_own_steps(program, owned))
+    plain = _one_free_step(program, owned)
+    grounder = Grounder(plain)
     grounder.ground([("base", [])])
-    origins = Origins(statements)
+    origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, origins)
     _check_facts(grounder, facts, statements, origins)
+    raise_problems(execution_problems(plain, grounder.control, facts, statements, origins))
     raise_problems(name_problems(settings, facts))
     return facts, settings
 
@@ -64,6 +69,8 @@ def _check_facts(grounder: Grounder, facts: Facts, statements: Sequence[Statemen
     raise_problems(term_problems(facts, origins))
     raise_problems(hierarchy_problems(grounder.control, origins))
     raise_problems(effect_problems(facts, origins))
+    raise_problems(composite_problems(facts, origins))
+    raise_problems(limit_problems(grounder.control, facts, statements, origins))
     raise_problems(state_problems(facts, origins))
     if grounder.control.is_conflicting:
         raise_problems(_violations(origins))
@@ -73,16 +80,20 @@ def _check_facts(grounder: Grounder, facts: Facts, statements: Sequence[Statemen
 
 def _encodings_folder(program: Program) -> Path:
     """Return the folder of the encodings: they begin every program."""
-    contract = (source.path.parent for source in program.sources if source.path.name == CONTRACT_FILE)
+    contract = (source.path.parent for source in program.sources if source.path.name == CONTRACT)
     return next(contract, program.sources[0].path.parent)
 
 
-def _without_own_steps(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
-    """Return the program with the step rules of the domain in parts of their own, each line where it was."""
+def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
+    """Return the program without the hierarchy, and with the step rules of the domain in parts of their own.
+
+    Each line stays where it was.
+    """
     return Program(
         tuple(
             Source(source.path, STEP_PART.sub(r"\1own_\2", source.text) if own else source.text)
             for source, own in owned
+            if source.path.name != HIERARCHY or own
         )
     )
 

@@ -17,8 +17,8 @@ ENTITY = re.compile(r"[^\"#]*")
 
 
 def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the entities, fluents and actions that have no name of their own."""
-    for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions)):
+    """Yield the entities, fluents, actions and composites that have no name of their own."""
+    for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions), ("composite", facts.composites)):
         nameless = [term for term in terms if not NAMED.fullmatch(str(term))]
         for term in nameless[:1]:
             yield Problem(

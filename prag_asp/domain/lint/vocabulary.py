@@ -8,9 +8,12 @@ from clingo.ast import ASTType
 
 from prag_asp.domain.lint.problem import Problem, Signature, nearest, spelled, suggestion
 from prag_asp.domain.lint.statement import Atom, Statement, names, plain_atom
+from prag_asp.domain.sources import HIERARCHY
+
+BY_LIBRARY = {("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2), ("introduces_late", 2), ("successor", 2)}
+"""What the encodings in ``rules`` and ``conditions`` derive, which join the program where they are asked for."""
 
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
-CONTRACT_FILE = "contract.lp"
 
 
 def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
@@ -27,6 +30,7 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         yield statement.problem(f"{_unread(signature, near, others)}", atom.line)
     yield from _undefined_problems(statements, contract, undefined)
     yield from _nameless_problems(statements)
+    yield from _taken_problems(statements)
 
 
 def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
@@ -38,6 +42,19 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
             if statement.kind == ASTType.Defined:
                 signatures.add((statement.node.name, statement.node.arity))
     return signatures
+
+
+def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the own heads of predicates that only the library may derive."""
+    taken = dict.fromkeys(BY_LIBRARY, "conditions and tasks")
+    for each in statements:
+        if not each.own and each.path.name == HIERARCHY:
+            taken |= dict.fromkeys((atom.signature for atom in each.heads), "the hierarchy of actions")
+    for statement in statements:
+        for atom in statement.heads if statement.own else ():
+            if atom.signature in taken:
+                text = f"{spelled(atom.signature)} belongs to {taken[atom.signature]}; choose another name"
+                yield statement.problem(text, atom.line)
 
 
 def _unread_heads(statements: Iterable[Statement], contract: set[Signature]) -> dict[Signature, tuple[Statement, Atom]]:

@@ -2,122 +2,211 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Callable, Iterator, Sequence
-from fractions import Fraction
+from collections.abc import Iterator, Sequence
 from functools import cached_property
+from time import monotonic
 
-import numpy as np
-
-from prag_asp.errors import QueryError
+from prag_asp.errors import LimitReached
+from prag_asp.logic.hindsight import Hindsight
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
-from prag_asp.space.automaton import Completions, Ranking, accepts, count_words, words
-from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
-from prag_asp.space.explore import explore
-from prag_asp.space.skeletons import skeleton_automaton
-from prag_asp.space.weights import Weights, refuse_unequal, weigh, weighing_facts
+from prag_asp.logic.transition import Transition
+from prag_asp.space.automaton import Ranking, accepts, count_words, words
+from prag_asp.space.bounded import count_within
+from prag_asp.space.engines.protocol import Letters, Level, Progress
+from prag_asp.space.goals import numbered_goals
+from prag_asp.space.limits import UNLIMITED, Budget, Limits
+from prag_asp.space.merged import MergedRanking, accepts_merged, count_merged, merged_words
+from prag_asp.space.reach import Explorer, Reach
+from prag_asp.space.stored import WORTH_KEEPING, shelf_for
+from prag_asp.space.weights import Weighed, Weights, refuse_weights
 
 
 class AutomatonEngine:
     """Answers for one domain at one level; what was explored is kept for the next question.
 
+    `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
+    No answer depends on it.
+
     Raises:
         EngineError: the step is not a function of the state and the action.
     """
 
-    def __init__(self, model: Model, level: Level, progress: Progress | None = None) -> None:
+    def __init__(
+        self,
+        model: Model,
+        level: Level,
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+        *,
+        merge: bool | None = None,
+    ) -> None:
         self._model = model
         self._level = level
-        self._progress = progress
-        self._explored: Completions | None = None
-        self._ranked: tuple[int, Weights, Ranking] | None = None
-        self._transition = model.transition(tasks=level != "plan")
+        self._limits = limits
+        self._explorer = Explorer(model, level, progress, merge)
+        self._plain = Explorer(model, level, progress, merge=False)
+        self._shelf = shelf_for(model.domain, level, merge) if limits.cached else None
+        self._reached: Reach | None = self._shelf.read() if self._shelf else None
+        self._ranked: tuple[int, Ranking | MergedRanking] | None = None
+        self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
+        begun = monotonic()
+        if self._reached is None:
+            self._transition  # noqa: B018  what cannot be expressed is told at once
+        self._prepared = monotonic() - begun
+
+    @cached_property
+    def _transition(self) -> Transition:
+        return self._explorer.transition()
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
         """The texts of the letters, in their order."""
-        actions = self._transition.actions
+        if self._reached is not None:
+            return self._reached.letters
         if self._level == "skeleton":
-            return tuple(sorted({action_name(action) for action in actions}))
-        return tuple(map(str, actions))
+            return tuple(sorted(set(self._names)))
+        return tuple(map(str, self._transition.actions))
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        """The name of the action of each letter."""
+        if self._reached is not None:
+            return self._reached.names
+        return tuple(map(action_name, self._transition.actions))
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
         return {letter: number for number, letter in enumerate(self.letters)}
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length."""
-        return count_words(self._completions(length), length, self._tests(prefix))
+        """Return the number of words of a length.
+
+        Raises:
+            LimitReached: a limit ended the exploration; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
+        reach = self._reach(length, budget)
+        # What was explored in time is counted on a clock of its own, or nothing would be known at its end.
+        if prefix or self._limits.seconds is None:
+            found, stopped = self._count(reach, length, prefix), reach.stopped
+        else:
+            found, stopped = count_within(reach.completions, length, self._limits.begin().spent)
+        if stopped or reach.stopped:
+            raise limit_reached(reach, reach.stopped or stopped, found, self._level, length)
+        return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        for word in words(self._completions(length), length, self._tests(prefix)):
+        reach = self.explored(length)
+        sets = self._sets(prefix)
+        if reach.merged:
+            found = merged_words(reach.merged, reach.completions, length, sets)
+        else:
+            found = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
+        for word in found:
             yield self._spelled(word)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
         if not all(letter in self._numbers for letter in word):
             return False
-        return accepts(self._completions(len(word)).automaton, [self._numbers[letter] for letter in word])
+        reach = self.explored(len(word))
+        numbers = [self._numbers[letter] for letter in word]
+        if reach.merged:
+            return accepts_merged(reach.merged, numbers)
+        return accepts(reach.completions.automaton, numbers)
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
-        return self._spelled(self._ranking(length, Weights()).unrank(rank))
+        return self._spelled(self._ranking(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
         """Return the rank of a word among those of its length, or None where it is no word."""
         if not all(letter in self._numbers for letter in word):
             return None
-        return self._ranking(len(word), Weights()).rank([self._numbers[letter] for letter in word])
+        return self._ranking(len(word)).rank([self._numbers[letter] for letter in word])
 
-    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
-        """Yield words drawn independently, each with a probability proportional to its weight, without end."""
-        ranking = self._ranking(length, weights)
-        if not ranking.total:
-            raise QueryError(f"there is no {self._level} of length {length} to draw")
-        share = Fraction(1, ranking.total)
-        while True:
-            word, weight = ranking.draw(generator)
-            yield Draw(self._spelled(word), share if weight == 1 else weight * share)
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, and keep the last ones made."""
+        refuse_weights(self._level, weights, self._model, length)
+        key = (length, weights, goals, plain)
+        if self._weighed is None or self._weighed[0] != key:
+            self._weighed = (key, self._weigh(length, weights, goals, plain))
+        return self._weighed[1]
 
     def _spelled(self, word: Sequence[int]) -> Letters:
         return tuple(self.letters[letter] for letter in word)
 
-    def _tests(self, prefix: Letters) -> list[Callable[[int], bool]]:
-        return [self._matching(text).__contains__ for text in prefix]
+    def _sets(self, prefix: Letters) -> list[frozenset[int]]:
+        return [self._matching(text) for text in prefix]
 
     def _matching(self, text: str) -> frozenset[int]:
         if self._level == "skeleton" or text in self._numbers:
             return frozenset({self._numbers[text]} if text in self._numbers else ())
-        names = enumerate(map(action_name, self._transition.actions))
-        return frozenset(number for number, name in names if name == text)
+        return frozenset(number for number, name in enumerate(self._names) if name == text)
 
-    def _completions(self, length: int) -> Completions:
-        found = self._explored
-        if found is None or (found.automaton.horizon is not None and found.automaton.horizon < length):
-            automaton, _ = explore(self._transition, length, self._report)
-            if self._level == "skeleton":
-                names = [self._numbers[action_name(action)] for action in self._transition.actions]
-                automaton = skeleton_automaton(automaton, np.array(names, dtype=np.int64))
-            found = self._explored = Completions(automaton)
+    def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
+        sets = self._sets(prefix)
+        if reach.merged:
+            return count_merged(reach.merged, reach.completions, length, sets)
+        return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
+
+    def _reach(self, length: int, budget: Budget) -> Reach:
+        """Return what is reached within a length, and keep it where no limit ended it."""
+        if self._reached is not None and self._reached.covers(length):
+            return self._reached
+        begun = monotonic()
+        found = self._explorer.reach(self._transition, length, budget)
+        if found.covers(length):
+            self._reached = found
+            if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:
+                self._shelf.write(found)
         return found
 
-    def _ranking(self, length: int, weights: Weights) -> Ranking:
-        """Return the ranking of a length by weights, and keep the last one made."""
-        if self._ranked is None or self._ranked[:2] != (length, weights):
-            made = self._weighed(length, weights) if weights else self._completions(length)
-            self._ranked = (length, weights, Ranking(made, length))
-        return self._ranked[2]
+    def explored(self, length: int) -> Reach:
+        """Return all that is reached within a length.
 
-    def _weighed(self, length: int, weights: Weights) -> Completions:
-        if self._level == "task":
-            refuse_unequal(weights, self._model.groups(length))
-        facts, labels = weighing_facts(weights)
-        transition = self._model.transition(tasks=self._level != "plan", weighed=facts, labels=labels)
-        automaton, marks = explore(transition, length, self._report)
-        return Completions(weigh(automaton, marks, transition, weights))
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        reach = self._reach(length, self._limits.begin())
+        if not reach.covers(length):
+            raise limit_reached(reach, reach.stopped, self._count(reach, length, ()), self._level, length)
+        return reach
 
-    def _report(self, depth: int, states: int) -> None:
-        if self._progress:
-            self._progress(f"depth {depth}: {states:,} states")
+    def _ranking(self, length: int) -> Ranking | MergedRanking:
+        """Return the ranking of a length, and keep the last one made."""
+        if self._ranked is None or self._ranked[0] != length:
+            reach = self.explored(length)
+            made = _merged_ranking(reach, length) or Ranking(reach.completions, length)
+            self._ranked = (length, made)
+        return self._ranked[1]
+
+    def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
+        hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
+        read = hindsight.last_read if hindsight else ()
+        explorer = self._plain if plain or goals else self._explorer
+        if not weights and not goals:
+            known = self.explored(length)
+            if not (plain and known.merged):
+                return Weighed(known.completions, ranking=_merged_ranking(known, length))
+        reach, unit, marks = explorer.weighed(length, weights, self._limits.begin(), read)
+        if not reach.covers(length):
+            raise limit_reached(reach, reach.stopped, 0, self._level, length)
+        ends = numbered_goals(hindsight, marks) if hindsight else None
+        return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
+
+
+def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
+    return MergedRanking(reach.merged, reach.completions, length) if reach.merged else None
+
+
+def limit_reached(reach: Reach, limit: str, found: int, level: Level, length: int) -> LimitReached:
+    """Return the error that says which limit was reached, how far it came until then, and how many words it found."""
+    states = reach.completions.automaton.states
+    return LimitReached(
+        f"{limit} was reached with {states:,} states explored: there are at least {found} {level}s of length "
+        f"{length}; allow more, or ask for shorter ones",
+        found,
+    )

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import random
-from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
-from itertools import accumulate, islice
-from math import lcm
+from itertools import islice
 
 import clingo
 
 from prag_asp.domain.grounding import Grounder
 from prag_asp.domain.sources import Program
-from prag_asp.errors import QueryError
 from prag_asp.logic.ground import unrolled
 from prag_asp.logic.model import Model
-from prag_asp.logic.program import action_name
-from prag_asp.space.engines.protocol import Draw, Letters, Level, Progress
-from prag_asp.space.weights import Weights, refuse_unequal
+from prag_asp.space.engines.listed import listed
+from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.weights import Weighed, Weights
 
 POLL = 0.2
 """Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
@@ -27,50 +23,63 @@ POLL = 0.2
 class ClingoEngine:
     """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
 
-    def __init__(self, model: Model, level: Level, progress: Progress | None = None) -> None:
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
         self._model = model
+        self._limits = limits
         self._level = level
         self._progress = progress
         self._unrolled: tuple[int, _Unrolled] | None = None
-        actions = model.domain.facts.actions
-        self._names = sorted({action_name(action) for action in actions})
-        self._letters = self._names if level == "skeleton" else [str(action) for action in actions]
+        self.letters = all_letters(model, level)
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length, by enumerating them all."""
+        """Return the number of words of a length, by enumerating them all.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
         if self._progress:
             self._progress(f"enumerating answer sets for length {length}")
         plans = self._plans(length)
         assumptions = plans.assume(prefix)
-        return 0 if assumptions is None else plans.count(assumptions)
+        if assumptions is None:
+            return 0
+        found, stopped = plans.count(assumptions, budget)
+        if stopped:
+            raise stopped_at(stopped, found, self._level, length)
+        return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily: by one search for each way to go on."""
         plans = self._plans(length)
-        word: list[str] = []
 
-        def below() -> Iterator[Letters]:
-            assumptions = plans.assume((*word, *prefix[len(word) :]))
-            if assumptions is None or not plans.satisfiable(assumptions):
-                return
-            if len(word) == length:
-                yield tuple(word)
-                return
-            for letter in self._letters:
-                word.append(letter)
-                if self._fits(letter, prefix[len(word) - 1 : len(word)]):
-                    yield from below()
-                word.pop()
+        def onward(word: Letters) -> Iterator[Letters]:
+            step = len(word)
+            for letter in self.letters:
+                longer = (*word, letter)
+                if self._fits(letter, prefix[step : step + 1]) and plans.possible((*longer, *prefix[step + 1 :])):
+                    yield longer
 
-        return below()
+        if length == 0:
+            yield from [()] if plans.possible(prefix) else []
+            return
+        waiting = [onward(())]
+        while waiting:
+            word = next(waiting[-1], None)
+            if word is None:
+                waiting.pop()
+            elif len(word) == length:
+                yield word
+            else:
+                waiting.append(onward(word))
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
-        if not all(letter in self._letters for letter in word):
+        if not all(letter in self.letters for letter in word):
             return False
-        plans = self._plans(len(word))
-        assumptions = plans.assume(word)
-        return assumptions is not None and plans.satisfiable(assumptions)
+        return self._plans(len(word)).possible(word)
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1, by enumerating the words before it."""
@@ -80,36 +89,29 @@ class ClingoEngine:
         """Return the rank of a word among those of its length, or None where it is no word."""
         return next((rank for rank, each in enumerate(self.words(len(word))) if each == word), None)
 
-    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
-        """Yield words drawn independently, each with a probability proportional to its weight, without end."""
-        if self._level == "task" and weights:
-            refuse_unequal(weights, self._model.groups(length))
-        everything = list(self.words(length))
-        weighed = [weights.of_plan([clingo.parse_term(action) for action in word]) for word in everything]
-        sums = list(accumulate(weighed))
-        if not sums or not sums[-1]:
-            raise QueryError(f"there is no {self._level} of length {length} to draw")
-        unit = Fraction(1, lcm(*(weight.denominator for weight in weighed)))
-        total = int(sums[-1] / unit)
-        while True:
-            at = bisect_right(sums, generator.randrange(total) * unit)
-            yield Draw(everything[at], weighed[at] / sums[-1])
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, by enumerating them all."""
+        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def _fits(self, letter: str, wanted: Letters) -> bool:
-        return not wanted or wanted[0] in (letter, letter.partition("(")[0])
+        if not wanted or wanted[0] == letter:
+            return True
+        return wanted[0] not in self.letters and letter.partition("(")[0] == wanted[0]
 
     def _plans(self, length: int) -> _Unrolled:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
-            self._unrolled = (length, _Unrolled(program, length, self._level))
+            self._unrolled = (length, _Unrolled(program, length, self._level, self.letters))
         return self._unrolled[1]
 
 
 class _Unrolled:
     """The ground program of all plans of one length."""
 
-    def __init__(self, program: Program, length: int, level: Level) -> None:
-        projected = "named(N,t) : named(N,t)" if level == "skeleton" else "occurs(A,t) : occurs(A,t)"
+    def __init__(self, program: Program, length: int, level: Level, letters: Letters) -> None:
+        self._shown = "named" if level == "skeleton" else "occurs"
+        self._letters = frozenset(letters)
+        projected = f"{self._shown}(X,t) : {self._shown}(X,t)"
         grounder = Grounder(program, "0", "--project=project", "--stats")
         self._control = grounder.control
         self._control.add("step", ["t"], f"#project {projected}.")
@@ -123,7 +125,7 @@ class _Unrolled:
             return None
         found = []
         for step, letter in enumerate(letters, 1):
-            predicate = "named" if "(" not in letter and self._is_name(letter, step) else "occurs"
+            predicate = self._shown if letter in self._letters else "named"
             symbol = clingo.Function(predicate, [clingo.parse_term(letter), clingo.Number(step)])
             atom = self._control.symbolic_atoms[symbol]
             if atom is None:
@@ -131,28 +133,36 @@ class _Unrolled:
             found.append(atom.literal)
         return found
 
-    def _is_name(self, letter: str, step: int) -> bool:
-        symbol = clingo.Function("named", [clingo.parse_term(letter), clingo.Number(step)])
-        return self._control.symbolic_atoms[symbol] is not None
+    def possible(self, letters: Sequence[str]) -> bool:
+        """Return whether a word begins with `letters`."""
+        assumptions = self.assume(letters)
+        return assumptions is not None and self.satisfiable(assumptions)
 
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
         self._limit(1)
         return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
 
-    def count(self, assumptions: Sequence[int]) -> int:
-        """Return the number of projected answer sets that satisfy the literals."""
+    def count(self, assumptions: Sequence[int], budget: Budget) -> tuple[int, str | None]:
+        """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
+
+        Those found until then are counted.
+        """
         self._limit(0)
+        stopped = None
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    pass
+                    stopped = budget.spent()
+                    if stopped:
+                        handle.cancel()
+                        break
             except BaseException:
                 handle.cancel()
                 raise
             handle.get()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
-        return int(self._control.statistics["summary"]["models"]["enumerated"])
+        return int(self._control.statistics["summary"]["models"]["enumerated"]), stopped
 
     def _limit(self, models: int) -> None:
         solving = self._control.configuration.solve

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, Protocol
 
 from prag_asp.logic.model import Model
-from prag_asp.space.weights import Weights
+from prag_asp.logic.program import action_name
+from prag_asp.space.limits import Limits
+from prag_asp.space.weights import Weighed, Weights
 
 Level = Literal["plan", "task", "skeleton"]
 LEVELS: tuple[Level, ...] = ("plan", "task", "skeleton")
@@ -53,11 +54,18 @@ class Engine(Protocol):
         """Return the rank of a word among those of its length, or None where it is no word."""
         ...
 
-    def draws(self, length: int, generator: random.Random, weights: Weights) -> Iterator[Draw]:
-        """Yield words drawn independently, each with a probability proportional to its weight, without end.
+    @property
+    def letters(self) -> Letters:
+        """The texts of the letters, in their order."""
+        ...
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights; with `goals`, also what is known after each.
+
+        With `plain` (or `goals`), each path is one word; otherwise it may stand for several.
 
         Raises:
-            QueryError: there is nothing to draw.
+            QueryError: the weights tell interchangeable entities apart, or skeletons are weighed.
         """
         ...
 
@@ -65,4 +73,10 @@ class Engine(Protocol):
 Progress = Callable[[str], None]
 """Told in a few words how far a long computation is."""
 
-MakeEngine = Callable[[Model, Level, "Progress | None"], Engine]
+MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
+
+
+def all_letters(model: Model, level: Level) -> Letters:
+    """Return the letters of a level in order: the texts of all actions, or their names."""
+    actions = model.domain.facts.actions
+    return tuple(sorted({action_name(action) for action in actions}) if level == "skeleton" else map(str, actions))

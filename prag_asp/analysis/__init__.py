@@ -1,0 +1,1 @@
+"""What spaces of tasks look like: figures and pictures."""

@@ -1,0 +1,88 @@
+"""``prag-asp split``: tasks for training and testing, with nothing in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from prag_asp.cli import options
+from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.terminal import progress, writer
+from prag_asp.errors import OutputError, QueryError
+
+if TYPE_CHECKING:
+    from prag_asp.space.ranked import RankedTasks
+    from prag_asp.space.task import Task
+    from prag_asp.space.task_space import TaskSpace
+
+
+@click.command()
+@asks(options.SPACE)
+@click.argument("shares", metavar="[NAME=SHARE]...", nargs=-1)
+@click.option("--skeletons", is_flag=True, help="No two parts have a skeleton in common; shares are approximate.")
+@click.option("--hold-out", "held", metavar="WHAT", help="Entity, class, action or pair that only the test part has.")
+@click.option("--count", "wanted", type=click.IntRange(min=0), metavar="K", help="Write K different tasks a part.")
+@options.seed
+@options.form
+@click.option("-o", "--output", metavar="DIR", help="Folder for one file a part; needed with --count.")
+def split(
+    *, asked: Asked, shares: tuple[str, ...], skeletons: bool, held: str | None, wanted: int | None, seed: int,
+    form: str, output: str | None,
+) -> None:  # fmt: skip
+    """Divide the tasks of length N into disjoint parts, such as train=0.8 test=0.2, and print their sizes.
+
+    With --count, uniformly drawn tasks of each part are written to DIR/NAME.txt or .jsonl.
+    """
+    from prag_asp.dataset.jsonl import Record
+
+    if (held is None) == (not shares):
+        raise QueryError("give either shares, such as train=0.8 test=0.2, or --hold-out WHAT")
+    if (wanted is None) != (output is None):
+        raise QueryError("give --count and --output together")
+    with progress() as tell:
+        space = asked.space(tell)
+        parts = _parts(space, shares, skeletons, held, seed)
+        width = max(map(len, parts))
+        for name, part in parts.items():
+            click.echo(f"{name:<{width}}  {part.count()}")
+        if wanted is None or output is None:
+            return
+        line = options.line_form(form, space.domain)
+        for name, part in parts.items():
+            with writer(str(_folder(output) / f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")) as write:
+                for task in _drawn(part, min(wanted, part.count()), seed):
+                    write(line(Record(task)))
+
+
+def _parts(
+    space: TaskSpace, shares: tuple[str, ...], skeletons: bool, held: str | None, seed: int
+) -> dict[str, TaskSpace] | dict[str, RankedTasks]:
+    if held is not None:
+        train, test = space.hold_out(held)
+        return {"train": train, "test": test}
+    pairs = [share.partition("=") for share in shares]
+    if not all(name.isidentifier() and equals for name, equals, _ in pairs) or len({p[0] for p in pairs}) < len(pairs):
+        raise QueryError(f"{' '.join(shares)}: write different names with their shares, such as train=0.8 test=0.2")
+    wanted = {name: share for name, _, share in pairs}
+    return space.split_skeletons(wanted, seed=seed) if skeletons else space.split(wanted, seed=seed)
+
+
+def _drawn(part: TaskSpace | RankedTasks, count: int, seed: int) -> Iterator[Task]:
+    from prag_asp.space.task_space import TaskSpace
+
+    if isinstance(part, TaskSpace):
+        yield from part.sample(count, seed=seed, weights={}, distinct=True)
+    else:
+        yield from part.sample(count, seed=seed, distinct=True)
+
+
+def _folder(name: str) -> Path:
+    folder = Path(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be made: {error.strerror}; choose another folder with -o") from None
+    return folder

@@ -1,0 +1,120 @@
+"""The command ``prag-asp stats``: exact figures on random tasks, and the curve of counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from prag_asp.cli import options
+from prag_asp.cli.options import Asked, Weighing, asks
+from prag_asp.cli.terminal import progress, writer
+
+if TYPE_CHECKING:
+    from prag_asp.space.statistics import Statistics
+
+DIGITS = 6
+"""Decimal places of shares and expected numbers in text."""
+
+WIDEST = 40
+"""Characters up to which a whole number is printed in full in text."""
+
+
+@click.command()
+@asks(options.SPACE)
+@options.by_level
+@options.weighs
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="Tables with decimals, or JSON with exact fractions.",
+)
+@click.option("--plot", metavar="FILE", help="Draw counts per length up to N into FILE.html or FILE.png.")
+@options.output
+def stats(*, asked: Asked, by: Any, weighing: Weighing, form: str, plot: str | None, output: str | None) -> None:
+    """Print what a random task of length N is like, exactly: entropy, expected numbers, and probabilities."""
+    if plot:
+        from prag_asp.analysis.curve import check_file
+
+        check_file(plot)
+    with progress() as tell:
+        space = asked.space(tell)
+        found = space.statistics(by=by, **weighing.arguments(space.domain))
+        with writer(output) as write:
+            for line in _text(found) if form == "text" else _json(found):
+                write(line)
+        if plot:
+            from prag_asp.analysis.curve import counts_by_length, draw_curve
+
+            draw_curve(counts_by_length(space), plot)
+
+
+def _json(found: Statistics) -> Iterator[str]:
+    import json
+    from dataclasses import asdict
+
+    values = {
+        name: {key if isinstance(key, str) else ">".join(key): str(share) for key, share in value.items()}
+        if isinstance(value, dict)
+        else value if isinstance(value, (int, str))
+        else str(value)
+        for name, value in asdict(found).items()
+    }  # fmt: skip
+    yield json.dumps(values, indent=2)
+
+
+def _text(found: Statistics) -> Iterator[str]:
+    yield from _aligned(
+        [
+            (f"{found.by}s of length {found.length} that can be drawn", _whole(found.words)),
+            ("sum of their weights", _whole(found.total_weight)),
+            ("entropy, bits", f"{found.entropy:.12f}"),
+        ]
+    )
+    entities, classes = found.contains_entity, found.contains_class
+    pairs = {f"{one} > {two}": share for (one, two), share in found.expected_pairs.items()}
+    tables: list[tuple[str, Mapping[str, Fraction], Mapping[str, Fraction] | None]] = [
+        ("name", found.expected_names, found.contains_name),
+        ("pair of names", pairs, None),
+        ("action", found.expected_actions, found.contains_action),
+    ]
+    for title, expected, contains in tables:
+        if expected:
+            yield ""
+            heads = (title, "expected number", "probability") if contains is not None else (title, "expected number")
+            columns = [expected] if contains is None else [expected, contains]
+            yield from _aligned([heads, *((key, *(_decimal(each[key]) for each in columns)) for key in expected)])
+    for title, shares in (("entity", entities), ("class", classes)):
+        if shares:
+            yield ""
+            yield from _aligned([(title, "probability"), *((key, _decimal(share)) for key, share in shares.items())])
+
+
+def _aligned(rows: list[tuple[str, ...]]) -> Iterator[str]:
+    """Yield rows of texts as lines, the first column to the left and the others to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for first, *others in rows:
+        cells = [f"{cell:>{width}}" for cell, width in zip(others, widths[1:], strict=True)]
+        yield "  ".join([f"{first:<{widths[0]}}", *cells])
+
+
+def _decimal(share: Fraction) -> str:
+    """Return a fraction with its decimals, the last one rounded half to even."""
+    whole = round(share * 10**DIGITS)
+    return f"{whole // 10**DIGITS}.{whole % 10**DIGITS:0{DIGITS}d}"
+
+
+def _whole(number: int | Fraction) -> str:
+    """Return a number in full where it is short, else with seven digits and a power of ten."""
+    text = str(number)
+    if len(text) <= WIDEST:
+        return text
+    with localcontext(Context(prec=DIGITS + 1, Emax=MAX_EMAX, Emin=MIN_EMIN)):
+        exact = Fraction(number)
+        return f"{Decimal(exact.numerator) / Decimal(exact.denominator):.{DIGITS}e}"

@@ -1,0 +1,77 @@
+"""``prag-asp task``: one task by its rank, and the rank of a task."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import click
+
+from prag_asp.cli import options
+from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.terminal import progress
+from prag_asp.errors import QueryError
+
+if TYPE_CHECKING:
+    from prag_asp.space.task import State, Task
+    from prag_asp.space.task_space import TaskSpace
+
+READINGS_SHOWN = 5
+
+
+@click.command()
+@asks(options.SPACE)
+@click.option("--index", type=int, metavar="I", help="Rank of the task, from 0; a negative one counts from the end.")
+@click.option("--rank-of", "plan", metavar="'A B ...'", help="Actions of a task, whose rank to find.")
+@click.option(
+    "--format", "form", type=click.Choice(["full", "text", "sentences", "jsonl"]), default="full", show_default=True,
+    help="All states in words; or as in sample.",
+)  # fmt: skip
+def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> None:
+    """Show the task of a rank, or print the rank of a task.
+
+    Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms: the order depends
+    on the domain alone.
+    """
+    from prag_asp.dataset.jsonl import Record
+
+    if (index is None) == (plan is None):
+        raise QueryError("give either --index or --rank-of")
+    with progress() as tell:
+        space = asked.space(tell)
+        if index is None:
+            click.echo(space.index((plan or "").split()))
+            return
+        try:
+            found = space[index]
+        except IndexError:
+            raise QueryError(f"--index {index}: the space has {space.count()} tasks, ranked from 0") from None
+        if form == "full":
+            click.echo("\n".join(_described(found, space)))
+        else:
+            click.echo(options.line_form(form, space.domain)(Record(found)))
+
+
+def _described(found: Task, space: TaskSpace) -> list[str]:
+    """Return the lines that tell a task: its rank, its start, what each action makes true, its goal, its readings."""
+    fluents = len(space.domain.facts.fluents)
+    lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, fluents)}"]
+    width = max((len(str(action)) for action in found.actions), default=0)
+    for number, (action, subgoal) in enumerate(zip(found.actions, found.subgoals, strict=True), 1):
+        lines.append(f"{number:>5}  {action!s:<{width}}  {_told(subgoal)}".rstrip())
+    lines.append(f"goal   {_state(found.goal, fluents)}")
+    readings = space.readings(found) if space.domain.facts.composites else None
+    if readings is not None:
+        lines += [f"read   {' '.join(map(str, reading))}" for reading in islice(readings, READINGS_SHOWN)]
+        if readings.count() > READINGS_SHOWN:
+            lines.append(f"       and {readings.count() - READINGS_SHOWN} more readings")
+    return lines
+
+
+def _state(state: State, fluents: int) -> str:
+    """Return what is known of a state in words; of one that is known whole, what is true."""
+    return _told({fluent: value for fluent, value in state.items() if value or len(state) < fluents})
+
+
+def _told(state: State) -> str:
+    return ", ".join(f"{'' if value else 'not '}{fluent}" for fluent, value in state.items())

@@ -1,0 +1,113 @@
+"""Clauses under construction: each gate is defined once, and its output is a function of its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Sequence
+
+Literal = int
+"""A variable from 1 upwards, negative where it is negated."""
+
+TRUE: Literal = 1
+"""The first variable is always true, so that constants are literals and no clause is empty."""
+
+
+class Clauses:
+    """A growing set of clauses.
+
+    Every method that returns a literal adds clauses that fix its value for each assignment of the literals that it was
+    given: none of them changes the number of models.
+    """
+
+    def __init__(self) -> None:
+        self.variables = 1
+        self.clauses: list[tuple[Literal, ...]] = [(TRUE,)]
+        self._gates: dict[Hashable, Literal] = {}
+
+    def fresh(self) -> Literal:
+        """Return a variable that no clause speaks of."""
+        self.variables += 1
+        return self.variables
+
+    def add(self, *literals: Literal) -> None:
+        """State that one of some literals is true."""
+        kept = set(literals) - {-TRUE}
+        if TRUE not in kept and not any(-literal in kept for literal in kept):
+            self.clauses.append(tuple(sorted(kept, key=abs)) or (-TRUE,))
+
+    def equate(self, first: Literal, second: Literal) -> None:
+        """State that two literals have the same value."""
+        self.add(-first, second)
+        self.add(first, -second)
+
+    def all_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
+        """Return a literal that is true where all of some literals are; `into` is one whose value is to be that."""
+        kept = set(literals) - {TRUE}
+        if -TRUE in kept or any(-literal in kept for literal in kept):
+            found: Literal | None = -TRUE
+        elif len(kept) < 2:
+            found = next(iter(kept), TRUE)
+        else:
+            found = self._gates.get(frozenset(kept))
+        if found is not None:
+            if into is not None:
+                self.equate(into, found)
+            return found
+        output = self._gates[frozenset(kept)] = self.fresh() if into is None else into
+        for literal in kept:
+            self.add(-output, literal)
+        self.add(output, *(-literal for literal in kept))
+        return output
+
+    def any_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
+        """Return a literal that is true where one of some literals is; `into` is one whose value is to be that."""
+        return -self.all_of((-literal for literal in literals), None if into is None else -into)
+
+    def at_least(self, bound: int, literals: Sequence[Literal], weights: Sequence[int]) -> Literal:
+        """Return a literal that is true where the weights of the true literals add up to a bound; weights are positive.
+
+        The sum is a binary decision diagram (Eén and Sörensson 2006): its node (i, b) says that the literals from the
+        i-th on reach b.
+        """
+        terms = sorted(zip(weights, literals, strict=True), reverse=True)
+        remaining = [0]
+        for weight, _ in reversed(terms):
+            remaining.append(remaining[-1] + weight)
+        remaining.reverse()
+        open_bounds = [{bound}]
+        for place, (weight, _) in enumerate(terms):
+            wanted = {below for above in open_bounds[-1] for below in (above, above - weight)}
+            open_bounds.append({each for each in wanted if 0 < each <= remaining[place + 1]})
+        nodes: dict[int, Literal] = {}
+        for place in reversed(range(len(terms))):
+            weight, literal = terms[place]
+
+            def node(wanted: int, below: int = place + 1, known: dict[int, Literal] = nodes) -> Literal:
+                if wanted <= 0:
+                    return TRUE
+                return known[wanted] if wanted <= remaining[below] else -TRUE
+
+            nodes = {
+                wanted: self._reached(literal, node(wanted - weight), node(wanted))
+                for wanted in sorted(open_bounds[place])
+                if 0 < wanted <= remaining[place]
+            }
+        if bound <= 0:
+            return TRUE
+        return nodes.get(bound, -TRUE)
+
+    def _reached(self, literal: Literal, high: Literal, low: Literal) -> Literal:
+        """Return whether the sum is reached, given whether it is with the literal and without; `low` implies `high`."""
+        if high in (low, -TRUE):
+            return low
+        if low == -TRUE:
+            return self.all_of((literal, high))
+        if high == TRUE:
+            return self.any_of((literal, low))
+        key = (literal, high, low)
+        if key not in self._gates:
+            output = self._gates[key] = self.fresh()
+            self.add(-output, high)
+            self.add(-output, literal, low)
+            self.add(output, -literal, -high)
+            self.add(output, -low)
+        return self._gates[key]

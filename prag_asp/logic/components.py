@@ -1,0 +1,44 @@
+"""Strongly connected components of a graph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+
+def components(roots: Iterable[int], below: Callable[[int], Iterable[int]]) -> Iterator[list[int]]:
+    """Yield the strongly connected components that `roots` lead to (Tarjan 1972, without recursion).
+
+    Each comes after those that it leads to; `below` gives the nodes that a node leads to.
+    """
+    index: dict[int, int] = {}
+    low: dict[int, int] = {}
+    path: list[int] = []
+    waiting: set[int] = set()
+
+    def entered(node: int) -> tuple[int, Iterator[int]]:
+        index[node] = low[node] = len(index)
+        path.append(node)
+        waiting.add(node)
+        return node, iter(below(node))
+
+    for root in roots:
+        work = [] if root in index else [entered(root)]
+        while work:
+            node, rest = work[-1]
+            for other in rest:
+                if other not in index:
+                    work.append(entered(other))
+                    break
+                if other in waiting:
+                    low[node] = min(low[node], index[other])
+            else:
+                work.pop()
+                if work:
+                    above = work[-1][0]
+                    low[above] = min(low[above], low[node])
+                if low[node] == index[node]:
+                    found = [path.pop()]
+                    while found[-1] != node:
+                        found.append(path.pop())
+                    waiting.difference_update(found)
+                    yield found

@@ -1,0 +1,46 @@
+"""States packed into 64-bit words, one row for each state: bit v of a row is the value of variable v."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rows = NDArray[np.uint64]
+"""Packed states, shape (number of states, number of words)."""
+
+WORD = 64
+LITTLE = np.dtype("<u8")
+
+
+def words_for(bits: int) -> int:
+    """Return how many words hold so many bits: at least one."""
+    return max(-(-bits // WORD), 1)
+
+
+def pack(columns: NDArray[np.bool_]) -> Rows:
+    """Return the rows of states given as columns, shape (number of variables, number of states)."""
+    bits, size = columns.shape
+    octets = np.zeros((size, 8 * words_for(bits)), dtype=np.uint8)
+    packed = np.packbits(columns, axis=0, bitorder="little")
+    octets[:, : len(packed)] = packed.T
+    return octets.view(LITTLE).astype(np.uint64, copy=False)
+
+
+def unpack(rows: Rows, bits: int) -> NDArray[np.bool_]:
+    """Return states as columns, shape (number of variables, number of states)."""
+    octets = np.ascontiguousarray(rows, dtype=LITTLE).view(np.uint8)
+    return np.ascontiguousarray(np.unpackbits(octets, axis=1, count=bits, bitorder="little").T).view(np.bool_)
+
+
+def bit(place: int) -> tuple[int, np.uint64, np.uint64]:
+    """Return where a variable is kept: its word, its place in the word, and the mask of that place."""
+    word, shift = divmod(place, WORD)
+    return word, np.uint64(shift), np.uint64(1 << shift)
+
+
+def mask_of(places: list[int], words: int) -> Rows:
+    """Return the words in which exactly these bits are set, shape (number of words,)."""
+    mask = [0] * words
+    for place in places:
+        mask[place // WORD] |= 1 << place % WORD
+    return np.array(mask, dtype=np.uint64)

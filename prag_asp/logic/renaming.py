@@ -1,0 +1,53 @@
+"""Terms as shapes with places for entities, and terms under other names for their entities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import clingo
+
+Shaped = tuple[int, tuple[int, ...]]
+"""The number of a shape, and the numbers of the entities that take its places, from the left."""
+
+PLACE = 0
+"""The shape of an entity by itself."""
+
+
+class Shapes:
+    """Tells terms as shapes; two terms have one shape where renaming places alone makes one of the other.
+
+    An entity has the number that `entities` gives it. Each subterm is looked at once, for clingo's terms are slow.
+    """
+
+    def __init__(self, entities: Mapping[clingo.Symbol, int]) -> None:
+        self._entities = entities
+        self._numbers: dict[object, int] = {}
+        self._told: dict[clingo.Symbol, Shaped] = {}
+
+    def of(self, term: clingo.Symbol) -> Shaped:
+        """Return the shape of a term and the entities in it."""
+        found = self._told.get(term)
+        if found is None:
+            found = self._told[term] = self._tell(term)
+        return found
+
+    def _tell(self, term: clingo.Symbol) -> Shaped:
+        if term in self._entities:
+            return PLACE, (self._entities[term],)
+        if term.type != clingo.SymbolType.Function or not term.arguments:
+            return self._number(str(term)), ()
+        parts = [self.of(argument) for argument in term.arguments]
+        shape = self._number((term.name, term.positive, *(number for number, _ in parts)))
+        return shape, tuple(entity for _, entities in parts for entity in entities)
+
+    def _number(self, shape: object) -> int:
+        return self._numbers.setdefault(shape, len(self._numbers) + 1)
+
+
+def renamed(term: clingo.Symbol, names: Mapping[clingo.Symbol, clingo.Symbol]) -> clingo.Symbol:
+    """Return a term with other names for its entities."""
+    if term in names:
+        return names[term]
+    if term.type == clingo.SymbolType.Function and term.arguments:
+        return clingo.Function(term.name, [renamed(argument, names) for argument in term.arguments], term.positive)
+    return term

@@ -1,0 +1,112 @@
+"""Formulas over the fluents of one state, as disjunctions of conjunctions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+
+from prag_asp.domain.atom import parse_atom
+from prag_asp.errors import QueryError
+from prag_asp.space.spelling import unknown
+
+Conjunction = Mapping[str, bool]
+"""Fluents with their values."""
+
+MOST_CONJUNCTIONS = 10_000
+WORD = re.compile(r"\s*(?P<word>[(),]|[^\s(),]+)")
+
+
+def parse_formula(text: str, fluents: Iterable[str]) -> tuple[Conjunction, ...]:
+    """Return the conjunctions, one of which a state has to satisfy, of a formula with ``and``, ``or`` and ``not``.
+
+    A comma is an ``and`` that binds least. Contradictory conjunctions are left out.
+
+    Raises:
+        QueryError: it is no formula, or speaks of an unknown fluent.
+    """
+    return tuple(dict(literals) for literals in _Parser(text, frozenset(fluents)).whole())
+
+
+def parse_conjunction(text: str, fluents: Iterable[str]) -> Conjunction:
+    """Return the values of the fluents that a formula without ``or`` speaks of.
+
+    Raises:
+        QueryError: it is no such formula, or contradicts itself.
+    """
+    found = parse_formula(text, fluents)
+    if len(found) != 1:
+        raise QueryError(f"{text!r}: write fluents that hold together, like holding(panda,apple_1), not open(panda)")
+    return found[0]
+
+
+_Literals = frozenset[tuple[str, bool]]
+
+
+class _Parser:
+    """Reads a formula by recursive descent, with its negation pushed down to the fluents."""
+
+    def __init__(self, text: str, fluents: frozenset[str]) -> None:
+        self._text, self._fluents = text, fluents
+        self._words = [match["word"] for match in WORD.finditer(text)]
+
+    def whole(self) -> list[_Literals]:
+        found = self._conjunction(",", positive=True)
+        if self._words:
+            raise self._wrong(f"unexpected {self._words[0]!r}")
+        return found
+
+    def _conjunction(self, word: str, positive: bool) -> list[_Literals]:
+        """Read what stands between the words `word`: ``,`` binds least, then ``or``, then ``and``."""
+        below = {",": "or", "or": "and"}
+        found = self._conjunction(below[word], positive) if word in below else self._negation(positive)
+        while self._words[:1] == [word]:
+            self._words.pop(0)
+            other = self._conjunction(below[word], positive) if word in below else self._negation(positive)
+            found = self._joined(found, other) if (word == "or") != positive else self._smallest([*found, *other])
+        return found
+
+    def _negation(self, positive: bool) -> list[_Literals]:
+        if self._words[:1] == ["not"]:
+            self._words.pop(0)
+            return self._negation(not positive)
+        if self._words[:1] == ["("]:
+            self._words.pop(0)
+            found = self._conjunction(",", positive)
+            if self._words[:1] != [")"]:
+                raise self._wrong("a parenthesis is not closed")
+            self._words.pop(0)
+            return found
+        return [frozenset({(self._fluent(), positive)})]
+
+    def _fluent(self) -> str:
+        if not self._words or self._words[0] in ("and", "or", ")", ","):
+            raise self._wrong(f"a fluent is missing before {self._words[0]!r}" if self._words else "it ends too early")
+        text = self._words.pop(0)
+        if self._words[:1] == ["("]:
+            depth = 0
+            while self._words:
+                word = self._words.pop(0)
+                depth += (word == "(") - (word == ")")
+                text += word
+                if depth == 0:
+                    break
+        fluent = str(parse_atom(text))
+        if fluent not in self._fluents:
+            raise QueryError(unknown(fluent, self._fluents, "fluent"))
+        return fluent
+
+    def _joined(self, first: list[_Literals], second: list[_Literals]) -> list[_Literals]:
+        if len(first) * len(second) > MOST_CONJUNCTIONS:
+            raise self._wrong("it has too many cases; split it into several conditions")
+        both = (one | other for one in first for other in second)
+        return self._smallest([each for each in both if len(dict(each)) == len(each)])
+
+    def _smallest(self, found: list[_Literals]) -> list[_Literals]:
+        """Return the conjunctions that no weaker one among them makes superfluous, in order."""
+        kept = list(dict.fromkeys(found))
+        return [each for each in kept if not any(other < each for other in kept)]
+
+    def _wrong(self, what: str) -> QueryError:
+        return QueryError(
+            f"{self._text!r} is no formula: {what}; write it like holding(panda,apple_1) or not open(panda)"
+        )

@@ -1,0 +1,72 @@
+"""Which actions and entities a condition speaks of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.domain.atom import parse_atom
+from prag_asp.domain.facts import Facts
+from prag_asp.errors import QueryError
+from prag_asp.logic.program import action_name
+from prag_asp.space.spelling import unknown
+
+ANY = "_"
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """An action, the name of some, or an action with ``_`` for any argument; `arguments` is None for a mere name."""
+
+    name: str
+    arguments: tuple[str, ...] | None = None
+
+    @classmethod
+    def parse(cls, text: str) -> Pattern:
+        """Return the pattern of a text such as ``grasp`` or ``grasp(_,apple_1)``.
+
+        Raises:
+            QueryError: it is no term.
+        """
+        atom = parse_atom(text)
+        return cls(atom.name, atom.arguments or None)
+
+    def matches(self, facts: Facts) -> tuple[clingo.Symbol, ...]:
+        """Return the actions that fit.
+
+        Raises:
+            QueryError: there is none.
+        """
+        found = tuple(action for action in facts.actions if self._fits(action))
+        if not found:
+            spelled = self.name if self.arguments is None else f"{self.name}({','.join(self.arguments)})"
+            known = {*map(action_name, facts.actions), *map(str, facts.actions)}
+            raise QueryError(unknown(spelled, known, "action"))
+        return found
+
+    def _fits(self, action: clingo.Symbol) -> bool:
+        if action_name(action) != self.name:
+            return False
+        if self.arguments is None:
+            return True
+        given = parse_atom(str(action)).arguments
+        return len(given) == len(self.arguments) and all(
+            wanted in (ANY, argument) for wanted, argument in zip(self.arguments, given, strict=True)
+        )
+
+
+def class_members(kind: str, facts: Facts) -> Iterator[clingo.Symbol]:
+    """Return the entities that are called `kind` or belong to the class `kind`, in order of terms.
+
+    Raises:
+        QueryError: there is no such entity or class.
+    """
+    entities = {str(entity): entity for entity in facts.entities}
+    if kind in entities:
+        return iter([entities[kind]])
+    classes = {name for _, name in facts.memberships} | set(facts.parents)
+    if kind not in classes:
+        raise QueryError(unknown(kind, [*entities, *classes], "entity or class"))
+    return iter(sorted(entity for entity in facts.entities if (entity, kind) in facts.memberships))

@@ -1,0 +1,259 @@
+"""Regular expressions over names, and the deterministic automata that recognise them.
+
+The states of an automaton are expressions themselves: what may still follow (derivatives, Brzozowski 1964).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from prag_asp.errors import QueryError
+from prag_asp.space.spelling import unknown
+
+TOKEN = re.compile(r"\s*(?:(?P<name>[\w]+)|\{(?P<low>\d+)(?P<range>,(?P<high>\d*))?\}|(?P<sign>[.|*+?()]))")
+MOST_COPIES = 1000
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """The language without words."""
+
+
+@dataclass(frozen=True)
+class Empty:
+    """The language of the empty word."""
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """The words of one name; `names` is None for any name."""
+
+    names: frozenset[str] | None
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A word of `first`, then a word of `rest`."""
+
+    first: Expression
+    rest: Expression
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A word of any of `parts`."""
+
+    parts: frozenset[Expression]
+
+
+@dataclass(frozen=True)
+class Star:
+    """Any number of words of `part`, one after the other."""
+
+    part: Expression
+
+
+Expression = Nothing | Empty | OneOf | Chain | Choice | Star
+
+
+@dataclass(frozen=True)
+class Recogniser:
+    """A deterministic automaton that starts in state 0; a name without a move leads to no word."""
+
+    moves: Sequence[Mapping[str, int]]
+    accepting: frozenset[int]
+
+
+def recogniser(expression: Expression, names: Iterable[str], *, inverse: bool = False) -> Recogniser:
+    """Return the smallest automaton of the words of `expression` over `names`, or of all other words.
+
+    A minimal automaton without states that lead nowhere is unique (Myhill 1957, Nerode 1958).
+    """
+    alphabet = sorted(names)
+    numbers: dict[Expression, int] = {expression: 0}
+    found = [expression]
+    moves: list[dict[str, int]] = []
+    for state in found:
+        row = {}
+        for name in alphabet:
+            after = derivative(state, name)
+            if after not in numbers:
+                numbers[after] = len(found)
+                found.append(after)
+            row[name] = numbers[after]
+        moves.append(row)
+    accepting = {number for number, state in enumerate(found) if nullable(state) != inverse}
+    return _smallest(moves, accepting)
+
+
+def _smallest(moves: Sequence[Mapping[str, int]], accepting: set[int]) -> Recogniser:
+    blocks = [int(state in accepting) for state in range(len(moves))]
+    while True:
+        kinds: dict[tuple[int, ...], int] = {}
+        refined = [
+            kinds.setdefault((blocks[state], *(blocks[target] for target in row.values())), len(kinds))
+            for state, row in enumerate(moves)
+        ]
+        if len(kinds) == len(set(blocks)):
+            break
+        blocks = refined
+    live = set(accepting)
+    while True:
+        more = {state for state, row in enumerate(moves) if live & set(row.values())} - live
+        if not more:
+            break
+        live |= more
+    order = [0]
+    numbers = {refined[0]: 0}
+    rows: list[dict[str, int]] = []
+    for state in order:
+        row = {name: target for name, target in moves[state].items() if target in live}
+        for target in row.values():
+            if refined[target] not in numbers:
+                numbers[refined[target]] = len(order)
+                order.append(target)
+        rows.append({name: numbers[refined[target]] for name, target in row.items()})
+    return Recogniser(rows, frozenset(numbers[refined[s]] for s in accepting if refined[s] in numbers))
+
+
+@cache
+def nullable(expression: Expression) -> bool:
+    """Return whether the empty word is a word of an expression."""
+    if isinstance(expression, Chain):
+        return nullable(expression.first) and nullable(expression.rest)
+    if isinstance(expression, Choice):
+        return any(map(nullable, expression.parts))
+    return isinstance(expression, Empty | Star)
+
+
+@cache
+def derivative(expression: Expression, name: str) -> Expression:
+    """Return what may follow `name` in the words of an expression."""
+    if isinstance(expression, OneOf):
+        return Empty() if expression.names is None or name in expression.names else Nothing()
+    if isinstance(expression, Chain):
+        after = chain(derivative(expression.first, name), expression.rest)
+        return choice([after, derivative(expression.rest, name)]) if nullable(expression.first) else after
+    if isinstance(expression, Choice):
+        return choice(derivative(part, name) for part in expression.parts)
+    if isinstance(expression, Star):
+        return chain(derivative(expression.part, name), expression)
+    return Nothing()
+
+
+def chain(first: Expression, rest: Expression) -> Expression:
+    """Return the expression for a word of `first` and then one of `rest`, in a form that keeps equal ones equal."""
+    if isinstance(first, Nothing) or isinstance(rest, Nothing):
+        return Nothing()
+    if isinstance(first, Empty):
+        return rest
+    if isinstance(rest, Empty):
+        return first
+    if isinstance(first, Chain):
+        return Chain(first.first, chain(first.rest, rest))
+    return Chain(first, rest)
+
+
+def choice(parts: Iterable[Expression]) -> Expression:
+    """Return the expression for a word of any of `parts`, in a form that keeps equal ones equal."""
+    found: set[Expression] = set()
+    for part in parts:
+        found |= part.parts if isinstance(part, Choice) else {part}
+    found.discard(Nothing())
+    if len(found) > 1:
+        return Choice(frozenset(found))
+    return found.pop() if found else Nothing()
+
+
+def parse_expression(text: str, names: Iterable[str]) -> Expression:
+    """Return the expression that `text` spells: names, ``.``, ``|``, ``*``, ``+``, ``?``, ``{m,n}`` and parentheses.
+
+    Raises:
+        QueryError: it spells none, or speaks of an unknown name.
+    """
+    return _Parser(text, frozenset(names)).whole()
+
+
+class _Parser:
+    """Reads an expression by recursive descent."""
+
+    def __init__(self, text: str, names: frozenset[str]) -> None:
+        self._text, self._names = text, names
+        self._tokens: list[re.Match[str]] = []
+        position = 0
+        while text[position:].strip():
+            token = TOKEN.match(text, position)
+            if token is None:
+                raise self._wrong(f"{text[position:].strip()[0]!r} is not part of it")
+            self._tokens.append(token)
+            position = token.end()
+
+    def whole(self) -> Expression:
+        expression = self._choice()
+        if self._tokens:
+            raise self._wrong(f"unexpected {self._tokens[0][0].strip()!r}")
+        return expression
+
+    def _sign(self) -> str | None:
+        return self._tokens[0]["sign"] if self._tokens else None
+
+    def _choice(self) -> Expression:
+        parts = [self._chain()]
+        while self._sign() == "|":
+            self._tokens.pop(0)
+            parts.append(self._chain())
+        return choice(parts)
+
+    def _chain(self) -> Expression:
+        parts: list[Expression] = []
+        while self._tokens and self._sign() not in ("|", ")"):
+            parts.append(self._repeated())
+        whole: Expression = Empty()
+        for part in reversed(parts):
+            whole = chain(part, whole)
+        return whole
+
+    def _repeated(self) -> Expression:
+        part = self._single()
+        while self._tokens and (self._tokens[0]["low"] or self._sign() in ("*", "+", "?")):
+            token = self._tokens.pop(0)
+            if token["low"]:
+                high = int(token["high"]) if token["high"] else None
+                part = self._copies(part, int(token["low"]), high if token["range"] else int(token["low"]))
+            else:
+                part = self._copies(part, int(token["sign"] == "+"), 1 if token["sign"] == "?" else None)
+        return part
+
+    def _copies(self, part: Expression, low: int, high: int | None) -> Expression:
+        if max(low, high or 0) > MOST_COPIES or (high is not None and high < low):
+            raise self._wrong(f"{{m,n}} needs m <= n <= {MOST_COPIES}")
+        optional: Expression = Empty() if high is not None else part if isinstance(part, Star) else Star(part)
+        for _ in range((high or low) - low):
+            optional = choice([Empty(), chain(part, optional)])
+        for _ in range(low):
+            optional = chain(part, optional)
+        return optional
+
+    def _single(self) -> Expression:
+        token = self._tokens.pop(0)
+        if token["name"]:
+            if token["name"] not in self._names:
+                raise QueryError(unknown(token["name"], self._names, "action"))
+            return OneOf(frozenset({token["name"]}))
+        if token["sign"] == ".":
+            return OneOf(None)
+        if token["sign"] == "(":
+            inside = self._choice()
+            if self._sign() != ")":
+                raise self._wrong("a parenthesis is not closed")
+            self._tokens.pop(0)
+            return inside
+        raise self._wrong(f"nothing stands before {token[0].strip()!r}")
+
+    def _wrong(self, what: str) -> QueryError:
+        return QueryError(
+            f"{self._text!r} is no expression: {what}; write it like 'approach (grasp . drop)* withdraw?'"
+        )

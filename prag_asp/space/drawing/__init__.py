@@ -1,0 +1,1 @@
+"""Words drawn with exact probabilities, many at once."""

@@ -1,0 +1,80 @@
+"""What the task spaces of one domain share: its logic, its engines, and what was drawn with last."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from prag_asp.errors import QueryError
+from prag_asp.logic.model import Model
+from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.space.drawing.drawers import Drawer, Over
+from prag_asp.space.drawing.draws import log_probability, make_drawer
+from prag_asp.space.engines import Engine, Level, select
+from prag_asp.space.engines.protocol import Letters, Progress
+from prag_asp.space.limits import Limits
+from prag_asp.space.narrate import Narrator
+from prag_asp.space.ranks import distinct_ranks
+from prag_asp.space.readings import Hierarchy, hierarchy_of
+from prag_asp.space.task import Task
+from prag_asp.space.weights import Weights
+
+
+@dataclass
+class Shared:
+    """The logic of a domain and its engines, each made when first asked for."""
+
+    model: Model
+    engine: str
+    progress: Progress | None
+    limits: Limits
+    _engines: dict[Level, Engine] = field(default_factory=dict)
+    _counts: dict[tuple[Level, int, Letters], int] = field(default_factory=dict)
+    _drawer: tuple[tuple[Any, ...], Drawer] | None = None
+
+    def engine_for(self, by: Level) -> Engine:
+        """Return the engine of a level."""
+        if by not in self._engines:
+            self._engines[by] = select(self.engine, self.model, by, self.progress, self.limits)
+        return self._engines[by]
+
+    def count(self, by: Level, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words, and keep it."""
+        key = (by, length, prefix)
+        if key not in self._counts:
+            self._counts[key] = self.engine_for(by).count(length, prefix)
+        return self._counts[key]
+
+    def drawer_for(self, by: Level, length: int, weights: Weights, over: Over | None) -> Drawer:
+        """Return the way to draw words, and keep the last one made."""
+        key = (by, length, weights, over)
+        if self._drawer is None or self._drawer[0] != key:
+            made = make_drawer(self.engine_for(by), self.model.domain.facts, by, length, weights, over)
+            self._drawer = (key, made)
+        return self._drawer[1]
+
+    def draw_distinct(self, by: Level, length: int, count: int, seed: int) -> list[Task]:
+        """Return different tasks, every set of them equally likely.
+
+        Raises:
+            QueryError: there are fewer.
+        """
+        total = self.count(by, length)
+        if count > total:
+            raise QueryError(f"cannot draw {count} distinct {by}s: there are {total}")
+        engine = self.engine_for(by)
+        share = log_probability(Fraction(1, total)) if total else None
+        ranks = distinct_ranks(SeededBits(seed), total, count)
+        return list(self.narrator.tasks((engine.unrank(length, rank), share) for rank in ranks))
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """The composites of the domain."""
+        return hierarchy_of(self.model.domain.facts)
+
+    @cached_property
+    def narrator(self) -> Narrator:
+        """Tells tasks from plans."""
+        return Narrator(self.model)

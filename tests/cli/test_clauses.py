@@ -1,0 +1,55 @@
+"""The commands that turn a task space into clauses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.cli.test_commands import ok, run
+
+CONFLICT = """\
+step 3, grasp(panda,apple_2), cannot follow:
+  it needs open(panda) to be true, which is false since step 2, grasp(panda,apple_1)
+  it needs at(panda,apple_2) to be true, which is false since step 1, approach(panda,apple_1)
+no plan of this length has these steps, whatever its others are:
+  step 2, grasp(panda,apple_1)
+  step 3, grasp(panda,apple_2)
+"""
+
+
+def test_explain_tells_reasons_and_conflict_and_ends_with_code_1() -> None:
+    done = run("explain", "prag", "approach(panda, apple_1)", "grasp(panda,apple_1)", "grasp(panda,apple_2)")
+    assert (done.returncode, done.stdout, done.stderr) == (1, CONFLICT, "")
+
+
+def test_explain_ends_with_code_0_where_it_is_a_plan() -> None:
+    assert ok("explain", "prag", "approach(panda,apple_1)", "withdraw(panda,apple_1)") == "a plan of prag\n"
+    assert run("explain", "prag", "approach(panda,apple_1)", "withdraw(panda,apple_1)", "--rule", "no_undo").returncode
+
+
+def test_explain_refuses_what_is_no_action() -> None:
+    done = run("explain", "blocks", "unstak(a,b)")
+    assert (done.returncode, done.stderr) == (2, "no action 'unstak(a,b)'; did you mean unstack(a,b)?\n")
+    done = run("explain", "prag", "approach")
+    assert done.returncode == 2 and "such as approach(panda,apple_1)" in done.stderr
+
+
+def test_export_writes_the_same_bytes_again_for_each_level(tmp_path: Path) -> None:
+    shown = {}
+    for level in ("plan", "task", "skeleton"):
+        texts = [ok("export", "blocks", "-n", "2", "--by", level) for _ in range(2)]
+        assert texts[0] == texts[1]
+        assert texts[0].startswith(f"c the {level}s of blocks of length 2, by prag_asp\nc 2 ")
+        lines = texts[0].splitlines()
+        (names,) = ([int(word) for word in line.split()[3:-1]] for line in lines if line.startswith("c p show "))
+        atoms = {int(line.split()[1]): line.split()[2] for line in lines if line.startswith("c ") and line[2].isdigit()}
+        shown[level] = [atoms[name] for name in names]
+    assert all(atom.startswith("occurs(") for atom in shown["plan"] + shown["task"])
+    assert {atom.partition("(")[0] for atom in shown["skeleton"]} == {"named"}
+    assert len(shown["skeleton"]) == 8
+    ok("export", "blocks", "-n", "2", "--by", "plan", "--format", "dimacs", "-o", str(tmp_path / "plans.cnf"))
+    assert (tmp_path / "plans.cnf").read_text() == ok("export", "blocks", "-n", "2", "--by", "plan")
+
+
+def test_export_refuses_a_folder_that_is_not_there(tmp_path: Path) -> None:
+    done = run("export", "blocks", "-n", "1", "-o", str(tmp_path / "none" / "plans.cnf"))
+    assert done.returncode == 1 and "cannot be written" in done.stderr

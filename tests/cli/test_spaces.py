@@ -1,0 +1,85 @@
+"""Conditions, ranks and splits on the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_commands import ok, run
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
+def test_conditions_are_all_satisfied_with_every_engine(engine: str) -> None:
+    arguments = ["--where", "uses apple", "--where", "nontrivial", "--engine", engine]
+    assert ok("count", "prag", "-n", "3", *arguments) == "708\n"
+    listed = ok("enumerate", "prag", "-n", "2", "--where", "begins grasp", "--where", "lacks drop", "--engine", engine)
+    assert all(line.startswith("grasp(") and "drop" not in line for line in listed.splitlines())
+    assert len(listed.splitlines()) == int(
+        ok("count", "prag", "-n", "2", "--where", "begins grasp", "--where", "lacks drop")
+    )
+
+
+def test_a_task_is_shown_by_its_rank_and_found_again() -> None:
+    shown = ok("task", "prag", "-n", "9", "--index", "123456789", "--format", "text").strip()
+    assert ok("task", "prag", "-n", "9", "--rank-of", shown) == "123456789\n"
+    full = ok("task", "prag", "-n", "9", "--index", "123456789").splitlines()
+    assert full[0] == "task 123456789 of 599973676"
+    assert [line.split()[1] for line in full[2:-1]] == shown.split()
+    assert ok("task", "prag", "-n", "3", "--index", "-1") == ok("task", "prag", "-n", "3", "--index", "2091")
+
+
+def test_a_task_tells_its_readings() -> None:
+    lines = ok("task", "kitchen", "-n", "7", "--index", "0", "--where", "begins open, approach").splitlines()
+    assert any(line.startswith("read ") and "pick_and_place" in line for line in lines)
+
+
+def test_a_split_prints_its_sizes_and_writes_different_tasks(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "parts"
+    arguments = ["train=0.8", "test=0.2", "--seed", "4"]
+    told = ok("split", "prag", "-n", "3", *arguments, "--count", "100", "-o", str(folder))
+    assert told.split() == ["train", "1674", "test", "418"]
+    parts = {name: (folder / f"{name}.txt").read_text().splitlines() for name in ("train", "test")}
+    assert all(len(set(lines)) == 100 for lines in parts.values())
+    assert not set(parts["train"]) & set(parts["test"])
+    again = tmp_path / "again"
+    ok("split", "prag", "-n", "3", *arguments, "--count", "100", "-o", str(again))
+    assert (again / "test.txt").read_bytes() == (folder / "test.txt").read_bytes()
+
+
+def test_skeletons_are_split_and_things_are_held_out(tmp_path: Path) -> None:
+    ok("split", "prag", "-n", "3", "a=1/2", "b=1/2", "--skeletons", "--count", "200", "-o", str(tmp_path))
+    skeletons = [
+        {
+            tuple(action.partition("(")[0] for action in line.split())
+            for line in (tmp_path / name).read_text().splitlines()
+        }
+        for name in ("a.txt", "b.txt")
+    ]
+    assert skeletons[0] and skeletons[1] and not skeletons[0] & skeletons[1]
+    assert ok("split", "prag", "-n", "3", "--hold-out", "can_1").split() == ["train", "1388", "test", "704"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["count", "prag", "-n", "3", "--where", "hass grasp"], "did you mean has?"),
+        (["count", "prag", "-n", "3", "--where", ""], "condition ''"),
+        (["task", "prag", "-n", "3"], "give either --index or --rank-of"),
+        (["task", "prag", "-n", "3", "--index", "2092"], "the space has 2092 tasks, ranked from 0"),
+        (["task", "prag", "-n", "3", "--rank-of", "drop(panda,can_1)"], "no task of"),
+        (["split", "prag", "-n", "3"], "give either shares"),
+        (["split", "prag", "-n", "3", "train=0.8"], "add up to 1"),
+        (["split", "prag", "-n", "3", "train=0.8", "train=0.2"], "different names"),
+        (["split", "prag", "-n", "3", "a/b=0.8", "c=0.2"], "different names"),
+        (["split", "prag", "-n", "3", "a=0.8", "c=0.2", "--count", "3"], "--count and --output together"),
+        (["split", "prag", "-n", "3", "--hold-out", "apple_1"], "interchangeable with apple_2"),
+        (["split", "prag", "-n", "3", "--hold-out", "banana"], "no entity or class 'banana'"),
+        (["count", "prag", "-n", "3", "--time", "soon"], "write a time above 0"),
+        (["count", "prag", "-n", "3", "--memory", "much"], "write a number of bytes"),
+    ],
+)
+def test_bad_questions_are_answered_by_one_line(arguments: list[str], told: str) -> None:
+    done = run(*arguments)
+    assert done.returncode == 2 and done.stdout == ""
+    assert told in done.stderr and len(done.stderr.strip().splitlines()) == 1

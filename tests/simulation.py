@@ -1,0 +1,80 @@
+"""Counts of a domain that is simulated in plain Python: no logic program, and no code of the library."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass
+
+Act = tuple[str, ...]
+"""An action: its name, then what it speaks of."""
+
+Word = tuple[Act, ...]
+Configuration = tuple[Hashable, frozenset[Word]]
+"""A state, and the actions that each way to read the plan so far still has to end with."""
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A start, what an action makes of a state (None where it is invalid), and the units that plans are made of."""
+
+    start: Hashable
+    actions: tuple[Act, ...]
+    step: Callable[[Hashable, Act], Hashable | None]
+    units: tuple[Word, ...]
+
+    def flat(self) -> Simulation:
+        return Simulation(self.start, self.actions, self.step, tuple((action,) for action in self.actions))
+
+    def without(self, things: Iterable[str]) -> Simulation:
+        """Return the simulation in which no action speaks of any of `things`."""
+        kept = tuple(action for action in self.actions if not set(things) & set(action))
+        units = tuple(unit for unit in self.units if set(unit) <= set(kept))
+        return Simulation(self.start, kept, self.step, units)
+
+    def after(self, configuration: Configuration, action: Act) -> Configuration | None:
+        state, left = configuration
+        following = set()
+        for word in left:
+            following |= {unit[1:] for unit in ([word] if word else self.units) if unit[0] == action}
+        reached = self.step(state, action) if following else None
+        return None if reached is None else (reached, frozenset(following))
+
+    def plans(self, length: int) -> list[int]:
+        """Return the number of plans of each length up to `length`."""
+        layer: dict[Configuration, int] = {(self.start, frozenset({()})): 1}
+        counts = []
+        for _ in range(length + 1):
+            counts.append(sum(number for (_, left), number in layer.items() if () in left))
+            following: dict[Configuration, int] = {}
+            for configuration, number in layer.items():
+                for action in self.actions:
+                    reached = self.after(configuration, action)
+                    if reached is not None:
+                        following[reached] = following.get(reached, 0) + number
+            layer = following
+        return counts
+
+    def tasks(self, length: int, twins: tuple[str, str]) -> list[int]:
+        """Return the number of plans up to swapping two things that nothing tells apart (Burnside's lemma)."""
+        unchanged = self.without(twins).plans(length)
+        return [(number + same) // 2 for number, same in zip(self.plans(length), unchanged, strict=True)]
+
+    def skeletons(self, length: int) -> list[int]:
+        """Return the number of sequences of names of each length up to `length`."""
+        layer: dict[frozenset[Configuration], int] = {frozenset({(self.start, frozenset({()}))}): 1}
+        counts = []
+        for _ in range(length + 1):
+            counts.append(sum(n for group, n in layer.items() if any(() in left for _, left in group)))
+            following: dict[frozenset[Configuration], int] = {}
+            for group, number in layer.items():
+                for name in sorted({action[0] for action in self.actions}):
+                    reached = frozenset(
+                        found
+                        for configuration in group
+                        for action in self.actions
+                        if action[0] == name and (found := self.after(configuration, action)) is not None
+                    )
+                    if reached:
+                        following[reached] = following.get(reached, 0) + number
+            layer = following
+        return counts

@@ -1,0 +1,176 @@
+"""A cache that is believed only where it is whole, its own, and of this very program."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.logic.model import Model
+from prag_asp.space import cache, stored
+from prag_asp.space.cache import Entry, cache_folder, read_entry, write_entry
+from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.limits import Limits
+
+KEY = "0123"
+ENTRY = Entry(
+    {"letters": ["a", "b"], "horizon": None},
+    {"offsets": np.arange(3), "flags": np.array([[True, False]]), "none": np.zeros((0, 4), dtype=np.int32)},
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A cache of its own, where everything is worth keeping."""
+    monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr("prag_asp.space.engines.automaton.WORTH_KEEPING", 0)
+    return tmp_path / "cache"
+
+
+def files(folder: Path) -> list[Path]:
+    return sorted(folder.iterdir()) if folder.exists() else []
+
+
+def test_what_is_written_is_read_back(folder: Path) -> None:
+    assert write_entry(folder, KEY, ENTRY)
+    found = read_entry(folder, KEY)
+    assert found is not None and found.texts == ENTRY.texts
+    assert list(found.arrays) == list(ENTRY.arrays)
+    for name, array in ENTRY.arrays.items():
+        assert np.array_equal(found.arrays[name], array) and found.arrays[name].dtype == array.dtype
+    assert [path.name for path in files(folder)] == [f"{KEY}.arrays"]
+
+
+def test_every_single_damage_is_noticed(folder: Path) -> None:
+    write_entry(folder, KEY, ENTRY)
+    path = files(folder)[0]
+    content = path.read_bytes()
+    for place in range(len(content)):
+        path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+        assert read_entry(folder, KEY) is None
+        path.write_bytes(content[:place])
+        assert read_entry(folder, KEY) is None
+    path.write_bytes(content + b"\0")
+    assert read_entry(folder, KEY) is None
+    path.write_bytes(content)
+    assert read_entry(folder, KEY) is not None
+
+
+def test_a_file_under_the_key_of_another_is_not_believed(folder: Path) -> None:
+    write_entry(folder, KEY, ENTRY)
+    files(folder)[0].rename(folder / "4567.arrays")
+    assert read_entry(folder, "4567") is None
+
+
+def test_the_folder_stays_small_and_keeps_what_was_read_last(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for number in range(4):
+        write_entry(folder, str(number), ENTRY)
+        os.utime(folder / f"{number}.arrays", (number, number))
+    read_entry(folder, "0")
+    size = files(folder)[0].stat().st_size
+    monkeypatch.setattr(cache, "LARGEST_FOLDER", 3 * size)
+    write_entry(folder, "4", ENTRY)
+    assert [path.stem for path in files(folder)] == ["0", "3", "4"]
+    monkeypatch.setattr(cache, "LARGEST_FILE", 10)
+    assert not write_entry(folder, "5", ENTRY)
+
+
+def test_a_folder_that_cannot_be_written_is_no_error(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    assert not write_entry(tmp_path / "file" / "cache", KEY, ENTRY)
+    assert read_entry(tmp_path / "file" / "cache", KEY) is None
+
+
+def test_the_folder_is_the_users_own_or_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PRAG_ASP_CACHE", "")
+    assert cache_folder() is None
+    monkeypatch.setenv("PRAG_ASP_CACHE", "/somewhere")
+    assert cache_folder() == Path("/somewhere")
+    monkeypatch.delenv("PRAG_ASP_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/xdg")
+    assert cache_folder() == Path("/xdg/prag_asp")
+    monkeypatch.setenv("XDG_CACHE_HOME", "")
+    monkeypatch.setenv("HOME", "/home/me")
+    assert cache_folder() == Path("/home/me/.cache/prag_asp")
+
+
+def answers(space: TaskSpace) -> list[object]:
+    return [
+        [space.count(by) for by in ("plan", "task", "skeleton")],
+        space.count("task", ["grasp"]),
+        list(space.words("task"))[:50],
+        str(space[17]),
+        space.index(space[17]),
+        [str(task) for task in space.sample(5, seed=1)],
+    ]
+
+
+def test_a_second_run_answers_the_same_without_grounding_a_step(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    domain = load_domain("prag")
+    fresh = answers(TaskSpace(domain, 3, limits=Limits(cached=False)))
+    assert not files(folder)
+    assert answers(TaskSpace(domain, 3)) == fresh
+    assert len(files(folder)) == 3
+    assert answers(TaskSpace(domain, 3)) == fresh
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("the step was ground")
+
+    monkeypatch.setattr("prag_asp.logic.model.ground_step", refuse)
+    again = TaskSpace(load_domain("prag"), 3)
+    assert [again.count(by) for by in ("plan", "task", "skeleton")] == fresh[0]
+    with pytest.raises(AssertionError, match="was ground"):
+        TaskSpace(domain, 3, limits=Limits(cached=False)).count("plan")
+
+
+@pytest.mark.parametrize("level", ["plan", "task"])
+def test_merged_states_are_kept_as_well(folder: Path, level: str) -> None:
+    model = Model(load_domain("blocks"))
+    first = AutomatonEngine(model, level, merge=True)
+    words = list(first.words(6))
+    again = AutomatonEngine(Model(load_domain("blocks")), level, merge=True)
+    assert again.explored(6).merged is not None and list(again.words(6)) == words
+    assert [again.rank(word) for word in words[:40]] == list(range(40))
+    assert AutomatonEngine(model, level, merge=False).explored(6).merged is None
+
+
+def test_another_length_rule_or_level_is_never_answered_from_the_wrong_file(folder: Path) -> None:
+    for _ in range(2):
+        for rules in ((), ("no_undo",), ("at_most(grasp,1)",)):
+            domain = load_domain("blocks", rules=rules if rules != ("at_most(grasp,1)",) else ("at_most(stack,1)",))
+            for length in (3, 7, 5):
+                for by in ("plan", "task", "skeleton"):
+                    expected = TaskSpace(domain, length, limits=Limits(cached=False)).count(by)
+                    assert TaskSpace(domain, length).count(by) == expected
+
+
+def test_a_damaged_cache_is_rebuilt_silently(folder: Path) -> None:
+    domain = load_domain("prag")
+    assert TaskSpace(domain, 3).count("plan") == 2800
+    path = files(folder)[0]
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])
+    assert TaskSpace(domain, 3).count("plan") == 2800
+    assert path.read_bytes() == content
+
+
+def test_arrays_that_do_not_make_an_automaton_are_not_believed(folder: Path) -> None:
+    domain = load_domain("prag")
+    TaskSpace(domain, 3).count("plan")
+    key = files(folder)[0].stem
+    entry = read_entry(folder, key)
+    assert entry is not None
+    shelf = stored.shelf_for(domain, "plan", None)
+    assert shelf is not None and shelf.key == key and shelf.read() is not None
+    for name, array in entry.arrays.items():
+        for wrong in (array[:-1], array.astype(np.int64) + 10**6, array.reshape(1, -1)):
+            write_entry(folder, key, Entry(entry.texts, {**entry.arrays, name: wrong}))
+            assert shelf.read() is None, (name, wrong)
+    write_entry(folder, key, Entry({**entry.texts, "names": []}, entry.arrays))
+    assert shelf.read() is None
+    write_entry(folder, key, Entry({}, entry.arrays))
+    assert shelf.read() is None

@@ -1,0 +1,126 @@
+"""Conditions: both engines agree with what the words mean, on random domains and with the tasks themselves."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from prag_asp import Condition, QueryError, TaskSpace, load_domain
+from tests.brute_force import Toy, term
+from tests.conditions import clauses, entities, satisfied
+from tests.domains import domain_of
+from tests.strategies import toys
+
+LENGTH = 3
+ENGINES = ("automaton", "clingo")
+
+
+@pytest.mark.slow
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(toys(closed=False), st.data())
+def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy, data: st.DataObject) -> None:
+    check_agreement(toy, data)
+
+
+@pytest.mark.slow
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(toys(closed=True), st.data())
+def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy, data: st.DataObject) -> None:
+    check_agreement(toy, data)
+
+
+def check_agreement(toy: Toy, data: st.DataObject) -> None:
+    asked = data.draw(st.lists(clauses(toy), min_size=1, max_size=3))
+    domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
+    spaces = [TaskSpace(domain, 0, engine=engine).where(*(clause.words for clause in asked)) for engine in ENGINES]
+    for length in range(LENGTH + 1):
+        plans = [plan for plan in toy.plans(length) if satisfied(toy, plan, asked)]
+        expected = {tuple(term(toy, i) for i in plan) for plan in plans}
+        names = {tuple(action.partition("(")[0] for action in plan) for plan in expected}
+        for space in spaces:
+            here = space.at(length)
+            assert here.count("plan") == here.count("task") == len(expected)
+            assert here.count("skeleton") == len(names)
+            assert sorted(here.words("plan")) == sorted(expected)
+            assert list(here.words("skeleton")) == sorted(names)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.one_of(toys(closed=False), toys(closed=True)))
+def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: Toy) -> None:
+    domain = domain_of(toy.text(), "at_most")
+    space = TaskSpace(domain, LENGTH)
+    nontrivial, loop_free = set(), set()
+    for task in space.narrate(space.words("plan")):
+        states = [frozenset(state.items()) for state in (task.initial, *task.states)]
+        if states[0] != states[-1]:
+            nontrivial.add(str(task))
+        if len(set(states)) == len(states):
+            loop_free.add(str(task))
+    for engine in ENGINES:
+        here = TaskSpace(domain, LENGTH, engine=engine)
+        assert {" ".join(word) for word in here.where("nontrivial").words("plan")} == nontrivial
+    assert {" ".join(word) for word in space.where("loop-free").words("plan")} == loop_free
+
+
+@settings(max_examples=100, deadline=None)
+@given(toys(closed=False), st.data())
+def test_a_condition_and_its_words_are_inverse(toy: Toy, data: st.DataObject) -> None:
+    condition = Condition.parse(*(clause.words for clause in data.draw(st.lists(clauses(toy), max_size=4))))
+    assert Condition.parse(str(condition)) == condition
+
+
+def test_conditions_of_a_goal_and_a_start_show_in_the_task() -> None:
+    space = TaskSpace(load_domain("prag"), 3).where("ends holding(panda,can_1)", "starts open(panda)")
+    task = space[0]
+    assert {str(fluent): value for fluent, value in task.goal.items()} == {"holding(panda,can_1)": True}
+    assert "open(panda)" in map(str, task.initial)
+
+
+def test_a_space_with_a_condition_is_ranked_and_drawn_as_any_other() -> None:
+    space = TaskSpace(load_domain("prag"), 4).where("uses apple", "matches .* grasp .*")
+    tasks = list(space)
+    assert len(tasks) == space.count() > 100
+    assert [space.index(task) for task in tasks[::37]] == list(range(0, len(tasks), 37))
+    assert all("grasp" in task.skeleton for task in space.sample(50, seed=1))
+    assert set(map(str, space.sample(len(tasks), seed=1, weights={}, distinct=True))) == set(map(str, tasks))
+
+
+def test_entities_that_a_condition_tells_apart_are_not_interchangeable() -> None:
+    space = TaskSpace(load_domain("prag"), 1)
+    assert space.where("uses apple").count("plan") == 2 * space.where("uses apple").count()
+    one = space.where("uses apple_2")
+    assert one.count("plan") == one.count() == space.where("uses apple").count()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("hass grasp", "no condition 'hass'; did you mean has?"),
+        ("has", "write it like 'has at least 2 grasp'"),
+        ("nontrivial please", "write it like 'nontrivial'"),
+        ("has at least 2 gasp", "no action 'gasp'; did you mean grasp?"),
+        ("has grasp>dorp", "no action 'dorp'; did you mean drop?"),
+        ("has grasp(panda)", "no action 'grasp(panda)'"),
+        ("uses banana", "no entity or class 'banana'"),
+        ("avoids appel", "no entity or class 'appel'; did you mean apple?"),
+        ("matches (grasp", "a parenthesis is not closed"),
+        ("matches * grasp", "nothing stands before '*'"),
+        ("matches grasp & drop", "'&' is not part of it"),
+        ("matches grasp{5,2}", "{m,n} needs m <= n <= 1000"),
+        ("matches gasp", "no action 'gasp'; did you mean grasp?"),
+        ("starts holding(panda,can_1) or open(panda)", "write fluents that hold together"),
+        ("after 2 holding(panda,can_1)", "write it like 'after 2: holding(panda,can_1)'"),
+        ("ends holding(panda)", "no fluent 'holding(panda)'"),
+        ("ends open(panda) and", "it ends too early"),
+        ("ends open(panda) open(panda)", "unexpected 'open'"),
+        ("part 3-30 of 20 by seed 1", "write it like 'part 0-79 of 100 by seed 7'"),
+        ("begins grasp,,drop", "is not a list of terms"),
+    ],
+)
+def test_a_wrong_condition_is_told_in_one_line(words: str, told: str) -> None:
+    with pytest.raises(QueryError) as caught:
+        TaskSpace(load_domain("prag"), 3).where(words)
+    assert told in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,113 @@
+"""Limits end with what is known: a lower bound that says so."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+
+import pytest
+
+from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.errors import LimitReached
+from prag_asp.logic.model import Model
+from prag_asp.space import limits
+from prag_asp.space.bounded import count_within
+from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.limits import Limits, memory_in_use, parse_memory, parse_time
+from tests.domains import domain_of
+from tests.space.test_explore import LAMPS
+
+AT_ONCE = Limits(seconds=0)
+
+
+@pytest.mark.parametrize(("engine", "by"), [("automaton", "plan"), ("automaton", "task"), ("automaton", "skeleton")])
+def test_a_time_limit_gives_a_lower_bound_on_the_count(engine: str, by: str) -> None:
+    space = TaskSpace(domain_of(LAMPS.replace("K", "16")), 14, engine=engine)
+    with pytest.raises(
+        LimitReached, match=rf"the time limit of 0 s was reached .* at least \d+ {by}s of length 14"
+    ) as e:
+        TaskSpace(space.domain, 14, engine=engine, limits=AT_ONCE).count(by)
+    assert 0 <= e.value.at_least <= space.count(by)
+
+
+def test_a_limit_is_looked_at_in_every_layer_so_that_more_time_finds_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock advances by a second whenever it is looked at."""
+    monkeypatch.setattr(limits, "monotonic", itertools.count().__next__)
+    domain = domain_of(LAMPS.replace("K", "17"))
+    found = []
+    for seconds in (3, 12):
+        with pytest.raises(LimitReached) as reached:
+            TaskSpace(domain, 17, limits=Limits(seconds=seconds)).count("plan")
+        found.append(reached.value.at_least)
+    assert 0 <= found[0] < found[1] < 17**17
+
+
+def test_a_memory_limit_below_what_is_in_use_stops_at_once() -> None:
+    domain = domain_of(LAMPS.replace("K", "12"))
+    with pytest.raises(LimitReached, match=r"the memory limit of [\d,]+ MB was reached") as reached:
+        TaskSpace(domain, 12, limits=Limits(memory_bytes=memory_in_use() // 2)).count("plan")
+    assert reached.value.at_least < 12**12
+    assert TaskSpace(domain, 12, limits=Limits(memory_bytes=memory_in_use() + 10**9)).count("plan") == 12**12
+
+
+def test_words_and_ranks_are_refused_where_some_are_missing() -> None:
+    space = TaskSpace(domain_of(LAMPS.replace("K", "16")), 14, limits=AT_ONCE)
+    with pytest.raises(LimitReached):
+        next(space.words("plan"))
+    with pytest.raises(LimitReached):
+        space.sample(1, seed=0)
+
+
+def test_clingo_says_how_many_it_has_enumerated() -> None:
+    domain = domain_of(LAMPS.replace("K", "12"))
+    with pytest.raises(LimitReached, match=r"at least \d+ plans of length 12") as reached:
+        TaskSpace(domain, 12, engine="clingo", limits=Limits(seconds=0.5)).count("plan")
+    assert 0 < reached.value.at_least < 12**12
+
+
+@pytest.mark.parametrize("stop_after", [0, 1, 5, 29])
+def test_counting_that_is_stopped_knows_the_words_that_begin_with_one_path(stop_after: int) -> None:
+    engine = AutomatonEngine(Model(load_domain("prag")), "plan")
+    completions, calls = engine.explored(30).completions, iter(range(100))
+    found, stopped = count_within(completions, 30, lambda: "time" if next(calls) >= stop_after else None)
+    assert stopped == "time" and 0 < found < engine.count(30)
+    assert found >= engine.count(stop_after) // 48  # at least what completes some state that 48 actions lead to
+    assert count_within(completions, 30, lambda: None) == (engine.count(30), "")
+
+
+@pytest.mark.parametrize(
+    ("text", "number"), [("4GB", 4 * 10**9), ("512 MiB", 2**29), ("1.5k", 1500), ("2gib", 2**31), ("77", 77)]
+)
+def test_memory_is_written_with_a_unit(text: str, number: int) -> None:
+    assert parse_memory(text) == number
+
+
+@pytest.mark.parametrize(("text", "seconds"), [("60s", 60), ("1.5m", 90), ("2h", 7200), ("7", 7), ("3min", 180)])
+def test_time_is_written_with_a_unit(text: str, seconds: float) -> None:
+    assert parse_time(text) == seconds
+
+
+@pytest.mark.parametrize("text", ["", "GB", "-1", "4 GX", "0", "1e9", "4GB4"])
+def test_what_is_no_limit_is_refused(text: str) -> None:
+    with pytest.raises(QueryError, match="write a number of bytes"):
+        parse_memory(text)
+    with pytest.raises(QueryError, match="write a time above 0"):
+        parse_time(text)
+
+
+def test_the_command_prints_the_lower_bound_and_exits_with_its_own_code(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    from prag_asp.cli import cli
+
+    folder = tmp_path / "lamps"
+    folder.mkdir()
+    (folder / "domain.lp").write_text(LAMPS.replace("K", "17"))
+    assert cli.main(["count", str(folder), "--length", "17", "--by", "plan", "--time", "0.1s"]) == 3
+    out, err = capfd.readouterr()
+    assert re.fullmatch(r"at least \d+\n", out) and "the time limit of 0.1 s was reached" in err
+    assert cli.main(["count", str(folder), "--length", "17", "--by", "plan", "--time", "0.1s", "--upto"]) == 3
+    out, _ = capfd.readouterr()
+    assert out.startswith("length  plans\n") and re.fullmatch(r" +\d+  at least \d+", out.splitlines()[-1])
+    assert cli.main(["sample", str(folder), "--length", "17", "--time", "0.1s"]) == 3
