@@ -31,7 +31,7 @@ def draw() -> Image.Image:
     if verdict.witness is None:
         raise SystemExit(f"{task}: {verdict.status}: {verdict.reason}; choose another seed")
     headings = [sentence(action, domain.settings.language) for action in task.actions]
-    strip = film_strip(task, verdict.witness, scene, frames=6, size=FRAME, headings=headings)
+    strip = film_strip(task, verdict.witness, scene, size=FRAME, headings=headings)
     subgoals = strip.crop((strip.width // 6, 0, strip.width, strip.height))  # the first frame is the initial state
     bottom = ImageOps.invert(subgoals.convert("L")).getbbox()[3]
     return subgoals.crop((0, 0, subgoals.width, bottom + MARGIN))

@@ -10,6 +10,7 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, Checking, Weighing, asks
+from prag_asp.cli.render import render
 from prag_asp.cli.split import split
 from prag_asp.cli.statistics import stats
 from prag_asp.cli.task import task
@@ -212,6 +213,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         raise click.exceptions.Exit(FAILED)
 
 
+cli.add_command(render)
 cli.add_command(task)
 cli.add_command(split)
 cli.add_command(stats)

@@ -118,3 +118,23 @@ def progress() -> Iterator[Callable[[str], None]]:
         yield tell
     finally:
         status.stop()
+
+
+@contextmanager
+def bar(what: str, total: int) -> Iterator[Callable[[float], None]]:
+    """Yield a function that is told how many of `total` are done; a terminal sees a bar once two seconds have passed.
+
+    A part of one counts as a share.
+    """
+    if not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    from time import monotonic
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    begun = monotonic()
+    with Progress(console=Console(stderr=True), transient=True) as shown:
+        task = shown.add_task(what, total=total, visible=False)
+        yield lambda done: shown.update(task, completed=done, visible=monotonic() - begun > PATIENCE)

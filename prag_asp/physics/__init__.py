@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from prag_asp.physics.camera import PicturesMissingError
 from prag_asp.physics.demonstration import Demonstration
 from prag_asp.physics.demonstration_check import check_demonstration
 from prag_asp.physics.perform import demonstrate
 from prag_asp.physics.pool import WorkerError, validate_tasks
 from prag_asp.physics.predicates import PREDICATES, Predicate
-from prag_asp.physics.render import PicturesMissingError, animate, film_strip
+from prag_asp.physics.render import animate, film_strip, still
 from prag_asp.physics.search import CAUSES
 from prag_asp.physics.settling import settle
 from prag_asp.physics.validator import Validator, open_validator, validate_task
@@ -35,6 +36,7 @@ __all__ = [
     "film_strip",
     "open_validator",
     "settle",
+    "still",
     "validate_task",
     "validate_tasks",
 ]

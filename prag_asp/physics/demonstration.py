@@ -20,6 +20,7 @@ from prag_asp.physics.situation import Situation
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
 ARRAYS = ("times", "joints", "widths", "commands", "poses", "contacts", "forces", "ends")
+FRAMES_A_SECOND = 20
 TEXTS = ("bodies", "objects", "cause", "detail")
 
 

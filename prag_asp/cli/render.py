@@ -1,0 +1,206 @@
+"""``prag-asp render``: pictures of tasks from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from prag_asp.cli import options
+from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.terminal import bar
+from prag_asp.errors import OutputError, QueryError
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.jsonl import Record
+    from prag_asp.domain.load import Domain
+    from prag_asp.domain.scene import Scene
+    from prag_asp.physics import Demonstration, Witness
+
+SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350)}
+"""Pixels of a frame for each form of picture."""
+
+SMALLEST, LARGEST = 16, 4096
+
+
+@click.command()
+@click.argument("file", metavar="TASKS.jsonl")
+@click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=click.IntRange(min=1))
+@asks(
+    (
+        click.option("--domain", "name", metavar="DOMAIN", default="", help="Their domain.  [default: what they name]"),
+        *options.PROGRAM,
+    )
+)
+@click.option(
+    "--as",
+    "form",
+    type=click.Choice(list(SIZES)),
+    default="strip",
+    show_default=True,
+    help="All states side by side with captions; one state; an animation of the robot performing the task.",
+)
+@click.option(
+    "--state", type=click.IntRange(min=0), metavar="K", help="State to draw with --as state.  [default: last]"
+)
+@click.option("--size", metavar="WxH", help="Pixels of a frame.  [default: 360x320; state 960x800; animation 400x350]")
+@click.option("--speed", type=float, default=2.0, show_default=True, help="How fast an animation plays.")
+@click.option("--columns", type=click.IntRange(min=1), default=6, show_default=True, help="Frames in a row of a strip.")
+@click.option("--recordings", metavar="DIR", help="Draw the demonstrations that --demonstrate DIR has written.")
+@options.seed
+@click.option(
+    "-o", "--output", metavar="PATH", default="pictures", show_default=True,
+    help="A file for one task, otherwise the folder for files named after the tasks' numbers.",
+)  # fmt: skip
+def render(
+    *,
+    asked: Asked,
+    file: str,
+    numbers: tuple[int, ...],
+    form: str,
+    state: int | None,
+    size: str | None,
+    speed: float,
+    columns: int,
+    recordings: str | None,
+    seed: int,
+    output: str,
+) -> None:
+    """Draw the tasks of a file, or those of the NUMBERs, which count its lines from 1; prints the files written.
+
+    A task without a witness is validated first. For an animation the robot performs the task, unless --recordings
+    has what it did.
+    """
+    from prag_asp.dataset.jsonl import read_lines
+
+    with click.open_file(file, encoding="utf-8", errors="replace") as lines:
+        records = list(read_lines(lines, file))
+    chosen = numbers or range(1, len(records) + 1)
+    for number in chosen:
+        if number > len(records):
+            raise QueryError(f"{file}: it has {len(records)} tasks, so none has the number {number}")
+    if not chosen:
+        raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+    pixels = SIZES[form] if size is None else _pixels(size)
+    drawing = _Drawing(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
+    targets = _targets(Path(output), chosen, form)
+    with bar("pictures", len(chosen)) as reached:
+        for done, number in enumerate(chosen):
+            record = records[number - 1]
+            domain = replace(asked, name=asked.name or record.task.domain).domain()
+
+            def tell(share: float, done: int = done) -> None:
+                reached(done + share)
+
+            drawing.draw(record, number, domain, targets[number], tell)
+            click.echo(targets[number])
+            reached(done + 1)
+
+
+@dataclass(frozen=True)
+class _Drawing:
+    """How tasks are drawn, and the drawing of one."""
+
+    form: str
+    state: int | None
+    size: tuple[int, int]
+    columns: int
+    speed: float
+    seed: int
+    recordings: Path | None
+
+    def draw(self, record: Record, number: int, domain: Domain, path: Path, tell: Callable[[float], None]) -> None:
+        """Draw one task into a file, and tell what share of it is done.
+
+        Raises:
+            QueryError: it has no witness, and none is found; or the robot fails to perform it.
+            OutputError: the file cannot be written.
+        """
+        from prag_asp.dataset.language import sentence
+        from prag_asp.physics import animate, film_strip, still
+
+        scene, task = options.scene_of(domain), record.task
+        headings = [sentence(action, domain.settings.language) for action in task.actions]
+        shown = self._shown(record, number, scene)
+        if self.form == "strip":
+            image = film_strip(task, shown, scene, columns=self.columns, headings=headings, size=self.size)
+        elif self.form == "state":
+            state = len(task.actions) if self.state is None else self.state
+            image = still(task, shown, scene, state, size=self.size)
+        else:
+            animate(
+                task,
+                self._performed(record, number, shown, scene),
+                scene,
+                path,
+                size=self.size,
+                speed=self.speed,
+                headings=headings,
+                progress=lambda done, total: tell(done / total),
+            )
+            return
+        try:
+            image.save(path, optimize=True)
+        except (OSError, ValueError) as error:
+            raise OutputError(f"{path}: the picture cannot be written: {error}") from None
+
+    def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
+        """Return what is drawn of a task: its recording where there is a folder of them, otherwise its witness."""
+        from prag_asp.physics import Demonstration, Witness, validate_task
+
+        if self.recordings is not None:
+            name = (record.verdict or {}).get("demonstration", f"{number:06d}.npz")
+            return Demonstration.load(self.recordings / str(name))
+        if record.witness is not None:
+            return Witness.from_json(record.witness)
+        verdict = validate_task(record.task, scene, seed=self.seed, index=number - 1)
+        if verdict.witness is None:
+            raise QueryError(f"task {number}: {verdict.status}: {verdict.reason}; only feasible tasks can be drawn")
+        return verdict.witness
+
+    def _performed(self, record: Record, number: int, shown: Witness | Demonstration, scene: Scene) -> Demonstration:
+        """Return the recording of the robot performing a task."""
+        from prag_asp.physics import Witness, demonstrate
+
+        if not isinstance(shown, Witness):
+            return shown
+        demonstration = demonstrate(record.task, shown, scene)
+        if not demonstration.success:
+            raise QueryError(f"task {number}: the robot fails to perform it: {demonstration.detail}")
+        return demonstration
+
+
+def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]:
+    """Return the file for each task.
+
+    Raises:
+        QueryError: the file named does not fit what is drawn.
+        OutputError: the folder cannot be made.
+    """
+    suffix = f".{form}" if form in ("gif", "webp") else ".png"
+    if output.suffix:
+        if len(numbers) > 1 or suffix not in (output.suffix, ".png"):
+            raise QueryError(f"--output {output}: {len(numbers)} pictures as {form} need a folder or one {suffix} file")
+        return {numbers[0]: output}
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{output}: the folder cannot be made: {error.strerror}") from None
+    return {number: output / f"{number:06d}{suffix}" for number in numbers}
+
+
+def _pixels(text: str) -> tuple[int, int]:
+    """Return the width and height that an option states.
+
+    Raises:
+        QueryError: it is not of the form WxH, or a side is not from `SMALLEST` to `LARGEST`.
+    """
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise QueryError(f"--size {text}: write WIDTHxHEIGHT in pixels, such as 480x420")
+    if not all(SMALLEST <= int(side) <= LARGEST for side in (width, height)):
+        raise QueryError(f"--size {text}: a picture has {SMALLEST} to {LARGEST} pixels a side")
+    return int(width), int(height)

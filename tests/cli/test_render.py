@@ -1,0 +1,110 @@
+"""Pictures of tasks from a file: strips, single states and animations."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.cli.test_commands import ok, run
+
+
+@pytest.fixture(scope="module")
+def tasks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two feasible tasks of three actions; the second has lost its witness."""
+    file = tmp_path_factory.mktemp("tasks") / "tasks.jsonl"
+    lines = ok("sample", "tabletop", "-n", "3", "--count", "2", "--seed", "7", "--format", "jsonl").splitlines()
+    second = json.loads(lines[1])
+    file.write_text(f"{lines[0]}\n{json.dumps({**second, 'witness': None})}\n")
+    return file
+
+
+def pixels(path: Path) -> np.ndarray:
+    """Return the colours of a picture, shape (height, width, 3)."""
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"))
+
+
+def frames(path: Path) -> int:
+    """Return how many frames an animation has."""
+    with Image.open(path) as image:
+        return image.n_frames
+
+
+def test_every_task_of_a_file_gets_a_strip_of_all_its_states(tasks: Path, tmp_path: Path) -> None:
+    assert ok("render", str(tasks), "--size", "90x80", cwd=tmp_path).splitlines() == [
+        "pictures/000001.png",
+        "pictures/000002.png",
+    ]
+    for name in ("000001.png", "000002.png"):
+        strip = pixels(tmp_path / "pictures" / name)
+        shown = [strip[14:94, 14 + i * 102 : 104 + i * 102] for i in range(4)]
+        assert strip.shape[1] == 4 * 102 - 12 + 28
+        assert all(frame.std() > 15 for frame in shown)
+        assert np.abs(shown[0].astype(int) - shown[3]).mean() > 1
+
+
+def test_strips_break_into_even_rows(tasks: Path, tmp_path: Path) -> None:
+    ok("render", str(tasks), "1", "--size", "90x80", "--columns", "3", "-o", "strip.png", cwd=tmp_path)
+    height, width, _ = pixels(tmp_path / "strip.png").shape
+    assert width == 2 * 102 - 12 + 28
+    assert height > 2 * 80
+
+
+def test_one_state_is_drawn_without_words(tasks: Path, tmp_path: Path) -> None:
+    options = ("render", str(tasks), "1", "--as", "state", "--size", "96x64")
+    ok(*options, "-o", "last.png", cwd=tmp_path)
+    ok(*options, "--state", "3", "-o", "third.png", cwd=tmp_path)
+    ok(*options, "--state", "0", "-o", "first.png", cwd=tmp_path)
+    assert (tmp_path / "last.png").read_bytes() == (tmp_path / "third.png").read_bytes()
+    assert (tmp_path / "last.png").read_bytes() != (tmp_path / "first.png").read_bytes()
+    assert pixels(tmp_path / "last.png").shape == (64, 96, 3)
+
+
+def test_an_animation_plays_the_demonstration_at_a_speed(tasks: Path, tmp_path: Path) -> None:
+    ok("render", str(tasks), "1", "--as", "webp", "--size", "32x32", "--speed", "8", "-o", "fast.webp", cwd=tmp_path)
+    ok("render", str(tasks), "1", "--as", "gif", "--size", "32x32", "--speed", "16", "-o", "faster.gif", cwd=tmp_path)
+    fast = frames(tmp_path / "fast.webp")
+    assert fast >= 8
+    assert frames(tmp_path / "faster.gif") == pytest.approx(fast / 2, abs=2)
+
+
+def test_recordings_are_drawn_as_they_were_performed(tmp_path: Path) -> None:
+    sampled = ("sample", "tabletop", "-n", "1", "--count", "1", "--demonstrate", "recorded", "--format", "jsonl")
+    ok(*sampled, "-o", "tasks.jsonl", cwd=tmp_path)
+    shared = ("render", "tasks.jsonl", "--as", "state", "--size", "64x64", "--recordings")
+    ok(*shared, "recorded", "-o", "shown.png", cwd=tmp_path)
+    assert pixels(tmp_path / "shown.png").shape == (64, 64, 3)
+    missing = run(*shared, "elsewhere", "-o", "shown.png", cwd=tmp_path)
+    assert missing.returncode == 2 and "elsewhere/000001.npz" in missing.stderr and missing.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        (("3",), "it has 2 tasks, so none has the number 3"),
+        (("-o", "one.png"), "2 pictures as strip need a folder"),
+        (("1", "--as", "gif", "-o", "one.png"), "need a folder or one .gif file"),
+        (("--size", "big"), "write WIDTHxHEIGHT"),
+        (("--size", "9x9999"), "16 to 4096 pixels a side"),
+        (("1", "--as", "state", "--state", "9"), "the states of the task are 0 to 3"),
+        (("1", "--as", "gif", "--speed", "0"), "positive number"),
+        (("1", "-o", "one.nothing"), "cannot be written"),
+    ],
+)
+def test_what_cannot_be_drawn_is_said_in_one_line(
+    tasks: Path, tmp_path: Path, options: tuple[str, ...], complaint: str
+) -> None:
+    done = run("render", str(tasks), *options, cwd=tmp_path)
+    assert done.returncode in (1, 2)
+    assert complaint in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_a_file_without_tasks_and_an_unwritable_folder_are_refused(tasks: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty.jsonl").write_text("")
+    assert "no tasks in it" in run("render", "empty.jsonl", cwd=tmp_path).stderr
+    (tmp_path / "file").write_text("")
+    assert "cannot be made" in run("render", str(tasks), "-o", "file/folder", cwd=tmp_path).stderr
