@@ -1,0 +1,85 @@
+"""Whether every witness that validation accepts passes a check that shares no code with it.
+
+    python benchmarks/witnesses.py tabletop --count 10000
+
+The check stands in tests/independent: NumPy alone, its own kinematics of the arm, its own collisions, balance and
+relations. It ends with code 1 where a witness fails, and says which and why.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.cli.options import scene_of
+from prag_asp.dataset.jsonl import Record, write_line
+from prag_asp.physics import Budget, validate_tasks
+from tests.independent.check import problems
+from tests.independent.world import world_of
+
+
+def main() -> None:
+    """Draw tasks of each length, validate them, check the witnesses, print a table and what is wrong."""
+    options = _options()
+    domain = load_domain(options.domain)
+    scene = scene_of(domain)
+    world, console = world_of(scene), Console(stderr=True)
+    found: dict[int, Counter[str]] = {}
+    wrong: list[str] = []
+    for length in options.lengths:
+        number = options.count // len(options.lengths)
+        tasks = list(TaskSpace(domain, length).sample(number, seed=options.seed, weights={}))
+        verdicts = validate_tasks(tasks, scene, seed=options.seed, workers=options.workers, budget=Budget())
+        counted = found[length] = Counter[str]()
+        pairs = zip(tasks, verdicts, strict=True)
+        for task, verdict in track(pairs, f"length {length}", total=number, console=console):
+            if verdict.witness is None:
+                counted["none"] += 1
+                continue
+            data = json.loads(write_line(Record(task, None, verdict.witness.to_json())))
+            broken = problems(data, data["witness"], world)
+            counted["wrong" if broken else "right"] += 1
+            if broken:
+                wrong.append(
+                    f"length {length}, seed {options.seed}, index {verdict.index}, {task}: {'; '.join(broken)}"
+                )
+    Console().print(_table(options.domain, found))
+    for text in wrong:
+        Console().print(text, soft_wrap=True, highlight=False)
+    sys.exit(1 if wrong else 0)
+
+
+def _options() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description="Check the witnesses of random tasks independently.")
+    parser.add_argument("domain", nargs="?", default="tabletop")
+    parser.add_argument("--lengths", type=int, nargs="+", default=[3, 4, 5, 6])
+    parser.add_argument("--count", type=int, default=10_000, help="tasks in all")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--workers", type=int, default=1)
+    return parser.parse_args()
+
+
+def _table(domain: str, found: dict[int, Counter[str]]) -> Table:
+    """Return how many witnesses of each length passed."""
+    table = Table(title=f"{domain}: witnesses of budget {Budget()}, checked independently")
+    for name in ("length", "witnesses", "passed", "failed", "tasks without a witness"):
+        table.add_column(name, justify="right")
+    for name, counts in [*found.items(), ("all", sum(found.values(), Counter()))]:
+        right, failed = counts["right"], counts["wrong"]
+        table.add_row(str(name), f"{right + failed:,}", f"{right:,}", str(failed), str(counts["none"]))
+    return table
+
+
+if __name__ == "__main__":
+    main()

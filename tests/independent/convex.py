@@ -1,0 +1,97 @@
+"""How deep convex primitives are in each other, by directions that separate them.
+
+Two convex bodies overlap by no more than d if along some direction their shadows do (the theorem of separating
+axes). Whatever direction is tried gives an upper bound, so a few too many are tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from tests.independent.world import Array, Frame, Part
+
+RING = np.linspace(0, 2 * np.pi, 180, endpoint=False)
+HALVINGS = 12
+
+
+def depth(one: Part, at: Frame, two: Part, there: Frame, enough: float) -> float:
+    """Return by how many metres two primitives overlap, negative where apart; a bound of `enough` ends the search."""
+    centre, other = at.turn @ one.at + at.at, there.turn @ two.at + there.at
+    gap = other - centre
+    if np.linalg.norm(gap) > np.linalg.norm(one.half) + np.linalg.norm(two.half):
+        return -float("inf")
+    directions = np.array(list(_directions(one, at.turn, two, there.turn, gap)))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+
+    def shadows(tried: Array) -> Array:
+        return np.asarray(reach(one, at.turn, tried) + reach(two, there.turn, tried) - tried @ gap)
+
+    depths = shadows(directions)
+    best, direction = float(depths.min()), directions[depths.argmin()]
+    step = 0.05
+    for _ in range(HALVINGS):
+        if best <= enough:
+            break
+        around = direction + step * np.concatenate([np.eye(3), -np.eye(3)])
+        around /= np.linalg.norm(around, axis=1)[:, None]
+        depths = shadows(around)
+        if depths.min() < best:
+            best, direction = float(depths.min()), around[depths.argmin()]
+        else:
+            step /= 2
+    return best
+
+
+def reach(part: Part, turn: Array, directions: Array) -> Array:
+    """Return how far a turned primitive reaches from its centre along unit directions, shape (n,)."""
+    local = directions @ turn
+    if part.kind == "sphere":
+        return np.full(len(directions), part.half[0])
+    if part.kind == "cylinder":
+        return np.asarray(np.abs(local[:, 2]) * part.half[2] + part.half[0] * np.hypot(local[:, 0], local[:, 1]))
+    return np.asarray(np.abs(local) @ part.half)
+
+
+def _directions(one: Part, turn: Array, two: Part, other: Array, gap: Array) -> Iterable[Array]:
+    """Yield directions from the first to the second body, not yet of length one."""
+    crossed = np.cross(turn.T[:, None], other.T[None]).reshape(-1, 3)
+    axes = np.concatenate([turn.T, other.T, crossed[(crossed**2).sum(axis=1) > 1e-12]])
+    yield from axes
+    yield from -axes
+    if np.linalg.norm(gap) > 0.0:
+        yield gap
+    for body, frame in ((one, turn), (two, other)):
+        if body.kind == "cylinder":
+            yield from np.cos(RING)[:, None] * frame[:, 0] + np.sin(RING)[:, None] * frame[:, 1]
+    for ball, solid, frame, sign in ((one, two, other, -1), (two, one, turn, 1)):
+        if ball.kind == "sphere":
+            # From the nearest point of the other body to the centre of the ball.
+            local = frame.T @ (sign * gap)
+            outward = frame @ (local - _nearest(solid, local))
+            if np.linalg.norm(outward) > 0.0:
+                yield sign * outward
+
+
+def _nearest(part: Part, point: Array) -> Array:
+    """Return the point of a primitive that is nearest to one in its own axes."""
+    if part.kind == "box":
+        return np.clip(point, -part.half, part.half)
+    if part.kind == "sphere":
+        return np.asarray(point * min(1.0, part.half[0] / max(np.linalg.norm(point), 1e-12)))
+    radius = min(1.0, part.half[0] / max(np.hypot(point[0], point[1]), 1e-12))
+    return np.array([point[0] * radius, point[1] * radius, np.clip(point[2], -part.half[2], part.half[2])])
+
+
+def clearance(part: Part, at: Frame, points: Array) -> Array:
+    """Return the distances of points, shape (n, 3), to the surface of a primitive: negative within it."""
+    local = (points - at.at) @ at.turn - part.at
+    if part.kind == "sphere":
+        return np.asarray(np.linalg.norm(local, axis=1) - part.half[0])
+    if part.kind == "cylinder":
+        beyond = np.column_stack([np.hypot(local[:, 0], local[:, 1]), np.abs(local[:, 2])]) - part.half[[0, 2]]
+    else:
+        beyond = np.abs(local) - part.half
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+    return np.asarray(outside + np.minimum(beyond.max(axis=1), 0.0))

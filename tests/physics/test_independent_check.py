@@ -1,0 +1,309 @@
+from __future__ import annotations
+
+import ast
+import copy
+import itertools
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.dataset.jsonl import Record, write_line
+from prag_asp.physics.bullet import pybullet, pybullet_data
+from prag_asp.physics.kinematics import tool_pose
+from tests.independent import panda
+from tests.independent.check import problems
+from tests.independent.convex import clearance, depth
+from tests.independent.statics import falling
+from tests.independent.world import Frame, Part, frame, world_of
+from tests.physics.scenarios import carrying, stacking
+
+ROOT = Path(__file__).parents[2]
+IDENTITY = np.eye(3)
+
+
+def _record(validator, task, seed=1):
+    return json.loads(write_line(Record(task, None, validator.validate(task, seed=seed).witness.to_json())))
+
+
+@pytest.fixture(scope="module")
+def stacked(tabletop, tabletop_validator):
+    """A picked and stacked cube, and the world in which it was."""
+    return _record(tabletop_validator, stacking()), world_of(tabletop)
+
+
+@pytest.fixture(scope="module")
+def carried(prag, prag_validator):
+    return _record(prag_validator, carrying()), world_of(prag)
+
+
+def _found(record, world):
+    return "\n".join(problems(record, record["witness"], world))
+
+
+def test_the_check_reads_nothing_of_the_librarys_physics():
+    files = sorted((ROOT / "tests" / "independent").glob("*.py"))
+    assert len(files) > 5
+    imported = set()
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                imported.add(node.module)
+            elif isinstance(node, ast.Import):
+                imported |= {name.name for name in node.names}
+    own = {name for name in imported if name.startswith("tests.independent")}
+    allowed = {"__future__", "collections.abc", "dataclasses", "functools", "itertools", "numpy", "re", "typing"}
+    assert imported - own <= allowed | {"numpy.typing", "prag_asp.domain.scene"}
+
+
+@pytest.mark.parametrize(("name", "length"), [("tabletop", 3), ("tabletop", 6), ("prag", 6)])
+def test_every_witness_that_validation_accepts_passes(name, length, request):
+    validator, world = request.getfixturevalue(f"{name}_validator"), world_of(request.getfixturevalue(name))
+    checked = 0
+    for index, task in enumerate(TaskSpace(load_domain(name), length).sample(50, seed=11, weights={})):
+        verdict = validator.validate(task, seed=11, index=index)
+        if verdict.witness is not None:
+            record = json.loads(write_line(Record(task, None, verdict.witness.to_json())))
+            assert problems(record, record["witness"], world) == [], task
+            checked += 1
+    assert checked >= 45
+
+
+def test_an_honest_witness_passes(stacked, carried):
+    assert _found(*stacked) == _found(*carried) == ""
+
+
+@pytest.mark.parametrize(
+    ("shift", "words"),
+    [
+        ((0.0, 0.0, -0.004), "brick_1 and cube_1 are in each other"),
+        ((0.0, 0.0, 0.004), "on_top(cube_1,brick_1) is not true"),
+        ((0.0, 0.0, 0.004), "cube_1 falls"),
+        ((0.02, 0.0, 0.0), "cube_1 jumps out of the gripper"),
+    ],
+)
+def test_a_body_that_is_moved_where_it_is_put_down_is_refused(stacked, shift, words):
+    record, world = copy.deepcopy(stacked[0]), stacked[1]
+    _shift(record["witness"]["moments"][2], "cube_1", shift)
+    assert words in _found(record, world)
+
+
+def _shift(moment, name, shift):
+    moment["poses"][name][0] = [a + b for a, b in zip(moment["poses"][name][0], shift, strict=True)]
+
+
+@pytest.mark.parametrize("k", [0, 1, 2])
+def test_a_sunk_body_is_refused_in_every_state(stacked, k):
+    record, world = copy.deepcopy(stacked[0]), stacked[1]
+    _shift(record["witness"]["moments"][k], "brick_1", (0, 0, -0.003))
+    assert f"state {k}: brick_1 is in the table" in _found(record, world)
+
+
+def test_a_body_that_nothing_touches_but_moves_is_refused(stacked):
+    record, world = copy.deepcopy(stacked[0]), stacked[1]
+    _shift(record["witness"]["moments"][1], "brick_1", (0.0005, 0, 0))
+    assert "action 1: brick_1 has moved by itself" in _found(record, world)
+
+
+def test_a_body_that_floats_is_refused(stacked):
+    record, world = copy.deepcopy(stacked[0]), stacked[1]
+    _shift(record["witness"]["moments"][0], "brick_1", (0, 0, 0.01))
+    assert "state 0: brick_1 falls" in _found(record, world)
+
+
+def test_a_body_out_of_the_hand_is_refused(stacked, carried):
+    for (record, world), name, k in ((stacked, "cube_1", 1), (carried, "apple_1", 3)):
+        changed = copy.deepcopy(record)
+        _shift(changed["witness"]["moments"][k], name, (0.0005, 0, 0))
+        assert f"state {k}: {name} is not where the gripper holds it" in _found(changed, world)
+
+
+def test_a_body_that_slips_in_the_hand_is_refused(carried):
+    record, world = copy.deepcopy(carried[0]), carried[1]
+    moment = record["witness"]["moments"][3]
+    moment["grasp"][0][2] += 0.005
+    joints = panda.tool(moment["joints"]) @ frame(moment["grasp"])
+    moment["poses"]["apple_1"][0] = joints.at.tolist()
+    assert "action 3: apple_1 slips in the gripper" in _found(record, world)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_numbers_that_are_not_finite_are_refused_wherever_they_stand(stacked, value):
+    record, world = stacked
+    places = [("moments", 1, "poses", "cube_1", 0, 2), ("moments", 1, "poses", "brick_1", 1, 3)]
+    places += [("moments", 2, "joints", 4), ("moments", 0, "width"), ("moments", 1, "grasp", 0, 0)]
+    places += [("motions", 0, 0, "joints", 3), ("motions", 1, 1, "width")]
+    for place in places:
+        changed = copy.deepcopy(record)
+        data = changed["witness"]
+        for key in place[:-1]:
+            data = data[key]
+        data[place[-1]] = value
+        assert _found(changed, world), place
+
+
+def test_swapped_joints_are_refused(stacked):
+    record, world = stacked
+    for one, two in itertools.combinations(range(7), 2):
+        changed = copy.deepcopy(record)
+        joints = changed["witness"]["moments"][1]["joints"]
+        joints[one], joints[two] = joints[two], joints[one]
+        if abs(joints[one] - joints[two]) > 0.01:
+            assert _found(changed, world), (one, two)
+
+
+def test_a_joint_beyond_its_limits_and_a_gripper_that_opens_too_far_are_refused(stacked):
+    for key, value in (("joints", [0, 0, 0, -2, 0, 3.8, 0]), ("width", 0.0801)):
+        record, world = copy.deepcopy(stacked[0]), stacked[1]
+        record["witness"]["moments"][0][key] = value
+        assert "beyond its limits" in _found(record, world)
+
+
+def test_other_states_of_the_task_are_refused(stacked):
+    record, world = copy.deepcopy(stacked[0]), stacked[1]
+    record["states"][0]["holding(panda,cube_1)"] = False
+    record["states"][1]["on_top(cube_1,table_1)"] = True
+    found = _found(record, world)
+    assert "state 1: holding(panda,cube_1) is not false" in found
+    assert "state 2: on_top(cube_1,table_1) is not true" in found
+
+
+def test_missing_bodies_states_and_waypoints_are_refused(stacked):
+    for spoil in (
+        lambda witness: witness["moments"].pop(),
+        lambda witness: witness["motions"].pop(),
+        lambda witness: witness["motions"][0].clear(),
+        lambda witness: witness["motions"][0].pop(),
+        lambda witness: witness["moments"][1]["poses"].pop("brick_1"),
+        lambda witness: witness["moments"][1].update(held=None),
+        lambda witness: witness["moments"][1].update(held=None, grasp=None),
+    ):
+        record, world = copy.deepcopy(stacked[0]), stacked[1]
+        spoil(record["witness"])
+        assert _found(record, world)
+
+
+def test_an_arm_in_a_body_is_refused(stacked):
+    record, world = copy.deepcopy(stacked[0]), stacked[1]
+    moments = record["witness"]["moments"]
+    low = record["witness"]["motions"][0][1]
+    assert low["name"] == "at"
+    moments[0]["joints"], moments[0]["width"] = low["joints"], 0.02
+    moments[0]["poses"]["brick_1"][0][:2] = moments[0]["poses"]["cube_1"][0][:2]
+    assert "state 0: the arm is in " in _found(record, world)
+
+
+def test_the_kinematics_is_that_of_the_robot():
+    # At zero angles the arm stands upright, its hand hanging from the 88 mm offset of joint 7.
+    hand = panda.tool((0.0,) * 7)
+    assert np.allclose(hand.at, [0.088, 0, 0.333 + 0.316 + 0.384 - 0.107 - 0.1034])
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        joints = tuple(rng.uniform(panda.LOWER, panda.UPPER).tolist())
+        other = tool_pose(joints)
+        moved, turned = panda.tool(joints).offset(frame([list(other.position), list(other.quaternion)]))
+        assert moved < 1e-6 and turned < 1e-6
+
+
+@pytest.mark.parametrize("link", sorted(panda.CAPSULES))
+def test_the_capsules_lie_within_the_links(link):
+    file = Path(pybullet_data.getDataPath()) / "franka_panda" / "meshes" / "collision" / f"{link}.obj"
+    lines = [line.split() for line in file.read_text().splitlines() if line[:2] in ("v ", "f ")]
+    corners = np.array([line[1:4] for line in lines if line[0] == "v"], dtype=float)
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        shape = pybullet.createCollisionShape(pybullet.GEOM_MESH, vertices=corners.tolist(), physicsClientId=client)
+        hull = pybullet.createMultiBody(0, shape, physicsClientId=client)
+        for start, end, radius in panda.CAPSULES[link]:
+            for share in np.linspace(0, 1, 9):
+                at = np.array(start) + share * (np.array(end) - np.array(start))
+                _assert_within(client, hull, corners, at, radius)
+    finally:
+        pybullet.disconnect(client)
+
+
+def _assert_within(client, hull, corners, at, radius):
+    """A ball is in a hull if in no direction it reaches farther; PyBullet's own depth agrees that its centre is in."""
+    directions = np.random.default_rng(0).normal(size=(4000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    assert (directions @ at + radius <= (corners @ directions.T).max(axis=0) + 5e-4).all()
+    point = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=radius, physicsClientId=client)
+    ball = pybullet.createMultiBody(0, point, basePosition=at.tolist(), physicsClientId=client)
+    depths = [each[8] for each in pybullet.getClosestPoints(hull, ball, 0.0, physicsClientId=client)]
+    assert min(depths) <= -2 * radius + 2e-3
+    pybullet.removeBody(ball, physicsClientId=client)
+
+
+def _turned(angle):
+    return np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]])
+
+
+def _depth(one, two, at, turn=IDENTITY):
+    here, there = Frame(IDENTITY, np.zeros(3)), Frame(turn, np.array(at, dtype=float))
+    return depth(one, here, two, there, -math.inf)
+
+
+CUBE = Part("box", np.array([0.05, 0.05, 0.05]), np.zeros(3))
+CAN = Part("cylinder", np.array([0.03, 0.03, 0.1]), np.zeros(3))
+BALL = Part("sphere", np.array([0.04, 0.04, 0.04]), np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "at", "turn", "expected"),
+    [
+        (CUBE, CUBE, (0.098, 0.03, 0), IDENTITY, 0.002),
+        (CUBE, CUBE, (0.05 + 0.05 * math.sqrt(2) - 0.001, 0, 0), _turned(math.pi / 4), 0.001),
+        (CUBE, CAN, (0.079, 0, 0.02), IDENTITY, 0.001),
+        (CUBE, CAN, (0.01, 0, 0.1485), IDENTITY, 0.0015),
+        # A corner of the cube towards the can, along the diagonal.
+        (CUBE, CAN, (0.05 + 0.029 / math.sqrt(2), 0.05 + 0.029 / math.sqrt(2), 0), IDENTITY, 0.001),
+        (CAN, CAN, (0.036, 0.046, 0.05), _turned(1.0), 0.06 - math.hypot(0.036, 0.046)),
+        (BALL, BALL, (0.03, 0.04, 0.06), IDENTITY, 0.08 - math.hypot(0.03, 0.04, 0.06)),
+        (BALL, CUBE, (0.088, 0.01, 0), IDENTITY, 0.002),
+        (CUBE, BALL, (0.05 + 0.02, 0.05 + 0.02, 0.05 + 0.02), IDENTITY, 0.04 - math.hypot(0.02, 0.02, 0.02)),
+    ],
+)
+def test_depths_are_right(one, two, at, turn, expected):
+    assert _depth(one, two, at, turn) == pytest.approx(expected, abs=1e-5)
+    assert _depth(two, one, -np.array(at) @ turn, turn.T) == pytest.approx(expected, abs=1e-5)
+
+
+def test_points_are_as_far_from_a_primitive_as_sampled_points_of_it_are():
+    rng = np.random.default_rng(5)
+    points = rng.uniform(-0.15, 0.15, (40, 3))
+    place = Frame(_turned(0.7), np.array([0.01, -0.02, 0.03]))
+    cloud = rng.uniform(-0.1, 0.1, (200_000, 3))
+    for part in (CUBE, CAN, BALL):
+        inner = np.abs(cloud) <= part.half
+        if part.kind != "box":
+            flat = cloud[:, :2] if part.kind == "cylinder" else cloud
+            inner &= (np.linalg.norm(flat, axis=1) <= part.half[0])[:, None]
+        solid = cloud[inner.all(axis=1)] @ place.turn.T + place.at
+        for point, distance in zip(points, clearance(part, place, points), strict=True):
+            nearest = np.linalg.norm(solid - point, axis=1).min()
+            assert max(distance, 0.0) == pytest.approx(nearest, abs=0.006)
+            if distance < -0.006:
+                assert nearest < 0.004
+
+
+def test_balance_is_that_of_all_that_rests_on_a_body(tabletop):
+    world = world_of(tabletop)
+
+    def fallen(**places):
+        return falling(world, {name: Frame(IDENTITY, np.array(at)) for name, at in places.items()}, None)
+
+    on_table = (0.5, 0.0, 0.025)
+    assert fallen(cube_1=on_table) is None
+    assert fallen(cube_1=on_table, cube_2=(0.5, 0.024, 0.075)) is None
+    assert fallen(cube_1=on_table, cube_2=(0.5, 0.026, 0.075)) == "cube_2"
+    # A brick that hangs over by itself falls, and is kept by a can on its other end.
+    brick = (0.54, 0.0, 0.07)
+    assert fallen(cube_1=on_table, brick_1=brick) == "brick_1"
+    assert fallen(cube_1=on_table, brick_1=brick, can_1=(0.49, 0.0, 0.14)) is None
+    # A bridge over two cubes rests; over one of them at its end it does not.
+    assert fallen(cube_1=(0.46, 0, 0.025), cube_2=(0.54, 0, 0.025), brick_1=(0.5, 0, 0.07)) is None
+    assert fallen(cube_1=(0.46, 0, 0.025), cube_2=(0.54, 0, 0.3), brick_1=(0.5, 0, 0.07)) in ("brick_1", "cube_2")
+    assert fallen(cube_1=(1.2, 0, 0.025)) == "cube_1"
