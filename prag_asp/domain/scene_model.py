@@ -58,9 +58,10 @@ class Table:
 class Scene:
     """Everything that physics knows of a domain.
 
-    `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where
-    objects are put (low x, high x, low y, high y), `fixed` holds x, y in metres and yaw in radians of what
-    never moves, `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in radians.
+    `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where the search
+    puts objects (low x, high x, low y, high y), not a limit of where they can be, `fixed` holds x, y in metres and
+    yaw in radians of what never moves, `predicates` maps fluent names to spatial predicates, `rotations` names to
+    yaws in radians.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot.
     """

@@ -13,7 +13,7 @@ from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.moving import arm_waypoint, raise_arm, require_free
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
-from prag_asp.physics.search import RELATION, Exhausted, Failure, Search, Snapshot
+from prag_asp.physics.search import NO_GRASP, RELATION, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.verdict import Waypoint
 
 Outcome = tuple[Snapshot, tuple[Waypoint, ...]]
@@ -115,6 +115,8 @@ def _grasp(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, way
     """Take hold of an object, and lift it where it leaves what it stands on."""
     entity = effect.grasps
     assert entity is not None
+    if snapshot.held not in (None, entity):
+        raise Failure(NO_GRASP)
     if snapshot.above is None:
         snapshot = _visit(search, snapshot, entity, attempt, waypoints)
     snapshot = _close(search, snapshot, entity)

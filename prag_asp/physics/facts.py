@@ -67,7 +67,6 @@ class Problem:
     initial: tuple[Fact, ...]
     held: str | None
     effects: tuple[Effect, ...]
-    contradiction: str | None = None
 
     @property
     def states(self) -> tuple[tuple[Fact, ...], ...]:
@@ -94,17 +93,14 @@ def problem(task: Task, scene: Scene) -> Problem:
     states = [_facts(scene, state, known) for state in (task.initial, *task.states)]
     start = held = _only(states[0], "holding")
     effects: list[Effect] = []
-    contradiction = None
     for k, action in enumerate(task.actions):
         subgoal = _facts(scene, task.subgoals[k], known)
         effect = _effect(action, k + 1, subgoal, states[k], states[k + 1], held)
-        if effect.grasps is not None and held not in (None, effect.grasps, effect.releases):
-            contradiction = contradiction or f"{action} grasps {effect.grasps} while the gripper holds {held}"
         held = effect.grasps or (None if effect.releases else held)
         effects.append(effect)
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
     objects = tuple(entity for entity in [*task.entities, *sorted(named)] if _is_object(scene, entity))
-    return Problem(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects), contradiction)
+    return Problem(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
 
 
 def _facts(scene: Scene, state: State, known: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:

@@ -1,54 +1,137 @@
-"""Proofs that no arrangement of the bodies can satisfy a state, whatever their poses."""
+"""Proofs that no arrangement of the bodies can satisfy the facts of a state, whatever their poses.
+
+A proof takes for granted the definitions of the predicates, where the fixed bodies are, and three rules of every scene:
+a gripper holds one body at a time, it is not open while it holds one, and nothing rests on a ball. The workspace
+says where the search puts bodies, not where they can be, so no proof reads it. What is proved of some facts is so of
+more facts, too.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from graphlib import CycleError, TopologicalSorter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
 
+from prag_asp.domain.atom import Atom
 from prag_asp.domain.scene import Scene, Shape
+from prag_asp.physics.demands import Demand, all_demands, bodies
+from prag_asp.physics.differences import ORIGIN, ROUNDING, Gap, impossible_row, lowest
 from prag_asp.physics.facts import Fact, Problem
-from prag_asp.physics.geometry import IDENTITY, Pose, cavity, extents, yaw_quaternion
-from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, direction
+from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap, yaw_quaternion
+from prag_asp.physics.predicates import rotated
+from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.robot import ROBOTS
 from prag_asp.physics.situation import Situation
 
 AXES = ("x", "y", "z")
-ROUNDING = 1e-9
-ORDERING = ("on_top", "reachable", *DIRECTIONS)
+NO_CONTAINER = (0.0, 0.0, 0.0)
+SUPPORTS = ("on_top", "inside", "located")
 
 
-def impossibility(problem: Problem, scene: Scene) -> str | None:
-    """Return why a task is infeasible, None where nothing is proved."""
-    if problem.contradiction is not None:
-        return problem.contradiction
-    still, seen = _still(scene), set[Fact]()
-    for k, facts in enumerate(problem.states):
-        fresh = [fact for fact in facts if fact not in seen]
-        seen.update(fresh)
-        for reason in _reasons(facts, fresh, scene, still):
-            where = "the initial state" if k == 0 else f"the state after {problem.effects[k - 1].action}"
-            return f"{where}: {reason}"
-    return None
+@dataclass(frozen=True)
+class Impossibility:
+    """A proof that a state cannot be: the reason in words, and the facts that it follows from.
+
+    None of the facts can be left out. `state` counts from 0, the initial state; `after` is the action that leads to
+    the state, None at the start.
+    """
+
+    reason: str
+    facts: tuple[Fact, ...]
+    state: int
+    after: Atom | None
+
+    def __str__(self) -> str:
+        where = "the initial state" if self.after is None else f"the state after {self.after}"
+        return f"{where}: {self.reason}"
 
 
-def _reasons(facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, still: Situation) -> Iterator[str]:
-    """Yield the proofs that a state cannot be; `fresh` are its facts that no state before it has."""
-    true = [fact for fact in facts if fact.value]
-    for fact in fresh:
-        if fact.value:
-            yield from _size_reasons(fact, scene)
-    yield from _gripper_reasons(true)
-    if any(fact.value and fact.predicate.name in ORDERING for fact in fresh):
-        yield from _order_reasons(true)
-    yield from _fixed_reasons(fresh, scene, still)
-    if any(fact.value and fact.predicate.name in ORDERING for fact in fresh):
-        yield from _room_reasons(true, scene)
+class Prover:
+    """Proves states of one scene impossible; it remembers what each fact demands."""
+
+    def __init__(self, scene: Scene):
+        self._scene = scene
+        self._still = _still(scene)
+        self._demands: dict[Fact, tuple[Demand, ...]] = {}
+        self._alone: dict[Fact, str | None] = {}
+
+    def impossibility(self, problem: Problem) -> Impossibility | None:
+        """Return a proof that a task is infeasible, None where nothing is proved."""
+        seen = set[Fact]()
+        for k, facts in enumerate(problem.states):
+            fresh = [fact for fact in facts if fact not in seen]
+            seen.update(fresh)
+            if next(self._reasons(facts, fresh), None) is not None:
+                least = self.fewest(facts)
+                reason = next(self._reasons(least, least))
+                return Impossibility(reason, least, k, problem.effects[k - 1].action if k else None)
+        return None
+
+    def refutation(self, facts: Sequence[Fact]) -> str | None:
+        """Return why some facts cannot hold together, None where nothing is proved."""
+        return next(self._reasons(facts, facts), None)
+
+    def fewest(self, facts: Sequence[Fact]) -> tuple[Fact, ...]:
+        """Return facts of some that cannot hold together, none of which can be left out."""
+        left = list(facts)
+        for fact in facts:
+            fewer = [other for other in left if other != fact]
+            if self.refutation(fewer) is not None:
+                left = fewer
+        return tuple(left)
+
+    def _reasons(self, facts: Sequence[Fact], fresh: Collection[Fact]) -> Iterator[str]:
+        """Yield why facts cannot hold together; no such reason lacks all the `fresh` ones."""
+        for fact in fresh:
+            reason = self._never(fact)
+            if reason is not None:
+                yield reason
+        new = [fact for fact in fresh if fact.value]
+        if not new:
+            return
+        true = [fact for fact in facts if fact.value]
+        yield from _gripper_reasons(true)
+        yield from _turn_reasons(true, self._scene)
+        gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
+        for fact in true:
+            for axis, gap in self._demanded(fact):
+                gaps[axis][gap] = None
+        for axis in sorted({axis for fact in new for axis, _ in self._demanded(fact)}):
+            yield from _room_reasons(true, axis, list(gaps[axis]))
+        yield from _reach_reasons(true, self._scene, gaps)
+
+    def _demanded(self, fact: Fact) -> tuple[Demand, ...]:
+        """Return what a fact demands of places, which is worked out once."""
+        known = self._demands.get(fact)
+        if known is None:
+            known = self._demands[fact] = all_demands(fact, self._scene)
+        return known
+
+    def _never(self, fact: Fact) -> str | None:
+        """Return why a fact can never hold, whatever else does, which is worked out once."""
+        if fact not in self._alone:
+            self._alone[fact] = next(chain(_size_reasons(fact, self._scene), self._fixed_reasons(fact)), None)
+        return self._alone[fact]
+
+    def _fixed_reasons(self, fact: Fact) -> Iterator[str]:
+        """Yield that a fact is wrong which speaks only of bodies that never move."""
+        entities = () if fact.predicate.of_gripper else bodies(fact, self._scene)
+        still = entities and all(entity in self._still.poses for entity in entities)
+        if still and not fact.satisfied(self._still):
+            yield f"{fact.sentence()} cannot hold, for nothing of it can move"
+
+
+def impossibility(problem: Problem, scene: Scene) -> Impossibility | None:
+    """Return a proof that a task is infeasible, None where nothing is proved."""
+    return Prover(scene).impossibility(problem)
 
 
 def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
-    """Yield why an object is too large for the gripper or a container however it is turned."""
+    """Yield why a body is too large for the gripper or a container however it is turned."""
     name = fact.predicate.name
+    if not fact.value:
+        return
     if name == "holding":
         entity, opening = fact.arguments[1], ROBOTS[scene.robot].opening
         narrowest = min(scene.shapes[entity].size)
@@ -57,7 +140,7 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     elif name in ("inside", "located"):
         entity, container = fact.arguments
         inner = cavity(scene.shapes[container])
-        if inner[2] == 0.0:
+        if inner == NO_CONTAINER:
             yield f"{container} is not a container, so {entity} cannot be in it"
         elif _too_large(scene.shapes[entity], inner[0], inner[1]):
             yield f"{entity} is larger than the cavity of {container}"
@@ -76,109 +159,76 @@ def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
     return small > min(inner_x, inner_y) or area > inner_x * inner_y
 
 
-def _gripper_reasons(true: list[Fact]) -> Iterator[str]:
-    """Yield why the gripper cannot do two things at once."""
-    held = sorted({fact.arguments[1] for fact in true if fact.predicate.name == "holding"})
-    if len(held) > 1:
-        yield f"the gripper cannot hold {held[0]} and {held[1]} at once"
-    if held and any(fact.predicate.name == "gripper_open" for fact in true):
-        yield f"the gripper cannot be open while it holds {held[0]}"
-
-
-def _order_reasons(true: list[Fact]) -> Iterator[str]:
-    """Yield cycles of relations that are strict orders along an axis: nothing is left of itself."""
-    edges: dict[int, dict[str, set[str]]] = {0: {}, 1: {}, 2: {}}
+def _gripper_reasons(true: Iterable[Fact]) -> Iterator[str]:
+    """Yield why a gripper cannot do two things at once."""
+    held: dict[str, str] = {}
+    opened = set()
     for fact in true:
-        name = fact.predicate.name
-        if name == "on_top":
-            edges[2].setdefault(fact.arguments[0], set()).add(fact.arguments[1])
-        elif name in DIRECTIONS:
-            axis, sign = DIRECTIONS[name]
-            low, high = fact.arguments if sign < 0 else fact.arguments[::-1]
-            edges[axis].setdefault(high, set()).add(low)
-    for axis, graph in edges.items():
-        cycle = _cycle(graph)
-        if cycle:
-            yield f"the relations along {AXES[axis]} form a circle: {', '.join(cycle)}"
+        robot = fact.arguments[0]
+        if fact.predicate.name == "gripper_open":
+            opened.add(robot)
+        elif fact.predicate.name == "holding":
+            other = held.setdefault(robot, fact.arguments[1])
+            if other != fact.arguments[1]:
+                yield f"the gripper cannot hold {other} and {fact.arguments[1]} at once"
+    for robot in opened & held.keys():
+        yield f"the gripper cannot be open while it holds {held[robot]}"
 
 
-def _cycle(below: Mapping[str, set[str]]) -> list[str]:
-    """Return a cycle of a directed graph, its first node again at the end; empty where there is none."""
-    try:
-        TopologicalSorter(below).prepare()
-    except CycleError as error:
-        return list(error.args[1])
-    return []
+def _turn_reasons(true: Iterable[Fact], scene: Scene) -> Iterator[str]:
+    """Yield bodies that would be turned in two ways."""
+    turned: dict[str, str] = {}
+    for fact in true:
+        if fact.predicate.name == "rotated":
+            entity, rotation = fact.arguments
+            other = turned.setdefault(entity, rotation)
+            between = abs(wrap(scene.rotations[rotation] - scene.rotations[other]))
+            if between > 2 * rotated.TOLERANCE:
+                yield f"{entity} cannot be turned {other} and {rotation} at once"
 
 
-def _room_reasons(true: list[Fact], scene: Scene) -> Iterator[str]:
-    """Yield rows of objects that are longer than the part of the workspace in which they have to lie.
-
-    An object on the table and within reach has its centre in the workspace, and each step of a row takes half
-    of both objects, as thin as they can be, and the gap of the relation.
-    """
-    on_table = {
-        f.arguments[0] for f in true if f.predicate.name == "on_top" and scene.shapes[f.arguments[1]].kind == "table"
-    }
-    bound = on_table & {f.arguments[1] for f in true if f.predicate.name == "reachable"}
-    for axis in (0, 1):
-        lower: dict[str, list[str]] = {}
-        for fact in true:
-            if fact.predicate.name in DIRECTIONS and direction(fact.predicate.name, scene.frame)[0] == axis:
-                sign = direction(fact.predicate.name, scene.frame)[1]
-                low, high = fact.arguments if sign < 0 else fact.arguments[::-1]
-                lower.setdefault(high, []).append(low)
-        if not lower:
-            continue
-        begin, end = scene.workspace[2 * axis : 2 * axis + 2]
-        least = _least(lower, scene, axis, dict.fromkeys(bound, begin))
-        for entity, (least_place, row) in least.items():
-            place = scene.fixed.get(entity)
-            most = place[axis] if place else end if entity in bound else math.inf
-            if least_place > most + ROUNDING:
-                yield f"there is no room along {AXES[axis]} for the row {', '.join(row)}"
+def _room_reasons(true: Iterable[Fact], axis: int, gaps: Sequence[Gap]) -> Iterator[str]:
+    """Yield circles of relations, rows that are longer than the room for them, and places that exclude each other."""
+    row = impossible_row(gaps)
+    if not row:
+        return
+    names = ", ".join(dict.fromkeys(entity for entity, _ in row if entity))
+    predicates = {fact.predicate.name for fact in true}
+    if ORIGIN not in row and predicates <= {*DIRECTIONS, "on_top", "inside"}:
+        yield f"the relations along {AXES[axis]} form a circle: {names}"
+    elif predicates & DIRECTIONS.keys():
+        yield f"there is no room along {AXES[axis]} for the row {names}"
+    else:
+        yield _never_together(true)
 
 
-def _least(
-    lower: Mapping[str, list[str]], scene: Scene, axis: int, begin: Mapping[str, float]
-) -> dict[str, tuple[float, tuple[str, ...]]]:
-    """Return the least coordinate of the centres of objects in rows, in metres, and the row that needs it."""
-    found: dict[str, tuple[float, tuple[str, ...]]] = {}
-    for entity in TopologicalSorter(lower).static_order():
-        place = scene.fixed.get(entity)
-        own = place[axis] if place else begin.get(entity, -math.inf)
-        best: tuple[float, tuple[str, ...]] = (own, (entity,))
-        for other in lower.get(entity, ()):
-            start, row = found[other]
-            if other in scene.fixed:
-                start, row = scene.fixed[other][axis], (other,)
-            need = start + _thinnest(scene, other, axis) + _thinnest(scene, entity, axis) + GAP
-            best = max(best, (need, (*row, entity)))
-        found[entity] = best
-    return found
+def _reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Gap]]) -> Iterator[str]:
+    """Yield why a body is too near or too far for the gripper wherever the facts let it be."""
+    wanted = [fact.arguments[1] for fact in true if fact.predicate.name == "reachable"]
+    if not any(fact.predicate.name in SUPPORTS and fact.arguments[1] in scene.fixed for fact in true):
+        return
+    least = [lowest(gaps[axis], ORIGIN) for axis in (0, 1)]
+    most = [lowest((Gap(high, low, length) for low, high, length in gaps[axis]), ORIGIN) for axis in (0, 1)]
+    nearest, farthest = ROBOTS[scene.robot].reach
+    for entity in wanted:
+        node = (entity, "centre")
+        sides = [(least[axis][node], -most[axis][node]) for axis in (0, 1)]  # all are within the gripper's square
+        near = math.hypot(*(max(low, -high, 0.0) for low, high in sides))
+        far = math.hypot(*(max(-low, high) for low, high in sides))
+        if near > farthest + ROUNDING or far < nearest - ROUNDING:
+            yield _never_together(true)
 
 
-def _thinnest(scene: Scene, entity: str, axis: int) -> float:
-    """Return half the side of the bounding box of an object along an axis in metres, as small as it can be."""
-    shape, place = scene.shapes[entity], scene.fixed.get(entity)
-    return extents(shape, yaw_quaternion(place[2]))[axis] if place else min(shape.half)
+def _never_together(facts: Iterable[Fact]) -> str:
+    """Return in words that facts exclude each other."""
+    *others, last = [fact.sentence() for fact in facts]
+    return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
 
 
 def _still(scene: Scene) -> Situation:
-    """Return the situation of the objects that never move."""
+    """Return the situation of the bodies that never move."""
     poses = {
         entity: Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
         for entity, (x, y, yaw) in scene.fixed.items()
     }
     return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)
-
-
-def _fixed_reasons(facts: Iterable[Fact], scene: Scene, situation: Situation) -> Iterator[str]:
-    """Yield facts that speak only of bodies that never move, and are wrong."""
-    for fact in facts:
-        if fact.predicate.of_gripper or fact.arguments[fact.predicate.subject] not in situation.poses:
-            continue
-        bodies = [entity for entity in fact.arguments if scene.shapes.get(entity, Shape("robot")).kind != "robot"]
-        still = all(entity in situation.poses or scene.shapes[entity].kind == "table" for entity in bodies)
-        if still and not fact.satisfied(situation):
-            yield f"{fact.sentence()} cannot hold, for nothing of it can move"

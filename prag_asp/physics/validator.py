@@ -15,7 +15,7 @@ from prag_asp.physics.demonstration import Demonstration
 from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.foresight import foresee
 from prag_asp.physics.perform import Performer, open_performer
-from prag_asp.physics.proofs import impossibility
+from prag_asp.physics.proofs import Prover
 from prag_asp.physics.search import CAUSES, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.settling import Settling, open_settling
 from prag_asp.physics.simulator import open_simulator
@@ -30,6 +30,7 @@ class Validator:
     def __init__(self, scene: Scene, resources: ExitStack):
         self._resources = resources
         self._simulator = resources.enter_context(open_simulator(scene))
+        self._prover = Prover(scene)
         self._settling: Settling | None = None
         self._performer: Performer | None = None
 
@@ -43,9 +44,9 @@ class Validator:
         seen = problem(task, self._simulator.scene)
         if len(seen.effects) != len(task.states):
             raise SceneError(f"the task {task} has {len(task.states)} states for {len(seen.effects)} actions")
-        reason = impossibility(seen, self._simulator.scene)
-        if reason is not None:
-            return Verdict("infeasible", budget, seed, index, reason=reason)
+        proof = self._prover.impossibility(seen)
+        if proof is not None:
+            return Verdict("infeasible", budget, seed, index, reason=str(proof))
         rng = np.random.default_rng([seed, index])
         search = Search(self._simulator, seen.objects, rng, foresee(seen, self._simulator.scene))
         return self._look(seen, search, budget, seed, index)

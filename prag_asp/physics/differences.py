@@ -1,0 +1,92 @@
+"""Differences of coordinates that have a least size, and whether any coordinates satisfy all of them.
+
+No coordinates do exactly where some differences in a row lead back to where they began and sum up to more than
+nothing: a cycle of positive length, found by Bellman and Ford's algorithm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+ROUNDING = 1e-9
+"""What two lengths have to differ by to be told apart, in metres."""
+
+Node = tuple[str, str]
+"""A body (or a robot, for its tool; or the origin) and the part of it whose coordinate is meant."""
+
+ORIGIN: Node = ("", "centre")
+"""The origin of the world."""
+
+
+class Gap(NamedTuple):
+    """The coordinate of `high` is at least `least` metres more than that of `low`; `least` may be negative."""
+
+    low: Node
+    high: Node
+    least: float
+
+
+def between(node: Node, other: Node, least: float, most: float) -> tuple[Gap, Gap]:
+    """Return that a coordinate is `least` to `most` metres more than another."""
+    return Gap(other, node, least), Gap(node, other, -most)
+
+
+def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
+    """Return nodes in a row, each higher than the one before, the first higher than the last; () where none are.
+
+    The row begins at the origin where it passes it.
+    """
+    reached = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
+    last: dict[Node, Gap] = {}
+    changed = _relax(gaps, reached, last)
+    for _ in range(len(reached)):
+        if changed is None:
+            return ()
+        changed = _relax(gaps, reached, last)
+    row = () if changed is None else _cycle(last, changed, len(reached))
+    if ORIGIN in row:
+        turn = row.index(ORIGIN)
+        return (*row[turn:], *row[:turn])
+    return row
+
+
+def _relax(gaps: Sequence[Gap], reached: dict[Node, float], last: dict[Node, Gap]) -> Node | None:
+    """Raise every coordinate that a gap wants higher, and return the last one raised."""
+    changed = None
+    for gap in gaps:
+        low, high, least = gap
+        if reached[low] + least > reached[high] + ROUNDING:
+            reached[high], last[high], changed = reached[low] + least, gap, high
+    return changed
+
+
+def _cycle(last: Mapping[Node, Gap], node: Node, steps: int) -> tuple[Node, ...]:
+    """Return the cycle of positive length that gaps lead back to from a node, the lowest first."""
+    for _ in range(steps):
+        if node not in last:
+            return ()
+        node = last[node].low
+    row, length, current = [node], last[node].least, last[node].low
+    while current != node:
+        row.append(current)
+        length += last[current].least
+        current = last[current].low
+    return tuple(reversed(row)) if length > ROUNDING else ()
+
+
+def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
+    """Return by how much each coordinate is at least higher than that of `start`, where gaps say so.
+
+    The gaps must be free of impossible rows.
+    """
+    gaps = list(gaps)
+    found = {start: 0.0}
+    changed = True
+    while changed:
+        changed = False
+        for low, high, least in gaps:
+            if low in found and found[low] + least > found.get(high, float("-inf")) + ROUNDING:
+                found[high] = found[low] + least
+                changed = True
+    return found

@@ -1,0 +1,216 @@
+"""What is proved impossible is so: no situation, however odd, satisfies facts that a proof excludes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+from dataclasses import replace
+
+import pytest
+
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.physics import PREDICATES
+from prag_asp.physics.differences import ORIGIN, Gap, impossible_row, lowest
+from prag_asp.physics.facts import Fact, problem
+from prag_asp.physics.geometry import Pose, multiply, yaw_quaternion
+from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.proofs import Prover, impossibility
+from prag_asp.physics.situation import Situation
+from tests.physics.scenarios import state, task
+
+SHAPES = {
+    "panda": Shape("robot"),
+    "table_1": Shape("table"),
+    "cube_1": Shape("box", (0.05, 0.05, 0.05)),
+    "brick_1": Shape("box", (0.12, 0.06, 0.04)),
+    "can_1": Shape("cylinder", (0.066, 0.066, 0.1)),
+    "ball_1": Shape("sphere", (0.06, 0.06, 0.06)),
+    "crate_1": Shape("container", (0.3, 0.26, 0.06), 0.008),
+    "tray_1": Shape("container", (0.2, 0.18, 0.05), 0.006),
+    "shelf_1": Shape("box", (0.3, 0.2, 0.3)),
+}
+FIXED = {"tray_1": (0.5, 0.3, 0.6), "shelf_1": (0.7, -0.4, 2.0)}
+OBJECTS = tuple(entity for entity, shape in SHAPES.items() if shape.kind not in ("robot", "table"))
+
+
+def scene(frame: str = "robot", **changes: object) -> Scene:
+    made = Scene(SHAPES, frame=frame, fixed=FIXED, rotations={"straight": 0.0, "turned": math.pi / 2, "askew": 0.3})
+    return replace(made, **changes)
+
+
+def everything(made: Scene) -> list[tuple[str, tuple[str, ...]]]:
+    """Return every spatial predicate with all arguments that it may have here."""
+    pairs = list(itertools.permutations(OBJECTS, 2))
+    supports = [*pairs, *((entity, "table_1") for entity in OBJECTS)]
+    found = [("on_top", pair) for pair in supports]
+    found += [(name, pair) for name in ("inside", "located") for pair in pairs if made.shapes[pair[1]].wall]
+    found += [(name, pair) for name in ("left_of", "right_of", "in_front_of", "behind") for pair in pairs]
+    found += [(name, ("panda", entity)) for name in ("at", "holding", "reachable") for entity in OBJECTS]
+    found += [("rotated", (entity, rotation)) for entity in OBJECTS for rotation in made.rotations]
+    return [*found, ("gripper_open", ("panda",))]
+
+
+def any_turn(rng: random.Random) -> tuple[float, float, float, float]:
+    """Return a yaw, or now and then any rotation at all."""
+    yaw = yaw_quaternion(rng.choice([0.0, 0.3, math.pi / 2, rng.uniform(-math.pi, math.pi)]))
+    if rng.random() < 0.8:
+        return yaw
+    half = rng.uniform(0.0, math.pi / 2)
+    return multiply(yaw, (math.sin(half), 0.0, 0.0, math.cos(half)))
+
+
+def any_situation(rng: random.Random, made: Scene) -> Situation:
+    """Return bodies stacked, in containers, in rows and anywhere, without a thought of collisions."""
+    poses = {e: Pose((x, y, made.shapes[e].half[2]), yaw_quaternion(yaw)) for e, (x, y, yaw) in made.fixed.items()}
+    situation = Situation(made, poses, Pose((0.5, 0.0, 0.4), (1.0, 0.0, 0.0, 0.0)), 0.08)
+    for entity in rng.sample(OBJECTS, len(OBJECTS)):
+        if entity in poses:
+            continue
+        turn = any_turn(rng)
+        situation = situation.with_pose(entity, Pose((0.0, 0.0, 1.0), turn))
+        half, other = situation.half(entity), rng.choice(sorted(situation.poses))
+        (x, y, _), reach = situation.pose(other).position, situation.half(other)
+        where, slack = rng.random(), rng.uniform(-0.003, 0.003)
+        if where < 0.3 and other != entity:
+            wall = made.shapes[other].wall
+            height = situation.bottom(other) + wall if wall and rng.random() < 0.7 else situation.top(other)
+            place = (x + rng.uniform(-1, 1) * reach[0], y + rng.uniform(-1, 1) * reach[1], height + half[2] + slack)
+        elif where < 0.6 and other != entity:
+            step = rng.choice([-1, 1]) * (reach[1] + half[1] + rng.uniform(0.004, 0.02))
+            place = (x + rng.uniform(-0.02, 0.02), y + step, half[2] + slack)
+        else:
+            place = (rng.uniform(-0.3, 1.1), rng.uniform(-0.9, 0.9), half[2] + slack)
+        situation = situation.with_pose(entity, Pose(place, turn))
+    if rng.random() < 0.7:
+        grasped = rng.choice(OBJECTS)
+        x, y, z = situation.pose(grasped).position
+        tool = Pose((x + rng.uniform(-0.01, 0.01), y, z), (1.0, 0.0, 0.0, 0.0))
+        situation = situation.with_tool(tool, min(0.08, grip_width(situation.with_tool(tool, 0.0), grasped)))
+    return situation
+
+
+def ruled_out(fact: Fact, made: Scene) -> bool:
+    """Tell whether a fact is excluded by a rule of every scene rather than by the definition of its predicate."""
+    return fact.predicate.name == "on_top" and made.shapes[fact.arguments[1]].kind == "sphere"
+
+
+@pytest.mark.parametrize("frame", ["robot", "viewer"])
+def test_no_proof_excludes_facts_that_a_situation_satisfies(frame: str) -> None:
+    made = scene(frame)
+    prover, rng, seen = Prover(made), random.Random(1), set()
+    for _ in range(400):
+        situation = any_situation(rng, made)
+        true = [
+            Fact(PREDICATES[name], arguments, True)
+            for name, arguments in everything(made)
+            if PREDICATES[name].holds(situation, arguments)
+        ]
+        holding = [fact for fact in true if fact.predicate.name == "holding"]
+        kept = [f for f in true if not ruled_out(f, made) and f not in holding[1:]]
+        if holding:
+            kept = [f for f in kept if f.predicate.name != "gripper_open"]
+        false = [
+            Fact(PREDICATES[name], arguments, False)
+            for name, arguments in everything(made)
+            if not PREDICATES[name].holds(situation, arguments)
+        ]
+        assert prover.refutation([*kept, *false]) is None
+        seen |= {fact.predicate.name for fact in kept}
+    assert seen >= {"on_top", "inside", "located", "left_of", "behind", "at", "holding", "reachable", "rotated"}
+
+
+CASES = {
+    "on a shelf beyond reach": (["on_top(can_1,shelf_1)", "reachable(panda,can_1)"], {"shelf_1": (0.92, 0.0, 0.0)}),
+    "in a tray too near": (["inside(cube_1,tray_1)", "reachable(panda,cube_1)"], {"tray_1": (0.05, 0.0, 0.0)}),
+    "in two containers": (["inside(cube_1,tray_1)", "inside(cube_1,crate_1)"], {"tray_1": (0.3, 0.3, 0.0),
+                                                                               "crate_1": (0.3, -0.3, 0.0)}),
+    "in one, above another": (["inside(can_1,tray_1)", "located(can_1,crate_1)"], {"tray_1": (0.3, 0.3, 0.0),
+                                                                                  "crate_1": (0.3, -0.3, 0.0)}),
+    "in and on": (["inside(tray_1,crate_1)", "on_top(crate_1,tray_1)"], {}),
+    "one in the other": (["inside(tray_1,crate_1)", "inside(crate_1,tray_1)"], {}),
+    "at two places": (["at(panda,tray_1)", "at(panda,shelf_1)"], FIXED),
+    "turned in two ways": (["rotated(cube_1,straight)", "rotated(cube_1,turned)"], {}),
+    "beyond the table": (["on_top(can_1,table_1)", "left_of(can_1,shelf_1)"], {"shelf_1": (0.5, 0.7, 0.0)}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_two_facts_that_exclude_each_other_are_told_and_neither_can_be_left_out(name: str) -> None:
+    fluents, fixed = CASES[name]
+    made = scene(fixed=fixed)
+    noise = ["-holding(panda,ball_1)", "behind(cube_1,ball_1)", "on_top(brick_1,table_1)", "-reachable(panda,brick_1)"]
+    first = task(state(*noise), ("x(panda)", state(*fluents)))
+    proof = impossibility(problem(first, made), made)
+    assert proof is not None and proof.state == 1 and str(proof.after) == "x(panda)"
+    assert sorted(f"{f.predicate.name}({','.join(f.arguments)})" for f in proof.facts) == sorted(fluents)
+    assert str(proof).startswith("the state after x(panda): ")
+    prover = Prover(made)
+    assert prover.refutation(proof.facts) == proof.reason
+    assert all(prover.refutation([fact]) is None for fact in proof.facts)
+
+
+def test_a_circle_is_told_by_its_relations_alone() -> None:
+    made = scene(fixed={})
+    circle = ["left_of(cube_1,can_1)", "right_of(ball_1,can_1)", "left_of(ball_1,cube_1)"]
+    found = impossibility(problem(task(state("behind(cube_1,can_1)", *circle)), made), made)
+    assert found is not None and {str(f.arguments) for f in found.facts} == {
+        str(arguments) for arguments in (("cube_1", "can_1"), ("ball_1", "can_1"), ("ball_1", "cube_1"))
+    }
+    assert str(found).startswith("the initial state: the relations along y form a circle: ")
+
+
+def test_a_row_names_every_fact_that_it_needs_and_fits_where_it_is_a_little_shorter() -> None:
+    row = ["left_of(can_1,tray_1)", "left_of(brick_1,can_1)", "left_of(shelf_1,brick_1)"]
+    # From the tray's edge to the shelf's: the can is at least 66 mm, the brick 40 mm, and there are three gaps of 5 mm.
+    needed = 0.066 + 0.04 + 3 * 0.005
+    for slack, proved in ((-0.0001, True), (0.0001, False)):
+        edge = 0.0 + 0.09
+        made = scene(fixed={"tray_1": (0.5, 0.0, 0.0), "shelf_1": (0.5, edge + needed + 0.1 + slack, 0.0)})
+        found = impossibility(problem(task(state(*row)), made), made)
+        assert (found is not None) == proved
+        if found is not None:
+            assert len(found.facts) == 3
+            assert "no room along y for the row tray_1, can_1, brick_1, shelf_1" in found.reason
+
+
+def test_arms_of_different_robots_hold_one_object_each() -> None:
+    made = scene(shapes={**SHAPES, "left": Shape("robot"), "right": Shape("robot")})
+    both = task(state("holding(left,cube_1)", "holding(right,can_1)"))
+    assert impossibility(problem(both, made), made) is None
+
+
+def test_the_workspace_is_no_limit_of_where_objects_can_be() -> None:
+    made = scene(fixed={}, workspace=(0.4, 0.41, -0.01, 0.01))
+    row = task(state("left_of(cube_1,brick_1)", "left_of(brick_1,can_1)", *(
+        f"on_top({entity},table_1)" for entity in ("cube_1", "brick_1", "can_1"))))  # fmt: skip
+    assert impossibility(problem(row, made), made) is None
+
+
+def test_differences_agree_with_all_orders_of_small_graphs() -> None:
+    rng = random.Random(3)
+    nodes = [ORIGIN, *((name, "centre") for name in "abc")]
+    for _ in range(500):
+        edges = rng.sample(list(itertools.permutations(nodes, 2)), rng.randint(1, 7))
+        gaps = [Gap(low, high, rng.choice([-3, -2, -1, 1, 2])) for low, high in edges]
+        table = {gap[:2]: gap.least for gap in gaps}
+        closed = [
+            [*itertools.pairwise((*walk, walk[0]))]
+            for size in (2, 3, 4)
+            for walk in itertools.permutations(nodes, size)
+        ]
+        row = impossible_row(gaps)
+        assert bool(row) == any(sum(table[pair] for pair in walk) > 0 for walk in closed if set(walk) <= table.keys())
+        if row:
+            assert sum(table[pair] for pair in itertools.pairwise((*row, row[0]))) > 0
+            continue
+        walks = [
+            [*itertools.pairwise((ORIGIN, *walk))]
+            for size in (1, 2, 3)
+            for walk in itertools.permutations(nodes[1:], size)
+        ]
+        for node, height in lowest(gaps, ORIGIN).items():
+            lengths = [
+                sum(table[p] for p in walk) for walk in walks if walk[-1][1] == node and set(walk) <= table.keys()
+            ]
+            assert height == (max(lengths) if node != ORIGIN else 0)
