@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
 
-ROBOTS = ("panda",)
+ROBOTS = ("panda", "kuka")
 FRAMES = ("robot", "viewer")
 PALETTE = ("#e4572e", "#2e86ab", "#f2b134", "#3a9d5d", "#8e5bb5", "#d64577", "#4bb3b8", "#a0714f")
 CONTAINER_COLOR = "#b9c4cc"

@@ -97,7 +97,7 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoi
     wanted = Configuration(snapshot.situation, opening, entity)
     at, above = descend(search, tool, wanted, wanted)
     waypoints += [Waypoint("approach", above, opening), Waypoint("at", at, opening)]
-    situation = snapshot.situation.with_tool(tool_pose(at), opening)
+    situation = snapshot.situation.with_tool(tool_pose(search.robot, at), opening)
     return Snapshot(situation, at, above=above)
 
 

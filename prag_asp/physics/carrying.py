@@ -46,7 +46,7 @@ def release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list[
             Waypoint("approach", above, situation.width, entity),
             Waypoint("at", at, situation.width, entity),
         ]
-    opened = situation.with_poses(poses).with_tool(tool_pose(at), opening)
+    opened = situation.with_poses(poses).with_tool(tool_pose(search.robot, at), opening)
     after = Snapshot(opened, at, above=above)
     require_free(search, after, entity)
     waypoints.append(arm_waypoint("at", after))
@@ -102,7 +102,7 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypo
     verify_objects(search, after, changed(snapshot, poses), entity)
     wanted = Configuration(after, situation.width, entity)
     joints = configure(search, compose(pose, invert(snapshot.grasp)), wanted)
-    carried = moved_arm(snapshot, joints, poses, None)
+    carried = moved_arm(search, snapshot, joints, poses, None)
     waypoints.append(arm_waypoint("carry", carried))
     return carried
 

@@ -8,14 +8,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from prag_asp.domain.scene import Scene
-from prag_asp.errors import SceneError
 from prag_asp.physics.bodies import make_body, make_table
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import ROBOTS, Joints
-from prag_asp.physics.robot_file import write_robot
+from prag_asp.physics.robot.file import write_robot
 from prag_asp.physics.silence import STDOUT, silenced
-from prag_asp.physics.simulator import open_client, read_pose, start_world
+from prag_asp.physics.simulator import load_robot, open_client, read_pose, start_world
 from prag_asp.physics.verdict import Moment
 
 TIME_STEP = 1 / 120
@@ -122,12 +121,8 @@ class Dynamics:
     def _load_arm(self) -> int:
         """Load the robot, its fingers coupled, as the one motor of the real hand does, and with rubber pads."""
         client = self.client
-        try:
-            with silenced(STDOUT):
-                flags = pybullet.URDF_IGNORE_VISUAL_SHAPES
-                arm = pybullet.loadURDF(str(self._urdf), useFixedBase=True, flags=flags, physicsClientId=client)
-        except pybullet.error as error:
-            raise SceneError(f"{self._urdf}: the robot cannot be loaded: {error}") from error
+        with silenced(STDOUT):
+            arm = load_robot(client, self._urdf)
         left, right = self.robot.finger_joints
         ends = ([1, 0, 0], [0, 0, 0], [0, 0, 0])
         gear = pybullet.createConstraint(arm, left, arm, right, pybullet.JOINT_GEAR, *ends, physicsClientId=client)
@@ -136,7 +131,7 @@ class Dynamics:
         )
         for link in self.robot.finger_links:
             pybullet.changeDynamics(arm, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
-        return int(arm)
+        return arm
 
 
 @contextmanager

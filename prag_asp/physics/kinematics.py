@@ -1,46 +1,39 @@
-"""Forward and inverse kinematics of the panda, every answer verified.
+"""Forward and inverse kinematics of the robots, every answer verified.
 
-The solution is the analytic one of He and Liu ("Analytical inverse kinematics for Franka Emika Panda", 2021),
-which fixes joint 7 and finds up to four configurations. Joint 7 is swept lazily: first where it would be if the
+The solution of each robot is in closed form but for one angle, which is swept lazily: first where it would be if the
 arm bent in one plane (or stayed as it is), then coarsely over its range, and finely where that finds nothing.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
-import frankik
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose, Quaternion, compose, matrix, wrap, yaw_of, yaw_quaternion
+from prag_asp.physics.geometry import Pose, Quaternion, compose, matrix, yaw_quaternion
 from prag_asp.physics.robot import Joints, Robot
 
 ACCURACY = 1e-5
-AROUND = (0.0, 0.25, -0.25)
-COARSE = tuple(np.linspace(-2.8, 2.8, 13).tolist())
-FINE = tuple(np.linspace(-2.8, 2.8, 49).tolist())
-NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
-POSTURE_WEIGHTS = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)
-EVEN_WEIGHTS = (1.0,) * 7
 APART = 0.4
 ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 MAX_SOLUTIONS = 4
+EVEN = (1.0,) * 7
 
 Rows = tuple[tuple[float, ...], ...]
 
 
 @lru_cache(maxsize=1 << 8)
-def tool_matrix(joints: Joints) -> Rows:
-    """Return the pose of the tool as the rows of a homogeneous matrix."""
-    return tuple(map(tuple, frankik.fk(np.array(joints)).tolist()))
+def tool_matrix(robot: Robot, joints: Joints) -> Rows:
+    """Return the pose of a robot's tool as the rows of a homogeneous matrix."""
+    return tuple(map(tuple, robot.solver.forward(joints).tolist()))
 
 
-def tool_pose(joints: Joints) -> Pose:
-    """Return the pose of the tool."""
-    rows = tool_matrix(joints)
+def tool_pose(robot: Robot, joints: Joints) -> Pose:
+    """Return the pose of a robot's tool."""
+    rows = tool_matrix(robot, joints)
     return Pose((rows[0][3], rows[1][3], rows[2][3]), _quaternion(rows))
 
 
@@ -54,33 +47,43 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
     flange = matrix(compose(tool, _from_tool(robot)))
     goal = target.tolist()
     start = _facing(robot, tool) if near is None else near
+    weights = robot.solver.weights if near is None else EVEN
     found: list[Joints] = []
-    for angles in _sweeps(robot, tool, near):
-        if angles is FINE and found:
+    for angles in robot.solver.sweeps(tool, near):
+        yield from _fresh(robot, _ranked(robot, flange, start, angles, weights), goal, found)
+        if len(found) == MAX_SOLUTIONS:
             return
-        for joints in _ranked(robot, flange, start, angles, POSTURE_WEIGHTS if near is None else EVEN_WEIGHTS):
-            if any(math.dist(joints, other) < APART for other in found):
-                continue
-            if _error(tool_matrix(joints), goal) < ACCURACY:
-                found.append(joints)
-                yield joints
-                if len(found) == MAX_SOLUTIONS:
-                    return
+    if not found:
+        yield from _fresh(robot, _ranked(robot, flange, start, robot.solver.last_resort, weights), goal, found)
+
+
+def _fresh(
+    robot: Robot, candidates: Sequence[Joints], goal: list[list[float]], found: list[Joints]
+) -> Iterator[Joints]:
+    """Yield the joint vectors that are unlike those found before and reach the goal, and note them as found."""
+    for joints in candidates:
+        if any(math.dist(joints, other) < APART for other in found):
+            continue
+        if _error(tool_matrix(robot, joints), goal) < ACCURACY:
+            found.append(joints)
+            yield joints
+            if len(found) == MAX_SOLUTIONS:
+                return
 
 
 def adjusted(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
     """Return joint angles next to others that bring the tool to a pose not far away, None where none are found.
 
-    Damped least squares, which changes the posture no more than it has to, unlike a sweep over joint 7.
+    Damped least squares, which changes the posture no more than it has to, unlike a sweep.
     """
-    target, joints = matrix(tool), np.array(near)
+    forward, target, joints = robot.solver.forward, matrix(tool), np.array(near)
     for _ in range(ADJUSTMENTS):
-        here = frankik.fk(joints)
+        here = forward(joints)
         error = _twist(here, target)
         if np.abs(error).max() < ACCURACY:
             found = tuple(joints.tolist())
             return found if robot.within_limits(found) else None
-        columns = [_twist(here, frankik.fk(joints + row)) / DIFFERENCE for row in DIFFERENCE * np.eye(len(joints))]
+        columns = [_twist(here, forward(joints + row)) / DIFFERENCE for row in DIFFERENCE * np.eye(len(joints))]
         jacobian = np.array(columns).T
         joints = joints + jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING * np.eye(6), error)
     return None
@@ -93,20 +96,6 @@ def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.flo
     return np.concatenate([two[:3, 3] - one[:3, 3], np.array(vector) / 2])
 
 
-def _sweeps(robot: Robot, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-    """Yield the angles of joint 7 to try, the most promising first."""
-    if near is not None:
-        yield (near[6],)
-        yield tuple(near[6] + angle for angle in NARROW)
-    else:
-        # With joints 3 and 5 at 0 the arm bends in a plane, and joint 7 alone turns the tool away from it.
-        heading = math.atan2(tool.position[1], tool.position[0])
-        planar = wrap(robot.posture[6] + heading - yaw_of(tool.quaternion))
-        yield tuple(min(max(planar + angle, robot.lower[6]), robot.upper[6]) for angle in AROUND)
-        yield COARSE
-    yield FINE
-
-
 def _ranked(
     robot: Robot,
     flange: NDArray[np.float64],
@@ -114,15 +103,13 @@ def _ranked(
     angles: tuple[float, ...],
     weights: tuple[float, ...],
 ) -> list[Joints]:
-    """Return the solutions within the limits for some angles of joint 7, nearest to `start` first."""
-    actual = np.array(start)
+    """Return the solutions within the limits for some angles to choose, nearest to `start` first."""
     found = []
-    for angle in angles:
-        for row in frankik.ik_full(flange, actual, angle).tolist():
-            # A branch without a solution is NaN, which no comparison lets through.
-            if robot.within_limits(row):
-                parts = zip(row, start, weights, strict=True)
-                found.append((sum(((a - b) * weight) ** 2 for a, b, weight in parts), tuple(row)))
+    for row in robot.solver.solutions(flange, start, angles):
+        # A branch without a solution is NaN, which no comparison lets through.
+        if robot.within_limits(row):
+            parts = zip(row, start, weights, strict=True)
+            found.append((sum(((a - b) * weight) ** 2 for a, b, weight in parts), tuple(row)))
     return [joints for _, joints in sorted(found)]
 
 

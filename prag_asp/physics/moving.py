@@ -23,7 +23,7 @@ def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> 
     if snapshot.held is not None:
         lifted = raised(poses[snapshot.held], LIFT)
         poses = with_riders(snapshot.situation, snapshot.held, lifted, search.objects)
-    after = moved_arm(snapshot, snapshot.above, poses, None)
+    after = moved_arm(search, snapshot, snapshot.above, poses, None)
     if snapshot.held is not None:
         verify_objects(search, after.situation, changed(snapshot, poses), snapshot.held)
     require_free(search, after)
@@ -45,9 +45,13 @@ def changed(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
     return [entity for entity, pose in poses.items() if snapshot.situation.poses[entity] != pose]
 
 
-def moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose], above: Joints | None) -> Snapshot:
+def moved_arm(
+    search: Search, snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose], above: Joints | None
+) -> Snapshot:
     """Return a snapshot with the arm elsewhere; the held object goes along as `poses` say."""
-    situation = snapshot.situation.with_poses(poses).with_tool(tool_pose(joints), snapshot.situation.width)
+    situation = snapshot.situation.with_poses(poses).with_tool(
+        tool_pose(search.robot, joints), snapshot.situation.width
+    )
     return replace(snapshot, situation=situation, joints=joints, above=above)
 
 

@@ -158,19 +158,20 @@ class _Performance:
         """
         situation = self._situation()
         load = self._load(situation)
-        upright = vertical(self._planned, waypoint.joints)
+        upright = vertical(self._planner.robot, self._planned, waypoint.joints)
         if upright:
-            height = tool_pose(waypoint.joints).position[2] - tool_pose(self._planned).position[2]
-            tool = raised(tool_pose(self._joints), height)
+            height = self._tool(waypoint.joints).position[2] - self._tool(self._planned).position[2]
+            tool = raised(self._tool(self._joints), height)
             goal = adjusted(self._planner.robot, tool, waypoint.joints) or waypoint.joints
-            angles = timed(straight(self._planner, self._joints, goal), TIME_STEP, load.acceleration)
+            path = straight(self._planner, self._joints, goal)
+            angles = timed(path, TIME_STEP, load.acceleration, self._planner.robot.speed)
         else:
-            tool = _corrected(waypoint, target, around, situation)
+            tool = _corrected(waypoint, self._tool(waypoint.joints), target, around, situation)
             goal = adjusted(self._planner.robot, tool, waypoint.joints) or waypoint.joints
-            path = free_path(self._planner, situation, load, self._joints, goal, TIME_STEP)
-            if path is None:
+            free = free_path(self._planner, situation, load, self._joints, goal, TIME_STEP)
+            if free is None:
                 raise _Stopped(NO_PATH, f"{effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
-            angles = path
+            angles = free
         self._drive(angles)
         self._joints, self._planned = goal, waypoint.joints
 
@@ -183,7 +184,11 @@ class _Performance:
     def _situation(self) -> Situation:
         """Return where everything is now."""
         joints, width = self._world.arm()
-        return Situation(self._world.scene, self._world.poses(), tool_pose(joints), width)
+        return Situation(self._world.scene, self._world.poses(), self._tool(joints), width)
+
+    def _tool(self, joints: Joints) -> Pose:
+        """Return the pose of the tool at joint angles."""
+        return tool_pose(self._planner.robot, joints)
 
     def _drive(self, angles: NDArray[np.float64]) -> None:
         """Move the arm through the joint angles of every time step, shape (steps, 7)."""
@@ -213,14 +218,15 @@ class _Performance:
             self.recorder.frame((*joints, self._opening))
 
 
-def _corrected(waypoint: Waypoint, target: str | None, around: tuple[Moment, ...], situation: Situation) -> Pose:
-    """Return where the tool has to be at a waypoint, for objects are not just where the witness has them.
+def _corrected(
+    waypoint: Waypoint, planned: Pose, target: str | None, around: tuple[Moment, ...], situation: Situation
+) -> Pose:
+    """Return where the tool has to be at a waypoint, `planned` in the witness: objects are not just where it has them.
 
     A held object shall come to where it is in the witness; the tool shall stand to another, which it goes to,
     as in the witness.
     """
     before, after = around
-    planned = tool_pose(waypoint.joints)
     if waypoint.held is not None:
         grasp = before.grasp if before.held == waypoint.held else after.grasp
         assert grasp is not None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from prag_asp.physics.collisions import arm_collision, colliding
 from prag_asp.physics.geometry import Pose, compose, invert, raised, turn_between
 from prag_asp.physics.kinematics import adjusted, inverse, tool_pose
-from prag_asp.physics.robot import Joints
+from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.simulator import Simulator
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import riders
@@ -37,16 +37,16 @@ class Load:
         return ACCELERATION if self.held is None else LOADED_ACCELERATION
 
 
-def vertical(one: Joints, two: Joints) -> bool:
+def vertical(robot: Robot, one: Joints, two: Joints) -> bool:
     """Tell whether the tool is straight above or below where it is with other joint angles, turned the same way."""
-    (x, y, _), turn = tool_pose(one)
-    (other_x, other_y, _), other_turn = tool_pose(two)
+    (x, y, _), turn = tool_pose(robot, one)
+    (other_x, other_y, _), other_turn = tool_pose(robot, two)
     return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT
 
 
 def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
     """Return a path on which the tool moves straight from one pose to another that is turned the same way."""
-    first, last = tool_pose(start), tool_pose(goal)
+    first, last = tool_pose(simulator.robot, start), tool_pose(simulator.robot, goal)
     path = [start]
     for share in np.linspace(0.0, 1.0, RUNGS + 1)[1:-1].tolist():
         x, y, z = (a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
@@ -60,7 +60,7 @@ def free_path(
 ) -> NDArray[np.float64] | None:
     """Return the joint angles of every time step on a free way, shape (steps, 7); None where none is found."""
     for path in _ways(simulator, start, goal):
-        angles = timed(path, time_step, load.acceleration)
+        angles = timed(path, time_step, load.acceleration, simulator.robot.speed)
         if _free(simulator, situation, load, start, angles):
             return angles
     return None
@@ -83,7 +83,7 @@ def _ways(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequenc
 
 def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None:
     """Return joint angles near to others with the tool higher, None where there are none."""
-    return next(inverse(simulator.robot, raised(tool_pose(joints), height), near=joints), None)
+    return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
 
 
 def _free(simulator: Simulator, situation: Situation, load: Load, start: Joints, angles: NDArray[np.float64]) -> bool:
@@ -107,7 +107,7 @@ def _others_on(situation: Situation, entity: str) -> list[str]:
 
 def _free_at(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> bool:
     """Tell whether the arm and what it carries meet nothing at joint angles."""
-    tool = tool_pose(joints)
+    tool = tool_pose(simulator.robot, joints)
     if load.held is not None and load.grasp is not None:
         delta = compose(compose(tool, load.grasp), invert(situation.poses[load.held]))
         moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}

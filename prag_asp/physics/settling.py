@@ -16,6 +16,7 @@ from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.geometry import Pose, turn_between
 from prag_asp.physics.kinematics import tool_pose
+from prag_asp.physics.robot import ROBOTS
 from prag_asp.physics.search import UNSETTLED, UNSTABLE
 from prag_asp.physics.simulator import open_client, read_pose, start_world
 from prag_asp.physics.situation import Situation
@@ -37,6 +38,7 @@ class Settling:
 
     def __init__(self, scene: Scene, client: int):
         self._scene = scene
+        self._robot = ROBOTS[scene.robot]
         self._client = client
 
     def failure(self, seen: Problem, witness: Witness) -> str | None:
@@ -52,7 +54,7 @@ class Settling:
                 settled = self._settle(bodies, moment)
                 if settled is None:
                     return UNSTABLE
-                situation = Situation(self._scene, settled, tool_pose(moment.joints), moment.width)
+                situation = Situation(self._scene, settled, tool_pose(self._robot, moment.joints), moment.width)
                 if not all(fact.satisfied(situation) for fact in facts):
                     return UNSETTLED
             previous = moment

@@ -11,13 +11,15 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.bodies import make_body, make_table, parking_place
-from prag_asp.physics.bullet import pybullet, pybullet_data
+from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.geometry import Pose, Vector, finite
 from prag_asp.physics.robot import ROBOTS, Joints, Robot
+from prag_asp.physics.robot.file import wheel_file, write_robot
 from prag_asp.physics.silence import STDOUT, silenced
 
 COLLISION = -0.0015
@@ -39,7 +41,7 @@ class Simulator:
         self.client = client
         self.robot: Robot = ROBOTS[scene.robot]
         start_world(client)
-        self.arm = load_robot(client, self.robot, visual=visual)
+        self.arm = _load_with_hand(client, self.robot, visual)
         self.table = make_table(client, scene, visual=visual)
         self.bodies = {
             entity: make_body(client, scene, entity, parking_place(0), visual=visual)
@@ -173,18 +175,29 @@ def _around(boxes: Sequence[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
     return (ax, ay, az), (bx, by, bz)
 
 
-def load_robot(client: int, robot: Robot, *, visual: bool = False) -> int:
-    """Load an arm at the origin.
+def load_robot(client: int, path: Path, *, visual: bool = False) -> int:
+    """Load an arm from a file.
 
     Raises:
         SceneError: PyBullet cannot load it.
     """
-    path = Path(pybullet_data.getDataPath()) / robot.urdf
     flags = 0 if visual else pybullet.URDF_IGNORE_VISUAL_SHAPES
     try:
         return int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
     except pybullet.error as error:
         raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
+
+
+def _load_with_hand(client: int, robot: Robot, visual: bool) -> int:
+    """Load an arm with its gripper at the origin.
+
+    Raises:
+        SceneError: PyBullet cannot load it.
+    """
+    if robot.hand is None:
+        return load_robot(client, wheel_file(robot), visual=visual)
+    with TemporaryDirectory(prefix="prag_asp_") as folder:
+        return load_robot(client, write_robot(robot, Path(folder)), visual=visual)
 
 
 def start_world(client: int) -> None:

@@ -24,7 +24,9 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
         Failure: this attempt found none.
     """
     home = search.robot.home
-    situation = Situation(search.scene, fixed_poses(search, problem), tool_pose(home), search.robot.opening)
+    situation = Situation(
+        search.scene, fixed_poses(search, problem), tool_pose(search.robot, home), search.robot.opening
+    )
     for entity in _order(problem, search.scene):
         if entity not in situation.poses:
             support = known_support(situation, entity, problem.initial)

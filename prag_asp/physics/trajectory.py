@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.robot import Joints
 
-SPEED = 2.0
-"""The highest speed of a joint in radians a second; Franka allows 2.2."""
-
 ACCELERATION, LOADED_ACCELERATION = 10.0, 6.0
 """The highest of a joint in radians a second squared, with an empty gripper and with what should not swing in it."""
 
@@ -24,8 +21,10 @@ PEAK_SPEED, PEAK_ACCELERATION = 1.875, 5.774
 """Of a motion of minimal jerk over unit length in unit time."""
 
 
-def timed(path: Sequence[Joints], time_step: float, acceleration: float = ACCELERATION) -> NDArray[np.float64]:
+def timed(path: Sequence[Joints], time_step: float, acceleration: float, speed: float) -> NDArray[np.float64]:
     """Return the joint angles of every time step along a path, shape (steps, 7), the first one left out.
+
+    `acceleration` and `speed` are the highest of a joint, in radians a second (squared).
 
     The motion begins and ends at rest; along the path it has minimal jerk (Flash and Hogan 1985).
     """
@@ -33,7 +32,7 @@ def timed(path: Sequence[Joints], time_step: float, acceleration: float = ACCELE
     lengths = np.abs(np.diff(points, axis=0)).max(axis=1)
     reached = np.concatenate([[0.0], np.cumsum(lengths)])
     length = float(reached[-1])
-    seconds = max(SHORTEST, PEAK_SPEED * length / SPEED, math.sqrt(PEAK_ACCELERATION * length / acceleration))
+    seconds = max(SHORTEST, PEAK_SPEED * length / speed, math.sqrt(PEAK_ACCELERATION * length / acceleration))
     steps = int(np.ceil(seconds / time_step))
     share = np.arange(1, steps + 1) / steps
     at = length * share**3 * (10 - 15 * share + 6 * share**2)

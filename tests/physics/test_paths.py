@@ -14,7 +14,7 @@ from prag_asp.physics.robot import PANDA, Joints
 from prag_asp.physics.route import Load, free_path, straight, vertical
 from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.trajectory import ACCELERATION, SPEED, timed
+from prag_asp.physics.trajectory import ACCELERATION, timed
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 TIME_STEP = 1 / 120
@@ -26,11 +26,11 @@ paths = st.lists(st.tuples(*[angles] * 7), min_size=2, max_size=5)
 @settings(deadline=None)
 @given(path=paths)
 def test_a_timed_path_ends_where_it_should_and_keeps_to_the_limits(path):
-    rows = timed(path, TIME_STEP)
+    rows = timed(path, TIME_STEP, ACCELERATION, PANDA.speed)
     assert rows[-1] == pytest.approx(path[-1], abs=1e-9)
     whole = np.concatenate([np.array(path[:1]), rows])
     speeds = np.diff(whole, axis=0) / TIME_STEP
-    assert np.abs(speeds).max() <= SPEED * 1.001
+    assert np.abs(speeds).max() <= PANDA.speed * 1.001
     if len(path) == 2:
         accelerations = np.diff(speeds, axis=0, prepend=np.zeros((1, 7)), append=np.zeros((1, 7))) / TIME_STEP
         assert np.abs(accelerations).max() <= ACCELERATION * 1.05
@@ -38,7 +38,7 @@ def test_a_timed_path_ends_where_it_should_and_keeps_to_the_limits(path):
 
 @given(path=paths)
 def test_a_timed_path_stays_within_the_box_of_its_points(path):
-    rows = timed(path, TIME_STEP)
+    rows = timed(path, TIME_STEP, ACCELERATION, PANDA.speed)
     points = np.array(path)
     assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
 
@@ -50,9 +50,9 @@ def _reach(x: float, y: float, z: float) -> Joints:
 def test_a_straight_path_is_straight(simulator):
     high = _reach(0.5, 0.2, 0.2)
     low = next(inverse(PANDA, Pose((0.5, 0.2, 0.1), DOWN), near=high))
-    assert vertical(high, low) and not vertical(high, _reach(0.5, 0.25, 0.2))
-    for row in timed(straight(simulator, high, low), TIME_STEP).tolist():
-        x, y, z = tool_pose(tuple(row)).position
+    assert vertical(PANDA, high, low) and not vertical(PANDA, high, _reach(0.5, 0.25, 0.2))
+    for row in timed(straight(simulator, high, low), TIME_STEP, ACCELERATION, PANDA.speed).tolist():
+        x, y, z = tool_pose(PANDA, tuple(row)).position
         assert (x, y) == pytest.approx((0.5, 0.2), abs=0.002) and 0.099 < z < 0.201
 
 
@@ -71,7 +71,7 @@ def _gap(simulator: Simulator, rows: np.ndarray, held: bool) -> float:
         simulator.pose_arm(tuple(row), 0.05)
         poses = {"brick_1": simulator.read("brick_1")}
         if held:
-            x, y, z = tool_pose(tuple(row)).position
+            x, y, z = tool_pose(PANDA, tuple(row)).position
             poses["cube_1"] = Pose((x, y, z - 0.005), (0, 0, 0, 1))
         simulator.place(poses)
         smallest = min([smallest, *(gap for _, gap in simulator.arm_contacts(simulator.body("brick_1")))])
@@ -89,8 +89,8 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
         if held:
             poses["cube_1"] = Pose((0.5, -0.2, 0.115))
             load = Load(0.05, "cube_1", Pose((0.0, 0.0, 0.005), DOWN))
-        situation = Situation(simulator.scene, poses, tool_pose(start), 0.05)
-        direct = timed([start, goal], TIME_STEP)
+        situation = Situation(simulator.scene, poses, tool_pose(PANDA, start), 0.05)
+        direct = timed([start, goal], TIME_STEP, ACCELERATION, PANDA.speed)
         simulator.place({"brick_1": poses["brick_1"]})
         assert _gap(simulator, direct, held) < -0.01
         found = free_path(simulator, situation, load, start, goal, TIME_STEP)
@@ -102,5 +102,5 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
 def test_no_path_is_made_up_where_there_is_none(tabletop):
     start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
     with open_simulator(_walled(tabletop, 1.8)) as simulator:
-        situation = Situation(simulator.scene, {"brick_1": Pose((0.6, 0.0, 0.9))}, tool_pose(start), 0.05)
+        situation = Situation(simulator.scene, {"brick_1": Pose((0.6, 0.0, 0.9))}, tool_pose(PANDA, start), 0.05)
         assert free_path(simulator, situation, Load(0.05), start, goal, TIME_STEP) is None

@@ -83,7 +83,7 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         ),
         ({"shape": {}}, "scene.shape: unknown key; did you mean shapes?"),
         ({"shapes": []}, "scene.shapes: needs a table"),
-        ({"robot": "kuka"}, "scene.robot: needs one of panda; got 'kuka'"),
+        ({"robot": "robby"}, "scene.robot: needs one of panda, kuka; got 'robby'"),
         ({"frame": "left"}, "scene.frame: needs one of robot, viewer"),
         ({"workspace": {"x": [0.7, 0.3]}}, "scene.workspace.x: needs a low and a high end"),
         ({"workspace": {"z": [0, 1]}}, "scene.workspace.z: unknown key"),

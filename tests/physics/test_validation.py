@@ -243,7 +243,7 @@ def test_inverse_kinematics_is_exact_and_within_limits_or_empty():
     assert solutions
     for joints in solutions:
         assert PANDA.within_limits(joints)
-        assert tool_pose(joints).position == pytest.approx((0.5, 0.2, 0.1), abs=1e-5)
+        assert tool_pose(PANDA, joints).position == pytest.approx((0.5, 0.2, 0.1), abs=1e-5)
     assert list(inverse(PANDA, Pose((0.95, 0.0, 0.1), down))) == []
 
 

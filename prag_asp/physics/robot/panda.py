@@ -1,0 +1,89 @@
+"""The Franka Emika Panda with its hand.
+
+Joint limits are Franka's own (https://frankaemika.github.io/docs/control_parameters.html), which are narrower
+than those of PyBullet's URDF. The inverse kinematics is the analytic one of He and Liu ("Analytical inverse
+kinematics for Franka Emika Panda", 2021), which fixes joint 7 and finds up to four configurations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import frankik
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.geometry import Pose, wrap, yaw_of
+from prag_asp.physics.robot.model import Joints, Robot
+
+POSTURE = (0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4)
+WRIST_LIMIT = 2.8973
+AROUND = (0.0, 0.25, -0.25)
+COARSE = tuple(np.linspace(-2.8, 2.8, 13).tolist())
+FINE = tuple(np.linspace(-2.8, 2.8, 49).tolist())
+NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
+
+
+class PandaSolver:
+    """The kinematics of the panda; the angle that is left to choose is that of joint 7."""
+
+    last_resort: tuple[float, ...] = FINE
+    weights: Joints = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)
+
+    def forward(self, joints: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the pose of the tool as a homogeneous matrix."""
+        pose: NDArray[np.float64] = frankik.fk(np.asarray(joints))
+        return pose
+
+    def solutions(
+        self, flange: NDArray[np.float64], near: Joints, angles: Sequence[float]
+    ) -> Iterator[Sequence[float]]:
+        """Yield joint angles that bring the flange to a pose; a branch without a solution is NaN."""
+        actual = np.array(near)
+        for angle in angles:
+            yield from frankik.ik_full(flange, actual, angle).tolist()
+
+    def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
+        """Yield the angles of joint 7 to try, the most promising first."""
+        if near is not None:
+            yield (near[6],)
+            yield tuple(near[6] + angle for angle in NARROW)
+            return
+        # With joints 3 and 5 at 0 the arm bends in a plane, and joint 7 alone turns the tool away from it.
+        heading = math.atan2(tool.position[1], tool.position[0])
+        planar = wrap(POSTURE[6] + heading - yaw_of(tool.quaternion))
+        yield tuple(min(max(planar + angle, -WRIST_LIMIT), WRIST_LIMIT) for angle in AROUND)
+        yield COARSE
+
+
+PANDA = Robot(
+    urdf="franka_panda/panda.urdf",
+    solver=PandaSolver(),
+    lower=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -WRIST_LIMIT),
+    upper=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, WRIST_LIMIT),
+    torques=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
+    speed=2.0,  # Franka allows 2.2.
+    home=(0.0, -0.3, 0.0, -2.5, 0.0, 2.2, math.pi / 4),
+    posture=POSTURE,
+    links=(-1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10),
+    arm_links=(0, 1, 2, 3, 4, 5, 6),
+    finger_joints=(9, 10),
+    finger_links=(9, 10),
+    flange_link=7,
+    tool_offset=0.1034,
+    tool_turn=-math.pi / 4,
+    opening=0.08,
+    finger_depth=0.033,
+    fingertip=0.009,
+    reach=(0.28, 0.76),
+    reach_height=0.35,
+    # Links that can meet; neighbours and pairs that the joint limits keep apart are left out.
+    self_pairs=tuple((low, high) for low in range(-1, 4) for high in (4, 5, 6, 8) if high - low > 2),
+    finger_names=(("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)),
+    # The pad, then the shank, which stands back.
+    finger_boxes=(
+        ((0.0, 0.0071, 0.045), (0.0176, 0.0142, 0.0176)),
+        ((0.0, 0.0172, 0.018), (0.0208, 0.0166, 0.036)),
+    ),
+)
