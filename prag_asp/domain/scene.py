@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Material, Scene, Shape, Size, Table
 from prag_asp.domain.scene_places import BODILESS
 from prag_asp.domain.scene_report import Problem, Report, ancestors
 from prag_asp.domain.scene_shapes import SHAPE_KEYS
@@ -24,9 +24,11 @@ __all__ = [
     "PREDICATE_ROLES",
     "SCENE_KEYS",
     "SHAPE_KEYS",
+    "Material",
     "Problem",
     "Scene",
     "Shape",
+    "Size",
     "Table",
     "ancestors",
     "load_scene",

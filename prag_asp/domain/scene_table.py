@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from prag_asp.domain.scene_colors import read_colors
+from prag_asp.domain.scene_materials import read_materials
 from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
 from prag_asp.domain.scene_places import BODILESS, place_problems, read_fixed, read_table, read_workspace
 from prag_asp.domain.scene_report import Report, is_number, suggest
@@ -17,13 +18,25 @@ from prag_asp.domain.scene_shapes import read_shapes
 
 ROBOTS = ("panda",)
 FRAMES = ("robot", "viewer")
-SCENE_KEYS = ("robot", "frame", "workspace", "table", "shapes", "colors", "fixed", "predicates", "rotations")
+SCENE_KEYS = (
+    "robot",
+    "frame",
+    "workspace",
+    "table",
+    "shapes",
+    "materials",
+    "colors",
+    "fixed",
+    "predicates",
+    "rotations",
+)
 
 
 def read_scene(report: Report, table: Mapping[str, Any]) -> Scene:
     """Return a scene; where a value is wrong it is reported, and the default stands in for it."""
     report.unknown("scene", table, SCENE_KEYS)
-    shapes = read_shapes(report, report.section(table, "shapes"))
+    sizes = read_shapes(report, report.section(table, "shapes"))
+    shapes = {entity: several[-1] for entity, several in sizes.items()}
     robots = [entity for entity, shape in shapes.items() if shape.kind == "robot"]
     if len(robots) > 1:
         report.add("scene.shapes", f"one robot is supported; got {', '.join(robots)}")
@@ -37,6 +50,8 @@ def read_scene(report: Report, table: Mapping[str, Any]) -> Scene:
         fixed=read_fixed(report, report.section(table, "fixed"), shapes),
         predicates=_predicates(report, report.section(table, "predicates")),
         rotations=_rotations(report, report.section(table, "rotations")),
+        materials=read_materials(report, report.section(table, "materials")),
+        ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:
         _check_bodies(report, scene, report.section(table, "shapes"))

@@ -19,25 +19,31 @@ ORDERING = ("on_top", "reachable", *DIRECTIONS)
 
 
 def impossibility(problem: Problem, scene: Scene) -> str | None:
-    """Return why a task is infeasible, None where nothing is proved."""
+    """Return why a task is infeasible whatever sizes its objects have, None where nothing is proved."""
     if problem.contradiction is not None:
         return problem.contradiction
     still, seen = _still(scene), set[Fact]()
+    large, scene = scene.with_shapes({}), scene.smallest()
     for k, facts in enumerate(problem.states):
         fresh = [fact for fact in facts if fact not in seen]
         seen.update(fresh)
-        for reason in _reasons(facts, fresh, scene, still):
+        for reason in _reasons(facts, fresh, scene, large, still):
             where = "the initial state" if k == 0 else f"the state after {problem.effects[k - 1].action}"
             return f"{where}: {reason}"
     return None
 
 
-def _reasons(facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, still: Situation) -> Iterator[str]:
-    """Yield the proofs that a state cannot be; `fresh` are its facts that no state before it has."""
+def _reasons(
+    facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, large: Scene, still: Situation
+) -> Iterator[str]:
+    """Yield the proofs that a state cannot be; `fresh` are its facts that no state before it has.
+
+    In `scene` all bodies are as small as they can be, in `large` as large.
+    """
     true = [fact for fact in facts if fact.value]
     for fact in fresh:
         if fact.value:
-            yield from _size_reasons(fact, scene)
+            yield from _size_reasons(fact, scene, large)
     yield from _gripper_reasons(true)
     if any(fact.value and fact.predicate.name in ORDERING for fact in fresh):
         yield from _order_reasons(true)
@@ -46,7 +52,7 @@ def _reasons(facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, still
         yield from _room_reasons(true, scene)
 
 
-def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
+def _size_reasons(fact: Fact, scene: Scene, large: Scene) -> Iterator[str]:
     """Yield why an object is too large for the gripper or a container however it is turned."""
     name = fact.predicate.name
     if name == "holding":
@@ -56,7 +62,7 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
             yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
     elif name in ("inside", "located"):
         entity, container = fact.arguments
-        inner = cavity(scene.shapes[container])
+        inner = cavity(large.shapes[container])
         if inner[2] == 0.0:
             yield f"{container} is not a container, so {entity} cannot be in it"
         elif _too_large(scene.shapes[entity], inner[0], inner[1]):
@@ -165,10 +171,11 @@ def _thinnest(scene: Scene, entity: str, axis: int) -> float:
 
 
 def _still(scene: Scene) -> Situation:
-    """Return the situation of the objects that never move."""
+    """Return the situation of the objects that never move and are of one size."""
     poses = {
         entity: Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
         for entity, (x, y, yaw) in scene.fixed.items()
+        if entity not in scene.ranges
     }
     return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)
 

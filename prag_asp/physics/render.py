@@ -67,6 +67,7 @@ def film_strip(
     Raises:
         PicturesMissingError: Pillow is not installed.
         QueryError: less than two frames are asked for, or what is shown belongs to another task.
+        SceneError: the scene does not allow the size of an object.
     """
     if frames < 2:
         raise QueryError(f"a film strip needs at least 2 frames; got {frames}")
@@ -74,7 +75,7 @@ def film_strip(
     _check_headings(task, headings)
     _pillow()
     chosen = sorted({round(i * len(task.actions) / (frames - 1)) for i in range(frames)})
-    with open_simulator(scene, visual=True) as simulator:
+    with open_simulator(_sized(shown, scene), visual=True) as simulator:
         pictures = [picture(simulator, moments[k], size) for k in chosen]
     captions = [_caption(task, scene, k, headings) for k in chosen]
     return _strip(pictures, captions, size)
@@ -107,7 +108,7 @@ def animate(
     _pillow()
     frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
     pictures = []
-    with open_simulator(scene, visual=True) as simulator:
+    with open_simulator(demonstration.sized(scene), visual=True) as simulator:
         for frame in frames:
             k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
             shown = picture(simulator, _moment(demonstration, frame), size)
@@ -133,6 +134,11 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
     if len(moments) != len(task.actions) + 1:
         raise QueryError(f"the {what} has {len(moments)} states, the task {len(task.actions)} actions")
     return moments
+
+
+def _sized(shown: Witness | Demonstration, scene: Scene) -> Scene:
+    """Return a scene with the sizes of what is shown."""
+    return scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized(scene)
 
 
 def _moment(demonstration: Demonstration, frame: int) -> Moment:
