@@ -17,8 +17,7 @@ from dataclasses import dataclass, field
 from rich.console import Console
 from rich.table import Table
 
-from prag_asp import TaskSpace, load_domain
-from prag_asp.domain.scene import Scene, parse_scene
+from prag_asp import Scene, TaskSpace, load_domain, load_scene
 from prag_asp.physics import open_validator
 from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.perform import open_performer
@@ -41,8 +40,7 @@ def main() -> None:
     """Draw tasks, find witnesses, perform them, print two tables."""
     options = _options()
     domain = load_domain(options.domain)
-    entities = {str(entity): str(name) for entity, name in domain.facts.entities.items()}
-    scene = parse_scene(domain.settings.scene, domain.facts.parents, entities)
+    scene = load_scene(domain)
     outcomes = {(kind, length): Outcome() for kind in KINDS for length in options.lengths}
     with (
         open_validator(scene) as validator,

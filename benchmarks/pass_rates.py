@@ -23,8 +23,7 @@ from rich.progress import track
 from rich.table import Table
 
 from prag_asp import Task, TaskSpace, load_domain
-from prag_asp.cli.options import scene_of
-from prag_asp.domain.scene import Scene
+from prag_asp.domain.scene import Scene, load_scene
 from prag_asp.physics import CAUSES, Budget, Verdict, validate_tasks
 
 PAPER = 78.3
@@ -80,7 +79,7 @@ def main() -> None:
     """Draw the tasks, validate them at each budget, print tables, write the results and a figure."""
     options = _options()
     domain = load_domain(options.domain)
-    scene = scene_of(domain)
+    scene = load_scene(domain)
     share = options.count // len(options.lengths)
     tasks = [
         task

@@ -15,8 +15,7 @@ from dataclasses import dataclass, field
 from rich.console import Console
 from rich.table import Table
 
-from prag_asp import Task, TaskSpace, load_domain
-from prag_asp.domain.scene import parse_scene
+from prag_asp import Task, TaskSpace, load_domain, load_scene
 from prag_asp.physics import CAUSES, TIERS, Budget, Validator, open_validator
 
 WARM_UP = 20
@@ -54,8 +53,7 @@ def main() -> None:
     options = _options()
     budget = Budget(options.restarts, options.samples, options.tier)
     domain = load_domain(options.domain)
-    entities = {str(entity): str(name) for entity, name in domain.facts.entities.items()}
-    scene = parse_scene(domain.settings.scene, domain.facts.parents, entities)
+    scene = load_scene(domain)
     drawn = {
         n: list(TaskSpace(domain, n).sample(options.count, seed=options.seed, weights={})) for n in options.lengths
     }

@@ -21,8 +21,8 @@ from rich.table import Table
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.cli.options import scene_of
 from prag_asp.dataset.jsonl import Record, write_line
+from prag_asp.domain.scene import load_scene
 from prag_asp.physics import Budget, validate_tasks
 from tests.independent.check import problems
 from tests.independent.world import world_of
@@ -32,7 +32,7 @@ def main() -> None:
     """Draw tasks of each length, validate them, check the witnesses, print a table and what is wrong."""
     options = _options()
     domain = load_domain(options.domain)
-    scene = scene_of(domain)
+    scene = load_scene(domain)
     world, console = world_of(scene), Console(stderr=True)
     found: dict[int, Counter[str]] = {}
     wrong: list[str] = []

@@ -10,9 +10,8 @@ from pathlib import Path
 
 from PIL import Image, ImageOps
 
-from prag_asp import TaskSpace, load_domain
+from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset.language import sentence
-from prag_asp.domain.scene import parse_scene
 from prag_asp.physics import film_strip, validate_task
 
 SEED = 34526
@@ -24,8 +23,7 @@ MARGIN = 14
 def draw() -> Image.Image:
     """Return the picture."""
     domain = load_domain("tabletop")
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
-    scene = parse_scene(domain.settings.scene, domain.facts.parents, entities)
+    scene = load_scene(domain)
     task = TaskSpace(domain, 5).sample(1, seed=SEED, weights={"stack": 8, "insert": 8})[0]
     verdict = validate_task(task, scene, seed=SEED)
     if verdict.witness is None:

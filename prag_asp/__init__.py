@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from prag_asp.domain.atom import Atom, parse_atom
     from prag_asp.domain.load import Domain, load_domain
+    from prag_asp.domain.scene import Scene, load_scene
     from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
     from prag_asp.space.conditions import Condition
     from prag_asp.space.task import Task
@@ -33,16 +34,19 @@ __all__ = [
     "OutputError",
     "PragError",
     "QueryError",
+    "Scene",
     "SceneError",
     "Task",
     "TaskSpace",
     "load_domain",
+    "load_scene",
     "parse_atom",
 ]
 
 _HOMES = {
     "prag_asp.domain.atom": ("Atom", "parse_atom"),
     "prag_asp.domain.load": ("Domain", "load_domain"),
+    "prag_asp.domain.scene": ("Scene", "load_scene"),
     "prag_asp.errors": ("DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError"),
     "prag_asp.space.conditions.condition": ("Condition",),
     "prag_asp.space.task": ("Task",),

@@ -168,8 +168,9 @@ def sample(
                     write(line(Record(task)))
                 return
             from prag_asp.cli.physics import first_feasible
+            from prag_asp.domain.scene import load_scene
 
-            scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
+            scene, limit = load_scene(space.domain), max_draws or DRAWS_FOR_EACH * wanted
             with closing(first_feasible(drawn, wanted, scene, seed, checking, limit, tell)) as records:
                 for record in records:
                     write(line(record))

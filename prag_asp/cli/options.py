@@ -14,7 +14,6 @@ from prag_asp.errors import QueryError
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
-    from prag_asp.domain.scene import Scene
     from prag_asp.physics import Budget
     from prag_asp.space.task_space import TaskSpace
 
@@ -200,20 +199,6 @@ class Weighing:
 def weighs(function: Function) -> Function:
     """Give a command the options of weights, as one value `weighing`."""
     return _bundled(function, "weighing", Weighing, WEIGHING)
-
-
-def scene_of(domain: Domain) -> Scene:
-    """Return the scene of a domain.
-
-    Raises:
-        QueryError: the domain has none.
-    """
-    from prag_asp.domain.scene import parse_scene
-
-    if not domain.settings.scene:
-        raise QueryError(f"{domain.name} has no [scene] in its domain.toml; add one, or draw with --no-physics")
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
-    return parse_scene(domain.settings.scene, domain.facts.parents, entities)
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:

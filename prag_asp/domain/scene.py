@@ -6,26 +6,47 @@ This module loads no simulator, so that the linter can use it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
-from prag_asp.domain.scene_table import SCENE_KEYS, SHAPE_KEYS, Problem, SceneReader, ancestors
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Material, Scene, Shape, Size, Table
+from prag_asp.domain.scene_places import BODILESS
+from prag_asp.domain.scene_report import Problem, Report, ancestors
+from prag_asp.domain.scene_shapes import SHAPE_KEYS
+from prag_asp.domain.scene_table import SCENE_KEYS, read_scene
 from prag_asp.errors import SceneError
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
 
 __all__ = [
     "IGNORED",
     "PREDICATE_ROLES",
     "SCENE_KEYS",
     "SHAPE_KEYS",
+    "Material",
     "Problem",
     "Scene",
     "Shape",
+    "Size",
     "Table",
     "ancestors",
+    "load_scene",
     "parse_scene",
     "scene_problems",
 ]
+
+
+def load_scene(domain: Domain) -> Scene:
+    """Return the scene of a domain that `load_domain` has read.
+
+    Raises:
+        SceneError: the domain has none.
+    """
+    if not domain.settings.scene:
+        raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
+    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
+    return parse_scene(domain.settings.scene, domain.facts.parents, entities)
 
 
 def parse_scene(table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]) -> Scene:
@@ -36,10 +57,11 @@ def parse_scene(table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], 
     Raises:
         SceneError: the first problem of the table, with its key.
     """
-    reader = SceneReader(classes, entities)
-    scene = reader.read(table)
-    if reader.problems:
-        raise SceneError(str(reader.problems[0]))
+    report = Report(classes, entities)
+    scene = read_scene(report, table)
+    problems = report.problems or _without_objects(scene)
+    if problems:
+        raise SceneError(str(problems[0]))
     return scene
 
 
@@ -50,16 +72,23 @@ def scene_problems(
     fluents: Iterable[Atom] = (),
 ) -> list[Problem]:
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
-    reader = SceneReader(classes, entities)
-    scene = reader.read(table)
-    problems = list(reader.problems)
+    report = Report(classes, entities)
+    scene = read_scene(report, table)
+    problems = list(report.problems)
     seen: set[tuple[str, str]] = set()
     for fluent in fluents:
         for problem in _fluent_problems(scene, entities, fluent):
             if tuple(problem) not in seen:
                 seen.add((problem.key, problem.message))
                 problems.append(problem)
-    return problems
+    return problems or _without_objects(scene)
+
+
+def _without_objects(scene: Scene) -> list[Problem]:
+    """Return the problem of a scene that has no object."""
+    if any(shape.kind not in BODILESS for shape in scene.shapes.values()):
+        return []
+    return [Problem("scene.shapes", "no entity has the shape of an object; give a class one, such as a box")]
 
 
 def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) -> Iterable[Problem]:

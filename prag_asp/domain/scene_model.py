@@ -7,10 +7,11 @@ from the robot, y to the robot's left, z up.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
+from prag_asp.errors import SceneError
 
 PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
     "on_top": ("object", "object"),
@@ -32,17 +33,38 @@ IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""
 
 
+Size = tuple[float, float, float]
+"""The sides of a bounding box in metres."""
+
+SAME_SIZE = 1e-6
+
+
 class Shape(NamedTuple):
     """A body: its kind (of `SHAPE_KEYS`), the size of its bounding box and a container's wall in metres."""
 
     kind: str
-    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    size: Size = (0.0, 0.0, 0.0)
     wall: float = 0.0
 
     @property
     def half(self) -> tuple[float, float, float]:
         """Half of each side of the bounding box, in metres."""
         return (self.size[0] / 2, self.size[1] / 2, self.size[2] / 2)
+
+
+class Material(NamedTuple):
+    """What a body is made of; the defaults are light wood, and filled packages of cardboard.
+
+    `density` in kilograms a cubic metre; what touches has the product of both coefficients of `friction`; `rolling` is
+    how far ahead of its centre a ball is supported when it rolls, in metres: fruit is not quite round.
+    """
+
+    density: float = 400.0
+    friction: float = 0.7
+    rolling: float = 0.002
+
+
+STANDARD = Material()
 
 
 @dataclass(frozen=True)
@@ -62,6 +84,8 @@ class Scene:
     puts objects (low x, high x, low y, high y), not a limit of where they can be, `fixed` holds x, y in metres and
     yaw in radians of what never moves, `predicates` maps fluent names to spatial predicates, `rotations` names to
     yaws in radians.
+    `materials` belong to entities; `ranges` hold all shapes, the smallest first, of those whose size is drawn for each
+    task, and `shapes` the largest of them.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot.
     """
@@ -75,8 +99,38 @@ class Scene:
     fixed: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     predicates: Mapping[str, str] = field(default_factory=dict)
     rotations: Mapping[str, float] = field(default_factory=dict)
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    ranges: Mapping[str, tuple[Shape, ...]] = field(default_factory=dict)
 
     def meaning(self, fluent: Atom) -> str | None:
         """Return the name of the spatial predicate that `fluent` means, None where physics ignores it."""
         name = self.predicates.get(fluent.name, fluent.name)
         return name if name in PREDICATE_ROLES else None
+
+    def material(self, entity: str) -> Material:
+        """Return what an entity is made of."""
+        return self.materials.get(entity, STANDARD)
+
+    def smallest(self) -> Scene:
+        """Return the scene with every body as small as it can be."""
+        return self.with_shapes({entity: shapes[0] for entity, shapes in self.ranges.items()})
+
+    def with_shapes(self, shapes: Mapping[str, Shape]) -> Scene:
+        """Return the scene with the shapes that a task has drawn, those not drawn the largest."""
+        return replace(self, shapes={**self.shapes, **shapes}, ranges={}) if self.ranges else self
+
+    def with_sizes(self, sizes: Mapping[str, Size]) -> Scene:
+        """Return the scene with the sizes that a task has drawn, in metres.
+
+        Raises:
+            SceneError: an entity cannot have its size.
+        """
+        return self.with_shapes({entity: self._shape(entity, size) for entity, size in sizes.items()})
+
+    def _shape(self, entity: str, size: Size) -> Shape:
+        """Return the shape of a size in the range of an entity."""
+        for shape in self.ranges.get(entity, ()):
+            if all(abs(side - asked) < SAME_SIZE for side, asked in zip(shape.size, size, strict=True)):
+                return shape
+        shown = " x ".join(f"{side:.4f}" for side in size)
+        raise SceneError(f"{entity} cannot have the size {shown} m; the scene gives it another range")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import Material, Scene, Shape
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.geometry import Vector
@@ -13,14 +13,6 @@ from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.solids import container_boxes, volume
 
 PARKING = (20.0, 20.0, 5.0)
-DENSITY = 400.0
-"""Kilograms a cubic metre: light wood, and filled packages."""
-
-FRICTION = 0.7
-"""Of wood and cardboard; what touches has the product of both bodies' coefficients."""
-
-ROLLING_FRICTION = 0.002
-"""How far ahead of its centre a ball is supported when it rolls, in metres: fruit is not quite round."""
 
 
 class _Part(NamedTuple):
@@ -43,7 +35,8 @@ def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
     table = scene.table
     half = (table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2)
     at = (*table.centre, -TABLE_THICKNESS / 2)
-    return _make([_Part(pybullet.GEOM_BOX, half=half)], 0.0, at, client, table.color if visual else None)
+    material = next((scene.material(e) for e, shape in scene.shapes.items() if shape.kind == "table"), Material())
+    return _make([_Part(pybullet.GEOM_BOX, half=half)], material, 0.0, at, client, table.color if visual else None)
 
 
 def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False) -> int:
@@ -55,12 +48,13 @@ def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: boo
         SceneError: PyBullet refuses its shape.
     """
     color = scene.colors.get(entity, "#808080") if visual else None
-    return _make(_parts(scene.shapes[entity]), mass(scene, entity), at, client, color, free)
+    parts, material = _parts(scene.shapes[entity]), scene.material(entity)
+    return _make(parts, material, mass(scene, entity), at, client, color, free)
 
 
 def mass(scene: Scene, entity: str) -> float:
     """Return the mass of an object in kilograms, 0 for one that is fixed."""
-    return 0.0 if entity in scene.fixed else DENSITY * volume(scene.shapes[entity])
+    return 0.0 if entity in scene.fixed else scene.material(entity).density * volume(scene.shapes[entity])
 
 
 def _parts(shape: Shape) -> list[_Part]:
@@ -74,7 +68,15 @@ def _parts(shape: Shape) -> list[_Part]:
     return [_Part(pybullet.GEOM_BOX, half=shape.half)]
 
 
-def _make(parts: Sequence[_Part], weight: float, at: Vector, client: int, color: str | None, free: bool = False) -> int:
+def _make(
+    parts: Sequence[_Part],
+    material: Material,
+    weight: float,
+    at: Vector,
+    client: int,
+    color: str | None,
+    free: bool = False,
+) -> int:
     """Make one body of several primitives; without a colour it cannot be seen.
 
     Raises:
@@ -112,8 +114,8 @@ def _make(parts: Sequence[_Part], weight: float, at: Vector, client: int, color:
     pybullet.changeDynamics(
         body,
         -1,
-        lateralFriction=FRICTION,
-        rollingFriction=ROLLING_FRICTION if rolls else 0.0,
+        lateralFriction=material.friction,
+        rollingFriction=material.rolling if rolls else 0.0,
         physicsClientId=client,
     )
     return int(body)

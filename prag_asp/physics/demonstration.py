@@ -20,7 +20,7 @@ from prag_asp.physics.situation import Situation
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
-ARRAYS = ("times", "joints", "widths", "commands", "poses", "contacts", "forces", "ends")
+ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "contacts", "forces", "ends")
 FRAMES_A_SECOND = 20
 TEXTS = ("bodies", "objects", "cause", "detail")
 
@@ -30,9 +30,10 @@ class Demonstration:
     """A recording at 20 Hz of the robot performing a task: T frames, O objects, C contacts.
 
     `times` (T,) in seconds; `joints` (T, 7) in radians; `widths` (T,) how far the gripper is open in metres;
-    `commands` (T, 8) the joint angles and the opening that the motors drive to; `poses` (T, O, 7) of `objects`
-    as x, y, z in metres and a quaternion x, y, z, w; `contacts` (C, 3) as the frame and the positions of two
-    bodies in `bodies`, `forces` (C,) the normal force between them in newtons. `ends` holds for each state of the
+    `commands` (T, 8) the joint angles and the opening that the motors drive to; `sizes` (O, 3) the sides in metres of
+    the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a quaternion x, y, z, w;
+    `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the normal force
+    between them in newtons. `ends` holds for each state of the
     task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
     where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when.
     """
@@ -43,6 +44,7 @@ class Demonstration:
     joints: Floats
     widths: Floats
     commands: Floats
+    sizes: Floats
     poses: Floats
     contacts: Integers
     forces: Floats
@@ -63,8 +65,22 @@ class Demonstration:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def sized(self, scene: Scene) -> Scene:
+        """Return a scene with the sizes of the recorded objects.
+
+        Raises:
+            SceneError: the scene does not allow one of them.
+        """
+        pairs = zip(self.objects, self.sizes.tolist(), strict=True)
+        return scene.with_sizes({entity: (x, y, z) for entity, (x, y, z) in pairs if entity in scene.ranges})
+
     def situation(self, scene: Scene, frame: int) -> Situation:
-        """Return what a frame shows, for predicates to check."""
+        """Return what a frame shows, for predicates to check.
+
+        Raises:
+            SceneError: the scene does not allow the size of an object.
+        """
+        scene = self.sized(scene)
         arm = np.append(self.joints[frame], self.widths[frame])
         return situation_of(scene, self.objects, arm, self.poses[frame])
 
@@ -121,6 +137,7 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         "joints": (frames, 7),
         "widths": (frames,),
         "commands": (frames, 8),
+        "sizes": (len(content["objects"]), 3),
         "poses": (frames, len(content["objects"]), 7),
         "contacts": (touches, 3),
         "forces": (touches,),
@@ -136,6 +153,7 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         joints=content["joints"].astype(np.float32),
         widths=content["widths"].astype(np.float32),
         commands=content["commands"].astype(np.float32),
+        sizes=content["sizes"].astype(np.float32),
         poses=content["poses"].astype(np.float32),
         contacts=content["contacts"].astype(np.int32),
         forces=content["forces"].astype(np.float32),

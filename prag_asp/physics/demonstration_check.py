@@ -22,12 +22,10 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
     for k, (frame, facts) in enumerate(zip(demonstration.ends.tolist(), states, strict=True)):
         if not 0 <= frame < len(demonstration.times):
             return [f"state {k}: there is no frame {frame}"]
-        situation = demonstration.situation(scene, frame)
-        for fact in facts:
-            try:
-                satisfied = fact.satisfied(situation)
-            except SceneError as error:
-                return [f"state {k}: {error}"]
-            if not satisfied:
-                found.append(f"state {k}: it does not hold that {fact.sentence()}")
+        try:
+            situation = demonstration.situation(scene, frame)
+            broken = [fact for fact in facts if not fact.satisfied(situation)]
+        except SceneError as error:
+            return [f"state {k}: {error}"]
+        found += [f"state {k}: it does not hold that {fact.sentence()}" for fact in broken]
     return found

@@ -48,12 +48,13 @@ class Dynamics:
         self._bodies: dict[str, int] = {}
         self._arm = self._table = -1
 
-    def begin(self, objects: Sequence[str], moment: Moment) -> None:
-        """Build a world with some objects and the arm as they are at a moment.
+    def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
+        """Build a world with some objects and the arm as they are at a moment; `scene` may have other sizes.
 
         Raises:
             SceneError: the robot cannot be loaded, or PyBullet refuses a body.
         """
+        self.scene = scene or self.scene
         start_world(self.client)
         pybullet.setTimeStep(TIME_STEP, physicsClientId=self.client)
         self._arm = self._load_arm()

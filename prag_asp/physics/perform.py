@@ -58,6 +58,7 @@ class Performer:
     """Performs witnesses in one world with forces; use `open_performer`, which closes it."""
 
     def __init__(self, world: Dynamics, planner: Simulator):
+        self._scene = world.scene
         self._world = world
         self._planner = planner
 
@@ -67,7 +68,9 @@ class Performer:
         After every action each fact of the state has to pass its predicate's check; otherwise the recording
         ends there, with the cause.
         """
-        performance = _Performance(self._world, self._planner, seen, witness)
+        scene = self._scene.with_sizes(witness.sizes)
+        self._planner.use(scene)
+        performance = _Performance(self._world, self._planner, seen, witness, scene)
         try:
             performance.run()
         except _Stopped as stopped:
@@ -96,7 +99,7 @@ def demonstrate(task: Task, witness: Witness, scene: Scene) -> Demonstration:
 class _Performance:
     """One task while it is performed: what the motors are told, and where the witness is by then."""
 
-    def __init__(self, world: Dynamics, planner: Simulator, seen: Problem, witness: Witness):
+    def __init__(self, world: Dynamics, planner: Simulator, seen: Problem, witness: Witness, scene: Scene):
         first = witness.moments[0]
         self.recorder = Recorder(world, seen.objects)
         self._world, self._planner = world, planner
@@ -104,7 +107,7 @@ class _Performance:
         self._joints = self._planned = first.joints
         self._opening, self._held = first.width, first.held
         self._steps = 0
-        world.begin(seen.objects, first)
+        world.begin(seen.objects, first, scene)
         self.recorder.frame((*self._joints, self._opening))
 
     def run(self) -> None:

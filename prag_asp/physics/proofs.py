@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import product
 
 from prag_asp.domain.atom import Atom
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.demands import Demand, all_demands, bodies
-from prag_asp.physics.differences import ORIGIN, ROUNDING, Gap, impossible_row, lowest
+from prag_asp.physics.differences import ORIGIN, ROUNDING, Gap, Node, impossible_row, lowest
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap, yaw_quaternion
 from prag_asp.physics.predicates import rotated
@@ -52,7 +52,6 @@ class Prover:
 
     def __init__(self, scene: Scene):
         self._scene = scene
-        self._still = _still(scene)
         self._demands: dict[Fact, tuple[Demand, ...]] = {}
         self._alone: dict[Fact, str | None] = {}
 
@@ -102,29 +101,50 @@ class Prover:
         yield from _reach_reasons(true, self._scene, gaps)
 
     def _demanded(self, fact: Fact) -> tuple[Demand, ...]:
-        """Return what a fact demands of places, which is worked out once."""
+        """Return what a fact demands of places whatever the sizes of its bodies, which is worked out once."""
         known = self._demands.get(fact)
         if known is None:
-            known = self._demands[fact] = all_demands(fact, self._scene)
+            first, *others = (_lengths(all_demands(fact, sized)) for sized in self._sized(fact))
+            common = [demanded for demanded in first if all(demanded in other for other in others)]
+            known = self._demands[fact] = tuple(
+                (axis, Gap(low, high, min(found[axis, low, high] for found in (first, *others))))
+                for axis, low, high in common
+            )
         return known
 
     def _never(self, fact: Fact) -> str | None:
-        """Return why a fact can never hold, whatever else does, which is worked out once."""
+        """Return why a fact can never hold, whatever else does and however large its bodies are; found once."""
         if fact not in self._alone:
-            self._alone[fact] = next(chain(_size_reasons(fact, self._scene), self._fixed_reasons(fact)), None)
+            reasons = [next(_own_reasons(fact, sized), None) for sized in self._sized(fact)]
+            self._alone[fact] = None if None in reasons else reasons[0]
         return self._alone[fact]
 
-    def _fixed_reasons(self, fact: Fact) -> Iterator[str]:
-        """Yield that a fact is wrong which speaks only of bodies that never move."""
-        entities = () if fact.predicate.of_gripper else bodies(fact, self._scene)
-        still = entities and all(entity in self._still.poses for entity in entities)
-        if still and not fact.satisfied(self._still):
-            yield f"{fact.sentence()} cannot hold, for nothing of it can move"
+    def _sized(self, fact: Fact) -> Iterator[Scene]:
+        """Yield the scene with each choice of sizes for the bodies of a fact."""
+        drawn = [entity for entity in bodies(fact, self._scene) if entity in self._scene.ranges]
+        for shapes in product(*(self._scene.ranges[entity] for entity in drawn)):
+            yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
 
 
 def impossibility(problem: Problem, scene: Scene) -> Impossibility | None:
     """Return a proof that a task is infeasible, None where nothing is proved."""
     return Prover(scene).impossibility(problem)
+
+
+def _lengths(found: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:
+    """Return the greatest difference that is demanded of two coordinates along an axis."""
+    lengths: dict[tuple[int, Node, Node], float] = {}
+    for axis, (low, high, least) in found:
+        lengths[axis, low, high] = max(least, lengths.get((axis, low, high), -math.inf))
+    return lengths
+
+
+def _own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
+    """Yield why a fact can never hold, whatever else does."""
+    yield from _size_reasons(fact, scene)
+    entities = () if fact.predicate.of_gripper else bodies(fact, scene)
+    if entities and all(entity in scene.fixed for entity in entities) and not fact.satisfied(_still(scene)):
+        yield f"{fact.sentence()} cannot hold, for nothing of it can move"
 
 
 def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:

@@ -46,6 +46,7 @@ class Recorder:
 
     def finish(self, cause: str = "", detail: str = "") -> Demonstration:
         """Return the recording."""
+        shapes = self._world.scene.shapes
         arm, frames = np.array(self._arms, dtype=np.float32), len(self._arms)
         return Demonstration(
             objects=self._objects,
@@ -54,6 +55,7 @@ class Recorder:
             joints=arm[:, :7],
             widths=arm[:, 7],
             commands=np.array(self._commands, dtype=np.float32),
+            sizes=np.array([shapes[entity].size for entity in self._objects], dtype=np.float32).reshape(-1, 3),
             poses=np.array(self._poses, dtype=np.float32).reshape(frames, len(self._objects), 7),
             contacts=np.array(self._contacts, dtype=np.int32).reshape(-1, 3),
             forces=np.array(self._forces, dtype=np.float32),

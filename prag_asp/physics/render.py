@@ -62,6 +62,7 @@ def film_strip(
     Raises:
         PicturesMissingError: Pillow is not installed.
         QueryError: less than two frames or no columns are asked for, or what is shown belongs to another task.
+        SceneError: the scene does not allow the size of an object.
     """
     if (frames is not None and frames < 2) or columns < 1:
         raise QueryError(f"a film strip needs at least 2 frames and 1 column; got {frames} and {columns}")
@@ -70,7 +71,7 @@ def film_strip(
     pillow()
     last = len(task.actions)
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
-    with open_simulator(scene, visual=True) as simulator:
+    with open_simulator(_sized(shown, scene), visual=True) as simulator:
         pictures = [picture(simulator, moments[k], size) for k in chosen]
     captions = [_caption(task, scene, k, headings) for k in chosen]
     return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
@@ -84,12 +85,13 @@ def still(
     Raises:
         PicturesMissingError: Pillow is not installed.
         QueryError: the task has no such state, or what is shown belongs to another task.
+        SceneError: the scene does not allow the size of an object.
     """
     moments = _moments(task, shown)
     if not 0 <= state < len(moments):
         raise QueryError(f"state {state}: the states of the task are 0 to {len(moments) - 1}")
     pillow()
-    with open_simulator(scene, visual=True) as simulator:
+    with open_simulator(_sized(shown, scene), visual=True) as simulator:
         return picture(simulator, moments[state], size)
 
 
@@ -125,7 +127,7 @@ def animate(
     every = max(1, round(speed * FRAMES_A_SECOND / RATE))
     frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
     panels = []
-    with open_simulator(scene, visual=True) as simulator:
+    with open_simulator(demonstration.sized(scene), visual=True) as simulator:
         for frame in frames:
             k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
             shown = picture(simulator, _moment(demonstration, frame), size)
@@ -153,6 +155,11 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
     if len(moments) != len(task.actions) + 1:
         raise QueryError(f"the {what} has {len(moments)} states, the task {len(task.actions)} actions")
     return moments
+
+
+def _sized(shown: Witness | Demonstration, scene: Scene) -> Scene:
+    """Return a scene with the sizes of what is shown."""
+    return scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized(scene)
 
 
 def _moment(demonstration: Demonstration, frame: int) -> Moment:

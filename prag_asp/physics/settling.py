@@ -47,30 +47,31 @@ class Settling:
         An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
         then every fact of the state has to pass its predicate's own check.
         """
-        bodies = self._build(seen.objects)
+        scene = self._scene.with_sizes(witness.sizes)
+        bodies = self._build(scene, seen.objects)
         previous: Moment | None = None
         for facts, moment in zip(seen.states, witness.moments, strict=True):
             if previous is None or not _as_stable(previous, moment):
-                settled = self._settle(bodies, moment)
+                settled = self._settle(scene, bodies, moment)
                 if settled is None:
                     return UNSTABLE
-                situation = Situation(self._scene, settled, tool_pose(self._robot, moment.joints), moment.width)
+                situation = Situation(scene, settled, tool_pose(self._robot, moment.joints), moment.width)
                 if not all(fact.satisfied(situation) for fact in facts):
                     return UNSETTLED
             previous = moment
         return None
 
-    def _build(self, objects: Sequence[str]) -> Mapping[str, int]:
+    def _build(self, scene: Scene, objects: Sequence[str]) -> Mapping[str, int]:
         """Return new bodies in a new world."""
         start_world(self._client)
         pybullet.setTimeStep(TIME_STEP, physicsClientId=self._client)
-        make_table(self._client, self._scene)
+        make_table(self._client, scene)
         return {
-            entity: make_body(self._client, self._scene, entity, parking_place(i), free=True)
+            entity: make_body(self._client, scene, entity, parking_place(i), free=True)
             for i, entity in enumerate(objects)
         }
 
-    def _settle(self, bodies: Mapping[str, int], moment: Moment) -> Mapping[str, Pose] | None:
+    def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Mapping[str, Pose] | None:
         """Return where the objects come to rest, None where one leaves its place."""
         client = self._client
         for entity, body in bodies.items():
@@ -82,7 +83,7 @@ class Settling:
         settled = {entity: read_pose(client, body) for entity, body in bodies.items()}
         speeds = [pybullet.getBaseVelocity(body, physicsClientId=client)[0] for body in bodies.values()]
         if moment.held is not None:
-            own = mass(self._scene, moment.held)
+            own = mass(scene, moment.held)
             pybullet.changeDynamics(bodies[moment.held], -1, mass=own, physicsClientId=client)
         if any(math.hypot(*speed) > LARGEST_SPEED for speed in speeds):
             return None

@@ -43,11 +43,15 @@ class Simulator:
         start_world(client)
         self.arm = _load_with_hand(client, self.robot, visual)
         self.table = make_table(client, scene, visual=visual)
-        self.bodies = {
-            entity: make_body(client, scene, entity, parking_place(0), visual=visual)
+        self._pool = {
+            (entity, each): make_body(
+                client, scene.with_shapes({entity: each}), entity, parking_place(0), visual=visual
+            )
             for entity, shape in scene.shapes.items()
             if shape.kind not in ("robot", "table")
+            for each in scene.ranges.get(entity, (shape,))
         }
+        self.bodies = self._chosen()
         self._poses: dict[str, Pose] = {}
         self._trunk, self._wrist = (sorted(set(links)) for links in zip(*self.robot.self_pairs, strict=True))
         self._link_boxes: list[tuple[Vector, Vector]] = []
@@ -55,8 +59,21 @@ class Simulator:
         self._joints_at: Joints = ()
         self._self_overlaps: dict[Joints, float] = {}
         self._joints = [*self.robot.arm_links, *self.robot.finger_joints]
-        for entity in self.bodies:
+        for i, body in enumerate(self._pool.values()):
+            self._put(body, Pose(parking_place(i)))
+
+    def use(self, scene: Scene) -> None:
+        """Take the bodies of a scene that has other sizes of the ranges of this one.
+
+        Raises:
+            SceneError: a size is none of theirs.
+        """
+        if scene is self.scene:
+            return
+        for entity in list(self._poses):
             self._park(entity)
+        self.scene = scene
+        self.bodies = self._chosen()
 
     def place(self, poses: Mapping[str, Pose]) -> None:
         """Put objects at poses, and park all others.
@@ -149,16 +166,30 @@ class Simulator:
 
     def _park(self, entity: str) -> None:
         """Put one body where it is in nobody's way."""
-        i = list(self.bodies).index(entity)
-        self._move(entity, Pose(parking_place(i)))
+        i = list(self._pool).index((entity, self.scene.shapes[entity]))
+        self._put(self.bodies[entity], Pose(parking_place(i)))
         del self._poses[entity]
 
     def _move(self, entity: str, pose: Pose) -> None:
-        """Put one body at a pose."""
-        pybullet.resetBasePositionAndOrientation(
-            self.body(entity), pose.position, pose.quaternion, physicsClientId=self.client
-        )
+        """Put an object at a pose."""
+        self._put(self.body(entity), pose)
         self._poses[entity] = pose
+
+    def _put(self, body: int, pose: Pose) -> None:
+        """Put one body at a pose."""
+        pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=self.client)
+
+    def _chosen(self) -> dict[str, int]:
+        """Return the body of each object, of the size that the scene has now.
+
+        Raises:
+            SceneError: there is none of that size.
+        """
+        shapes, objects = self.scene.shapes, dict.fromkeys(entity for entity, _ in self._pool)
+        missing = [entity for entity in objects if (entity, shapes[entity]) not in self._pool]
+        if missing:
+            raise SceneError(f"{missing[0]} has no body of the size {shapes[missing[0]].size}; open another simulator")
+        return {entity: self._pool[entity, shapes[entity]] for entity in objects}
 
 
 def boxes_touch(one: tuple[Vector, Vector], two: tuple[Vector, Vector]) -> bool:

@@ -165,7 +165,7 @@ def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]])
     What rests on one body alone loads it at its own centre of mass; what bridges several loads each with an
     equal share, at the middle of their contact.
     """
-    total = volume(situation.shape(body))
+    total = situation.scene.material(body).density * volume(situation.shape(body))
     x, y = (total * value for value in situation.pose(body).position[:2])
     for rider, touching in resting.items():
         for contact in touching:

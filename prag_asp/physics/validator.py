@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 
 import numpy as np
 
-from prag_asp.domain.scene import Scene
+from prag_asp.domain.scene import Scene, Size
 from prag_asp.errors import SceneError
 from prag_asp.physics.actions import advance
 from prag_asp.physics.demonstration import Demonstration
@@ -28,6 +29,7 @@ class Validator:
     """Validates tasks of one scene in its own simulators; use `open_validator`, which closes them."""
 
     def __init__(self, scene: Scene, resources: ExitStack):
+        self._scene = scene
         self._resources = resources
         self._simulator = resources.enter_context(open_simulator(scene))
         self._prover = Prover(scene)
@@ -41,21 +43,22 @@ class Validator:
             SceneError: the task speaks about something for which the scene has no shape.
         """
         budget = budget or Budget()
-        seen = problem(task, self._simulator.scene)
+        seen = problem(task, self._scene)
         if len(seen.effects) != len(task.states):
             raise SceneError(f"the task {task} has {len(task.states)} states for {len(seen.effects)} actions")
         proof = self._prover.impossibility(seen)
         if proof is not None:
             return Verdict("infeasible", budget, seed, index, reason=str(proof))
         rng = np.random.default_rng([seed, index])
-        search = Search(self._simulator, seen.objects, rng, foresee(seen, self._simulator.scene))
+        search = Search(self._simulator, seen.objects, rng, foresee(seen, self._scene))
         return self._look(seen, search, budget, seed, index)
 
     def _look(self, seen: Problem, search: Search, budget: Budget, seed: int, index: int) -> Verdict:
         """Search for a witness within a budget."""
         causes: Counter[str] = Counter()
         for restart in range(budget.restarts):
-            witness = _attempt(seen, search, budget.samples, causes)
+            search, sizes = self._sized(seen, search)
+            witness = _attempt(seen, search, sizes, budget.samples, causes)
             if witness is None or not self._settles(seen, witness, budget, causes):
                 continue
             demonstration = self._perform(seen, witness, budget, causes)
@@ -75,12 +78,23 @@ class Validator:
             "not_found", budget, seed, index, reason=reason, causes=_ordered(causes), restarts=budget.restarts
         )
 
+    def _sized(self, seen: Problem, search: Search) -> tuple[Search, Mapping[str, Size]]:
+        """Return the search with sizes drawn for the objects that have a range of them, and the sizes in metres."""
+        ranges = {entity: self._scene.ranges[entity] for entity in seen.objects if entity in self._scene.ranges}
+        if not ranges:
+            return search, {}
+        drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
+        scene = self._scene.with_shapes(drawn)
+        self._simulator.use(scene)
+        sizes = {entity: shape.size for entity, shape in drawn.items()}
+        return replace(search, foresight=foresee(seen, scene)), sizes
+
     def _settles(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> bool:
         """Tell whether the states of a witness are stable, as far as a budget asks for it."""
         if not budget.includes("settling"):
             return True
         if self._settling is None:
-            self._settling = self._resources.enter_context(open_settling(self._simulator.scene))
+            self._settling = self._resources.enter_context(open_settling(self._scene))
         failure = self._settling.failure(seen, witness)
         if failure is not None:
             causes[failure] += 1
@@ -91,7 +105,7 @@ class Validator:
         if not budget.includes("demonstration"):
             return None
         if self._performer is None:
-            opened = open_performer(self._simulator.scene, self._simulator)
+            opened = open_performer(self._scene, self._simulator)
             self._performer = self._resources.enter_context(opened)
         demonstration = self._performer.perform(seen, witness)
         if not demonstration.success:
@@ -116,7 +130,9 @@ def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget
         return validator.validate(task, seed=seed, index=index, budget=budget)
 
 
-def _attempt(seen: Problem, search: Search, samples: int, causes: Counter[str]) -> Witness | None:
+def _attempt(
+    seen: Problem, search: Search, sizes: Mapping[str, Size], samples: int, causes: Counter[str]
+) -> Witness | None:
     """Return a witness found from one first state, None where an action fails in all its samples."""
     snapshot = _start(search, seen, samples, causes)
     if snapshot is None:
@@ -129,7 +145,7 @@ def _attempt(seen: Problem, search: Search, samples: int, causes: Counter[str]) 
         snapshot, waypoints = outcome
         moments.append(snapshot.moment())
         motions.append(waypoints)
-    return Witness(tuple(moments), tuple(motions))
+    return Witness(tuple(moments), tuple(motions), sizes)
 
 
 def _start(search: Search, seen: Problem, samples: int, causes: Counter[str]) -> Snapshot | None:

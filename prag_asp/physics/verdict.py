@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
+from prag_asp.domain.scene import Size
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration import Demonstration
 from prag_asp.physics.geometry import Pose
@@ -95,17 +96,24 @@ class Waypoint:
 
 @dataclass(frozen=True)
 class Witness:
-    """How a task can be done: a moment for every state, and waypoints from each to the next."""
+    """How a task can be done: a moment for every state, and waypoints from each to the next.
+
+    `sizes` are the sides in metres of the bounding boxes of the objects whose size was drawn.
+    """
 
     moments: tuple[Moment, ...]
     motions: tuple[tuple[Waypoint, ...], ...]
+    sizes: Mapping[str, Size] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the witness as JSON-able data."""
-        return {
+        """Return the witness as JSON-able data, without `sizes` where none was drawn."""
+        data: dict[str, Any] = {
             "moments": [moment.to_json() for moment in self.moments],
             "motions": [[waypoint.to_json() for waypoint in motion] for motion in self.motions],
         }
+        if self.sizes:
+            data["sizes"] = {entity: list(size) for entity, size in self.sizes.items()}
+        return data
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Witness:
@@ -118,6 +126,7 @@ class Witness:
             return cls(
                 tuple(_moment(moment) for moment in data["moments"]),
                 tuple(tuple(_waypoint(waypoint) for waypoint in motion) for motion in data["motions"]),
+                {str(entity): _size(size) for entity, size in data.get("sizes", {}).items()},
             )
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise QueryError(f"this is not a witness: {error!r}") from error
@@ -193,6 +202,12 @@ def _pose(data: Any) -> Pose:
     """Return the pose that `_pose_json` wrote."""
     (x, y, z), (qx, qy, qz, qw) = data
     return Pose((float(x), float(y), float(z)), (float(qx), float(qy), float(qz), float(qw)))
+
+
+def _size(data: Any) -> Size:
+    """Return the sides of a bounding box that `Witness.to_json` wrote."""
+    x, y, z = map(float, data)
+    return (x, y, z)
 
 
 def _moment(data: Mapping[str, Any]) -> Moment:

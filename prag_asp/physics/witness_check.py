@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from prag_asp.domain.scene import Scene
+from prag_asp.errors import SceneError
 from prag_asp.physics.arm import LIFT
 from prag_asp.physics.collisions import arm_collision, colliding
 from prag_asp.physics.facts import Effect, Problem, problem
@@ -39,7 +40,14 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
             f"the witness has {len(witness.moments)} states and {len(witness.motions)} motions; "
             f"the task has {len(seen.states)} states and {len(seen.effects)} actions"
         ]
-    with open_simulator(scene) as simulator:
+    unsized = [entity for entity in seen.objects if entity in scene.ranges and entity not in witness.sizes]
+    if unsized:
+        return [f"the witness has no size of {', '.join(unsized)}"]
+    try:
+        sized = scene.with_sizes(witness.sizes)
+    except SceneError as error:
+        return [str(error)]
+    with open_simulator(sized) as simulator:
         return list(_problems(seen, witness, simulator))
 
 

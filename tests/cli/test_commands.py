@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import TaskSpace, load_domain
-from prag_asp.cli.options import scene_of
+from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset.jsonl import read_lines
 from prag_asp.physics import Witness, check_witness
 from tests.processes import interrupt, interruptible
@@ -82,7 +81,7 @@ def test_sample_gives_the_same_bytes_with_one_worker_and_with_two(tmp_path: Path
     assert one.stderr == two.stderr
     assert "12 passed" in one.stderr and "budget" in one.stderr
     domain = load_domain("tabletop")
-    scene = scene_of(domain)
+    scene = load_scene(domain)
     space = TaskSpace(domain, 4, engine="clingo")
     records = list(read_lines(one.stdout.splitlines(), "stdout"))
     assert len(records) == 12

@@ -9,7 +9,7 @@ import pytest
 
 from prag_asp.domain.load import load_domain
 from prag_asp.domain.scaffold import write_new_domain
-from prag_asp.domain.scene import parse_scene
+from prag_asp.domain.scene import load_scene
 from prag_asp.errors import DomainError
 
 
@@ -23,8 +23,7 @@ def test_a_new_domain_passes_every_check(tmp_path: Path) -> None:
 
 def test_everything_in_a_new_domain_has_a_shape(tmp_path: Path) -> None:
     domain = load_domain(write_new_domain("pantry", tmp_path))
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
-    assert set(parse_scene(domain.settings.scene, domain.facts.parents, entities).shapes) == set(entities)
+    assert set(load_scene(domain).shapes) == set(map(str, domain.facts.entities))
 
 
 def test_a_name_may_be_a_path(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from prag_asp.physics import (
     dynamics,
     validate_tasks,
 )
-from prag_asp.physics.bodies import FRICTION, mass
+from prag_asp.physics.bodies import mass
 from prag_asp.physics.facts import problem
 from prag_asp.physics.perform import Performer, open_performer
 from prag_asp.physics.robot import PANDA
@@ -98,7 +98,10 @@ def test_friction_alone_carries_the_object(stacked, tabletop):
     lifted = int(stacked.ends[1])
     forces = [_touches(stacked, f"{side} finger", "cube_1")[lifted] for side in ("left", "right")]
     assert not any(lifted in _touches(stacked, other, "cube_1") for other in ("table", "brick_1", "arm"))
-    assert sum(forces) * FRICTION * dynamics.FINGER_FRICTION > mass(tabletop, "cube_1") * GRAVITY
+    assert (
+        sum(forces) * tabletop.material("cube_1").friction * dynamics.FINGER_FRICTION
+        > mass(tabletop, "cube_1") * GRAVITY
+    )
     assert max(forces) < 3 * dynamics.GRIP_FORCE
 
 

@@ -31,6 +31,8 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
             yield Problem(path, settings.line_of(key), f"unknown key {key}; {hint}")
         elif not isinstance(value, TYPES[key][0]):
             yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
+        elif key == "scene" and not value:
+            yield Problem(path, settings.line_of(key), "[scene] is empty; give it [scene.shapes], or leave it out")
     for key, value in _entries(table, "weights"):
         if weight_of(value) is None:
             yield Problem(

@@ -1,0 +1,112 @@
+"""Read ``[scene.shapes]``: what the bodies of a class look like."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from prag_asp.domain.scene_model import Shape, Size
+from prag_asp.domain.scene_report import Report, is_number, suggest
+
+SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
+    "box": ("size",),
+    "cylinder": ("radius", "height"),
+    "sphere": ("radius",),
+    "container": ("size", "wall"),
+    "table": (),
+    "robot": (),
+}
+MIN_WALL = 0.003
+TRIPLE = 3
+SIZES = 8
+"""How many sizes a range has: bodies are made once for each, for making and removing them leaks memory."""
+
+HOLLOW = ("container",)
+NOTHING = (0.0, 0.0, 0.0)
+
+
+def read_shapes(report: Report, table: Mapping[str, Any]) -> dict[str, tuple[Shape, ...]]:
+    """Return the shapes that every entity can have, the smallest first: those of its class or nearest ancestor."""
+    by_class = {
+        name: shapes
+        for name, value in table.items()
+        if report.known_class(f"scene.shapes.{name}", name)
+        and (shapes := _shapes(report, f"scene.shapes.{name}", value))
+    }
+    found = {
+        entity: next((by_class[name] for name in report.line(entity) if name in by_class), ())
+        for entity in report.entities
+    }
+    return {entity: shapes for entity, shapes in found.items() if shapes}
+
+
+def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
+    """Return the shapes that a table of ``scene.shapes`` describes: `SIZES` where it gives a range, otherwise one."""
+    if not isinstance(value, Mapping):
+        report.add(key, f'needs a table like {{ kind = "box", size = [0.05, 0.05, 0.05] }}; got {value!r}')
+        return ()
+    kind = value.get("kind")
+    if not isinstance(kind, str) or kind not in SHAPE_KEYS:
+        report.add(f"{key}.kind", f"unknown shape {kind!r}; {suggest(str(kind), SHAPE_KEYS)}")
+        return ()
+    before = len(report.problems)
+    report.unknown(key, value, ("kind", *SHAPE_KEYS[kind]))
+    low, high = _sizes(report, key, kind, value)
+    wall = _wall(report, key, value, low) if kind in HOLLOW else 0.0
+    if len(report.problems) > before:
+        return ()
+    return tuple(Shape(kind, size, wall) for size in _between(low, high))
+
+
+def _between(low: Size, high: Size) -> list[Size]:
+    """Return the sizes from the smallest to the largest; all sides grow together."""
+    if low == high:
+        return [low]
+    (ax, ay, az), (bx, by, bz) = low, high
+    shares = [k / (SIZES - 1) for k in range(SIZES)]
+    return [(ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az)) for t in shares]
+
+
+def _sizes(report: Report, key: str, kind: str, value: Mapping[str, Any]) -> tuple[Size, Size]:
+    """Return the sides of the smallest and of the largest bounding box of a shape in metres."""
+    names = SHAPE_KEYS[kind]
+    if "size" in names:
+        return _box(report, f"{key}.size", value.get("size"))
+    radius = _length(report, f"{key}.radius", value.get("radius")) if "radius" in names else (0.0, 0.0)
+    diameter = (2 * radius[0], 2 * radius[1])
+    height = _length(report, f"{key}.height", value.get("height")) if "height" in names else diameter
+    return (diameter[0], diameter[0], height[0]), (diameter[1], diameter[1], height[1])
+
+
+def _box(report: Report, key: str, value: object) -> tuple[Size, Size]:
+    """Return the smallest and the largest sides of a box: a list of three, or a table of two such lists."""
+    ends = [value, value]
+    if isinstance(value, Mapping):
+        report.unknown(key, value, ("low", "high"))
+        ends = [value.get("low"), value.get("high")]
+    found = [report.lengths(key, end, TRIPLE) for end in ends[: 2 if isinstance(value, Mapping) else 1]]
+    (ax, ay, az), (bx, by, bz) = found[0] or NOTHING, found[-1] or NOTHING
+    if None not in found and (ax > bx or ay > by or az > bz):
+        report.add(key, f"needs no side of low greater than that of high; got {value!r}")
+    return (ax, ay, az), (bx, by, bz)
+
+
+def _length(report: Report, key: str, value: object) -> tuple[float, float]:
+    """Return the smallest and the largest of a length: a number, or a list of two."""
+    count = 2 if isinstance(value, list) and len(value) == 2 else 1
+    found = report.lengths(key, value if count == 2 else [value], count) or (0.0,)
+    if found[0] > found[-1]:
+        report.add(key, f"needs the smaller length first; got {value!r}")
+    return found[0], found[-1]
+
+
+def _wall(report: Report, key: str, value: Mapping[str, Any], size: Size) -> float:
+    """Return the thickness of a container's walls and floor in metres; 6 mm where it is missing."""
+    wall = value.get("wall", 0.006)
+    if is_number(wall) and wall >= MIN_WALL and all(2 * wall < side for side in size):
+        return float(wall)
+    report.add(
+        f"{key}.wall",
+        f"needs a thickness in metres of at least {MIN_WALL} that leaves a cavity in size; got {wall!r}",
+    )
+    return MIN_WALL
