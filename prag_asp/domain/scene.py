@@ -6,41 +6,71 @@ This module loads no simulator, so that the linter can use it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
+from prag_asp.domain.own_table import OwnReader
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Box, Own, Scene, Shape, Table
 from prag_asp.domain.scene_table import SCENE_KEYS, SHAPE_KEYS, Problem, SceneReader, ancestors
 from prag_asp.errors import SceneError
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
 
 __all__ = [
     "IGNORED",
     "PREDICATE_ROLES",
     "SCENE_KEYS",
     "SHAPE_KEYS",
+    "Box",
+    "Own",
     "Problem",
     "Scene",
     "Shape",
     "Table",
     "ancestors",
     "parse_scene",
+    "scene_of",
     "scene_problems",
 ]
 
 
-def parse_scene(table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]) -> Scene:
+def scene_of(domain: Domain) -> Scene:
+    """Return the scene of a domain; its own Python predicates are trusted where the domain is.
+
+    Raises:
+        SceneError: the domain has no scene.
+    """
+    if not domain.settings.scene:
+        raise SceneError(f"{domain.name} has no [scene] in its domain.toml; add one")
+    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
+    return parse_scene(
+        domain.settings.scene, domain.facts.parents, entities, folder=domain.folder, trust=domain.trusted
+    )
+
+
+def parse_scene(
+    table: Mapping[str, Any],
+    classes: Mapping[str, Sequence[str]],
+    entities: Mapping[str, str],
+    *,
+    folder: Path | None = None,
+    trust: bool = False,
+) -> Scene:
     """Return the scene that the ``[scene]`` table describes, shapes looked up for every entity.
 
-    `classes` maps each class to its parents, `entities` each entity to its class.
+    `classes` maps each class to its parents, `entities` each entity to its class. `folder` is that of the domain,
+    where its Python files are; physics runs them only with `trust`.
 
     Raises:
         SceneError: the first problem of the table, with its key.
     """
-    reader = SceneReader(classes, entities)
-    scene = reader.read(table)
-    if reader.problems:
-        raise SceneError(str(reader.problems[0]))
-    return scene
+    scene, problems = _read(table, classes, entities, folder)
+    if problems:
+        raise SceneError(str(problems[0]))
+    return replace(scene, trusted=trust)
 
 
 def scene_problems(
@@ -48,11 +78,11 @@ def scene_problems(
     classes: Mapping[str, Sequence[str]],
     entities: Mapping[str, str],
     fluents: Iterable[Atom] = (),
+    *,
+    folder: Path | None = None,
 ) -> list[Problem]:
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
-    reader = SceneReader(classes, entities)
-    scene = reader.read(table)
-    problems = list(reader.problems)
+    scene, problems = _read(table, classes, entities, folder)
     seen: set[tuple[str, str]] = set()
     for fluent in fluents:
         for problem in _fluent_problems(scene, entities, fluent):
@@ -62,12 +92,22 @@ def scene_problems(
     return problems
 
 
+def _read(
+    table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], entities: Mapping[str, str], folder: Path | None
+) -> tuple[Scene, list[Problem]]:
+    """Return the scene of a table, and everything that is wrong with it."""
+    added = OwnReader(entities, folder)
+    own = added.read(table.get("own", {}))
+    reader = SceneReader(classes, entities)
+    return reader.read(table, own), [*reader.problems, *added.problems]
+
+
 def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) -> Iterable[Problem]:
     """Yield what a spatial fluent lacks in the scene: the right number of arguments, shapes, rotations."""
     meaning = scene.meaning(fluent)
     if meaning is None:
         return
-    roles = PREDICATE_ROLES[meaning]
+    roles = scene.roles(meaning)
     if len(roles) != len(fluent.arguments):
         yield Problem(
             f"scene.predicates.{fluent.name}",
@@ -75,7 +115,9 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
             f'({", ".join(roles)}); write {fluent.name} = "{IGNORED}" if it means something else',
         )
         return
-    for role, entity in zip(roles, fluent.arguments, strict=True):
+    own = scene.own.get(meaning)
+    around = () if own is None or own.around is None else (("object", own.around),)
+    for role, entity in (*zip(roles, fluent.arguments, strict=True), *around):
         shape = scene.shapes.get(entity)
         if role == "rotation" and entity not in scene.rotations:
             yield Problem(f"scene.rotations.{entity}", f"{fluent} needs the yaw of {entity} in degrees")

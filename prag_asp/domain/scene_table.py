@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
 
 ROBOTS = ("panda",)
 FRAMES = ("robot", "viewer")
@@ -25,7 +25,7 @@ SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
     "table": (),
     "robot": (),
 }
-SCENE_KEYS = ("robot", "frame", "workspace", "table", "shapes", "colors", "fixed", "predicates", "rotations")
+SCENE_KEYS = ("robot", "frame", "workspace", "table", "shapes", "colors", "fixed", "predicates", "rotations", "own")
 MIN_WALL, MAX_LENGTH = 0.003, 2.0
 PAIR, TRIPLE = 2, 3
 
@@ -68,8 +68,8 @@ class SceneReader:
         self.entities = entities
         self.problems: list[Problem] = []
 
-    def read(self, table: Mapping[str, Any]) -> Scene:
-        """Return a scene; where a value is wrong the default stands in for it."""
+    def read(self, table: Mapping[str, Any], own: Mapping[str, Own]) -> Scene:
+        """Return a scene that has its `own` predicates too; where a value is wrong the default stands in for it."""
         self.unknown("scene", table, SCENE_KEYS)
         by_class = {
             name: shape
@@ -89,8 +89,9 @@ class SceneReader:
             table=self.table(self.section(table, "table")),
             colors=self.colors(self.section(table, "colors"), shapes),
             fixed=self.fixed(self.section(table, "fixed"), shapes),
-            predicates=self.predicates(self.section(table, "predicates")),
+            predicates=self.predicates(self.section(table, "predicates"), own),
             rotations=self.rotations(self.section(table, "rotations")),
+            own=own,
         )
 
     def add(self, key: str, message: str) -> None:
@@ -254,11 +255,12 @@ class SceneReader:
                 fixed[entity] = (float(place[0]), float(place[1]), yaw)
         return fixed
 
-    def predicates(self, value: Mapping[str, Any]) -> dict[str, str]:
+    def predicates(self, value: Mapping[str, Any], own: Mapping[str, Own]) -> dict[str, str]:
         """Return which spatial predicate a fluent name means."""
+        known = (*PREDICATE_ROLES, *own, IGNORED)
         for fluent, predicate in value.items():
-            if predicate not in PREDICATE_ROLES and predicate != IGNORED:
-                hint = suggest(str(predicate), [*PREDICATE_ROLES, IGNORED])
+            if predicate not in known:
+                hint = suggest(str(predicate), known)
                 self.add(f"scene.predicates.{fluent}", f"unknown spatial predicate {predicate!r}; {hint}")
         return {fluent: str(predicate) for fluent, predicate in value.items()}
 

@@ -64,8 +64,9 @@ def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: ran
     predicate = PREDICATES[name]
     volume = predicate.volume(situation, arguments, IDENTITY)
     yaw = rng.uniform(-math.pi, math.pi)
-    if volume.yaw is not None:
-        yaw = volume.yaw[0] + rng.uniform(-volume.yaw[1], volume.yaw[1])
+    if volume.yaws is not None:
+        chosen = rng.choice(volume.yaws)
+        yaw = chosen.centre + rng.uniform(-chosen.half, chosen.half)
     quaternion = yaw_quaternion(yaw)
     volume = predicate.volume(situation, arguments, quaternion).meet(ROOM)
     floor = volume.floor()
