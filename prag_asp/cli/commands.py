@@ -42,10 +42,12 @@ def domains() -> None:
 
 
 @cli.command()
-@asks(options.DOMAIN)
+@asks((*options.DOMAIN, options.TRUST))
 def check(*, asked: Asked) -> None:
     """Check a domain and say what it declares."""
     domain = asked.domain()
+    if "own" in domain.settings.scene:
+        options.scene_of(domain)
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
@@ -123,7 +125,7 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
 
 
 @cli.command()
-@asks(options.SPACE)
+@asks((*options.SPACE, options.TRUST))
 @click.option("--count", "wanted", type=click.IntRange(min=0), default=10, show_default=True, help="How many tasks.")
 @options.seed
 @options.weighs
@@ -181,6 +183,7 @@ def sample(
         click.option("--domain", "name", metavar="DOMAIN", default="", help="Their domain.  [default: what they name]"),
         *options.PROGRAM,
         options.WHERE,
+        options.TRUST,
     )
 )
 @options.seed

@@ -35,12 +35,13 @@ class Asked:
     memory: str | None = None
     time: str | None = None
     cached: bool = True
+    trust: bool = False
 
     def domain(self) -> Domain:
         """Load the domain."""
         from prag_asp.domain.load import load_domain
 
-        return load_domain(self.name, rules=self.rules, encodings=self.encodings, flat=self.flat)
+        return load_domain(self.name, rules=self.rules, encodings=self.encodings, flat=self.flat, trust=self.trust)
 
     def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
         """Return the task space, which tells its progress to `tell`."""
@@ -66,6 +67,7 @@ PROGRAM = (
     click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
 )
 DOMAIN = (click.argument("name", metavar="DOMAIN"), *PROGRAM)
+TRUST = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")
 WHERE = click.option(
     "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
 )
@@ -203,17 +205,20 @@ def weighs(function: Function) -> Function:
 
 
 def scene_of(domain: Domain) -> Scene:
-    """Return the scene of a domain.
+    """Return the scene of a domain, all its spatial predicates ready for use.
 
     Raises:
         QueryError: the domain has none.
+        SceneError: a Python file of the domain is not trusted, or fails.
     """
-    from prag_asp.domain.scene import parse_scene
+    from prag_asp.domain.scene import scene_of as read_scene
+    from prag_asp.physics.predicates import own_predicates
 
     if not domain.settings.scene:
         raise QueryError(f"{domain.name} has no [scene] in its domain.toml; add one, or draw with --no-physics")
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
-    return parse_scene(domain.settings.scene, domain.facts.parents, entities)
+    scene = read_scene(domain)
+    own_predicates(scene)
+    return scene
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
