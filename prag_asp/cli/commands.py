@@ -43,10 +43,12 @@ def domains() -> None:
 
 
 @cli.command()
-@asks(options.DOMAIN)
+@asks((*options.DOMAIN, options.TRUST))
 def check(*, asked: Asked) -> None:
     """Check a domain and say what it declares."""
     domain = asked.domain()
+    if "own" in domain.settings.scene:
+        options.scene_of(domain)
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
@@ -124,7 +126,7 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
 
 
 @cli.command()
-@asks(options.SPACE)
+@asks((*options.SPACE, options.TRUST))
 @click.option("--count", "wanted", type=click.IntRange(min=0), default=10, show_default=True, help="How many tasks.")
 @options.seed
 @options.weighs
@@ -168,9 +170,8 @@ def sample(
                     write(line(Record(task)))
                 return
             from prag_asp.cli.physics import first_feasible
-            from prag_asp.domain.scene import load_scene
 
-            scene, limit = load_scene(space.domain), max_draws or DRAWS_FOR_EACH * wanted
+            scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
             with closing(first_feasible(drawn, wanted, scene, seed, checking, limit, tell)) as records:
                 for record in records:
                     write(line(record))
@@ -183,6 +184,7 @@ def sample(
         click.option("--domain", "name", metavar="DOMAIN", default="", help="Their domain.  [default: what they name]"),
         *options.PROGRAM,
         options.WHERE,
+        options.TRUST,
     )
 )
 @options.seed

@@ -14,6 +14,7 @@ from prag_asp.errors import QueryError
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
+    from prag_asp.domain.scene import Scene
     from prag_asp.physics import Budget
     from prag_asp.space.task_space import TaskSpace
 
@@ -34,12 +35,13 @@ class Asked:
     memory: str | None = None
     time: str | None = None
     cached: bool = True
+    trust: bool = False
 
     def domain(self) -> Domain:
         """Load the domain."""
         from prag_asp.domain.load import load_domain
 
-        return load_domain(self.name, rules=self.rules, encodings=self.encodings, flat=self.flat)
+        return load_domain(self.name, rules=self.rules, encodings=self.encodings, flat=self.flat, trust=self.trust)
 
     def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
         """Return the task space, which tells its progress to `tell`."""
@@ -65,6 +67,7 @@ PROGRAM = (
     click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
 )
 DOMAIN = (click.argument("name", metavar="DOMAIN"), *PROGRAM)
+TRUST = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")
 WHERE = click.option(
     "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
 )
@@ -199,6 +202,20 @@ class Weighing:
 def weighs(function: Function) -> Function:
     """Give a command the options of weights, as one value `weighing`."""
     return _bundled(function, "weighing", Weighing, WEIGHING)
+
+
+def scene_of(domain: Domain) -> Scene:
+    """Return the scene of a domain, all its spatial predicates ready for use.
+
+    Raises:
+        SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
+    """
+    from prag_asp.domain.scene import load_scene
+    from prag_asp.physics.predicates import own_predicates
+
+    scene = load_scene(domain)
+    own_predicates(scene)
+    return scene
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli.options import Asked, Checking
+from prag_asp.cli.options import Asked, Checking, scene_of
 from prag_asp.dataset.jsonl import Record
-from prag_asp.domain.scene import load_scene
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.physics import (
     Budget,
@@ -129,7 +128,7 @@ def check_again(
     number, budget, recordings = 0, checking.limits(), Recordings(checking.demonstrate)
     for own, group in groupby(records, key=lambda record: record.task.domain):
         space = replace(asked, name=asked.name or own).space()
-        scene = load_scene(space.domain)
+        scene = scene_of(space.domain)
         found = [(record, _fault(record.task, space)) for record in group]
         valid = (record.task for record, fault in found if not fault and not witness_only)
         with closing(validate_tasks(valid, scene, seed=seed, workers=checking.workers, budget=budget)) as verdicts:

@@ -120,10 +120,9 @@ class _Drawing:
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.language import sentence
-        from prag_asp.domain.scene import load_scene
         from prag_asp.physics import animate, film_strip, still
 
-        scene, task = load_scene(domain), record.task
+        scene, task = options.scene_of(domain), record.task
         headings = [sentence(action, domain.settings.language) for action in task.actions]
         shown = self._shown(record, number, scene)
         if self.form == "strip":

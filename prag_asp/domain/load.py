@@ -18,7 +18,7 @@ class Domain:
     """A domain that has passed every check.
 
     `program` is the whole logic program (the encodings, the domain's own files and the rules asked for), `facts` what
-    its base part states.
+    its base part states. Physics runs the Python files of the domain only where it is `trusted`.
     """
 
     name: str
@@ -27,6 +27,7 @@ class Domain:
     program: Program
     facts: Facts
     settings: Settings
+    trusted: bool = False
 
 
 def load_domain(
@@ -35,12 +36,14 @@ def load_domain(
     rules: tuple[str, ...] = (),
     encodings: str | Path | None = None,
     flat: bool = False,
+    trust: bool = False,
 ) -> Domain:
     """Read and check a domain, given as a shipped name or as a folder.
 
     `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
-    of the domain are ignored: any sequence of its actions may be a plan.
+    of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
+    that its domain.toml names; nothing else does.
 
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
@@ -59,7 +62,7 @@ def load_domain(
         facts = replace(facts, composites=(), stages={}, free=())
     if not facts.composites:
         program = Program(tuple(source for source in program.sources if source not in hierarchy))
-    return Domain(folder.resolve().name, folder, encodings, program, facts, settings)
+    return Domain(folder.resolve().name, folder, encodings, program, facts, settings, trust)
 
 
 def _unique(sources: tuple[Source, ...]) -> tuple[Source, ...]:

@@ -6,10 +6,13 @@ This module loads no simulator, so that the linter can use it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Material, Scene, Shape, Size, Table
+from prag_asp.domain.own_table import read_own
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Box, Material, Own, Scene, Shape, Size, Table
 from prag_asp.domain.scene_places import BODILESS
 from prag_asp.domain.scene_report import Problem, Report, ancestors
 from prag_asp.domain.scene_shapes import SHAPE_KEYS
@@ -24,7 +27,9 @@ __all__ = [
     "PREDICATE_ROLES",
     "SCENE_KEYS",
     "SHAPE_KEYS",
+    "Box",
     "Material",
+    "Own",
     "Problem",
     "Scene",
     "Shape",
@@ -38,7 +43,7 @@ __all__ = [
 
 
 def load_scene(domain: Domain) -> Scene:
-    """Return the scene of a domain that `load_domain` has read.
+    """Return the scene of a domain that `load_domain` has read; its Python predicates are trusted where it is.
 
     Raises:
         SceneError: the domain has none.
@@ -46,23 +51,33 @@ def load_scene(domain: Domain) -> Scene:
     if not domain.settings.scene:
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
     entities = {str(entity): name for entity, name in domain.facts.entities.items()}
-    return parse_scene(domain.settings.scene, domain.facts.parents, entities)
+    return parse_scene(
+        domain.settings.scene, domain.facts.parents, entities, folder=domain.folder, trust=domain.trusted
+    )
 
 
-def parse_scene(table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]) -> Scene:
+def parse_scene(
+    table: Mapping[str, Any],
+    classes: Mapping[str, Sequence[str]],
+    entities: Mapping[str, str],
+    *,
+    folder: Path | None = None,
+    trust: bool = False,
+) -> Scene:
     """Return the scene that the ``[scene]`` table describes, shapes looked up for every entity.
 
-    `classes` maps each class to its parents, `entities` each entity to its class.
+    `classes` maps each class to its parents, `entities` each entity to its class. `folder` is that of the domain,
+    where its Python files are; physics runs them only with `trust`.
 
     Raises:
         SceneError: the first problem of the table, with its key.
     """
     report = Report(classes, entities)
-    scene = read_scene(report, table)
+    scene = read_scene(report, table, read_own(report, table.get("own", {}), folder))
     problems = report.problems or _without_objects(scene)
     if problems:
         raise SceneError(str(problems[0]))
-    return scene
+    return replace(scene, trusted=trust)
 
 
 def scene_problems(
@@ -70,10 +85,12 @@ def scene_problems(
     classes: Mapping[str, Sequence[str]],
     entities: Mapping[str, str],
     fluents: Iterable[Atom] = (),
+    *,
+    folder: Path | None = None,
 ) -> list[Problem]:
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
     report = Report(classes, entities)
-    scene = read_scene(report, table)
+    scene = read_scene(report, table, read_own(report, table.get("own", {}), folder))
     problems = list(report.problems)
     seen: set[tuple[str, str]] = set()
     for fluent in fluents:
@@ -96,7 +113,7 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
     meaning = scene.meaning(fluent)
     if meaning is None:
         return
-    roles = PREDICATE_ROLES[meaning]
+    roles = scene.roles(meaning)
     if len(roles) != len(fluent.arguments):
         yield Problem(
             f"scene.predicates.{fluent.name}",
@@ -104,7 +121,9 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
             f'({", ".join(roles)}); write {fluent.name} = "{IGNORED}" if it means something else',
         )
         return
-    for role, entity in zip(roles, fluent.arguments, strict=True):
+    own = scene.own.get(meaning)
+    around = () if own is None or own.around is None else (("object", own.around),)
+    for role, entity in (*zip(roles, fluent.arguments, strict=True), *around):
         shape = scene.shapes.get(entity)
         if role == "rotation" and entity not in scene.rotations:
             yield Problem(f"scene.rotations.{entity}", f"{fluent} needs the yaw of {entity} in degrees")

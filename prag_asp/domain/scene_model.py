@@ -26,8 +26,13 @@ PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
     "gripper_open": ("robot",),
     "located": ("object", "object"),
     "rotated": ("object", "rotation"),
+    "near": ("object", "object"),
+    "far": ("object", "object"),
+    "between": ("object", "object", "object"),
+    "aligned": ("object", "object"),
+    "upright": ("object",),
 }
-"""The spatial predicates and what each of their arguments has to be."""
+"""The spatial predicates that every scene has, and what each of their arguments has to be."""
 
 IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""
@@ -67,6 +72,30 @@ class Material(NamedTuple):
 STANDARD = Material()
 
 
+class Box(NamedTuple):
+    """A box by its lowest and its highest corner, in metres; infinite where nothing bounds it."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+class Own(NamedTuple):
+    """A spatial predicate that a domain adds: what its arguments have to be, and where its definition is.
+
+    Either `boxes` around the second argument, or around the entity `around`, say where the first one has to be: its
+    centre in one of them, or all of it where `whole` is set; `sentence` is a template of it in plain words. Or `file`
+    is the path of a Python file that defines it.
+    """
+
+    name: str
+    roles: tuple[str, ...]
+    boxes: tuple[Box, ...] = ()
+    whole: bool = False
+    around: str | None = None
+    sentence: str = ""
+    file: str = ""
+
+
 @dataclass(frozen=True)
 class Table:
     """The table: sides along x and y in metres, centre of its top (at z = 0), colour."""
@@ -87,7 +116,8 @@ class Scene:
     `materials` belong to entities; `ranges` hold all shapes, the smallest first, of those whose size is drawn for each
     task, and `shapes` the largest of them.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
-    who faces the robot.
+    who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
+    among them are run only where `trusted` is set.
     """
 
     shapes: Mapping[str, Shape]
@@ -101,11 +131,18 @@ class Scene:
     rotations: Mapping[str, float] = field(default_factory=dict)
     materials: Mapping[str, Material] = field(default_factory=dict)
     ranges: Mapping[str, tuple[Shape, ...]] = field(default_factory=dict)
+    own: Mapping[str, Own] = field(default_factory=dict)
+    trusted: bool = False
 
     def meaning(self, fluent: Atom) -> str | None:
         """Return the name of the spatial predicate that `fluent` means, None where physics ignores it."""
         name = self.predicates.get(fluent.name, fluent.name)
-        return name if name in PREDICATE_ROLES else None
+        return name if name in PREDICATE_ROLES or name in self.own else None
+
+    def roles(self, predicate: str) -> tuple[str, ...]:
+        """Return what each argument of a spatial predicate of this scene has to be."""
+        own = self.own.get(predicate)
+        return PREDICATE_ROLES[predicate] if own is None else own.roles
 
     def material(self, entity: str) -> Material:
         """Return what an entity is made of."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from prag_asp.domain.scene_colors import read_colors
 from prag_asp.domain.scene_materials import read_materials
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
 from prag_asp.domain.scene_places import BODILESS, place_problems, read_fixed, read_table, read_workspace
 from prag_asp.domain.scene_report import Report, is_number, suggest
 from prag_asp.domain.scene_shapes import read_shapes
@@ -29,11 +29,12 @@ SCENE_KEYS = (
     "fixed",
     "predicates",
     "rotations",
+    "own",
 )
 
 
-def read_scene(report: Report, table: Mapping[str, Any]) -> Scene:
-    """Return a scene; where a value is wrong it is reported, and the default stands in for it."""
+def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own]) -> Scene:
+    """Return a scene that has its `own` predicates too; a wrong value is reported, and the default stands in for it."""
     report.unknown("scene", table, SCENE_KEYS)
     sizes = read_shapes(report, report.section(table, "shapes"))
     shapes = {entity: several[-1] for entity, several in sizes.items()}
@@ -48,9 +49,10 @@ def read_scene(report: Report, table: Mapping[str, Any]) -> Scene:
         table=read_table(report, report.section(table, "table")),
         colors=read_colors(report, report.section(table, "colors"), shapes),
         fixed=read_fixed(report, report.section(table, "fixed"), shapes),
-        predicates=_predicates(report, report.section(table, "predicates")),
+        predicates=_predicates(report, report.section(table, "predicates"), own),
         rotations=_rotations(report, report.section(table, "rotations")),
         materials=read_materials(report, report.section(table, "materials")),
+        own=own,
         ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:
@@ -78,11 +80,12 @@ def _larger(shape: Shape, table: Table) -> bool:
     return any(side > room for side, room in zip(sorted(shape.size[:2]), sorted(table.size), strict=True))
 
 
-def _predicates(report: Report, value: Mapping[str, Any]) -> dict[str, str]:
+def _predicates(report: Report, value: Mapping[str, Any], own: Mapping[str, Own]) -> dict[str, str]:
     """Return which spatial predicate a fluent name means."""
+    known = [*PREDICATE_ROLES, *own, IGNORED]
     for fluent, predicate in value.items():
-        if predicate not in PREDICATE_ROLES and predicate != IGNORED:
-            hint = suggest(str(predicate), [*PREDICATE_ROLES, IGNORED])
+        if predicate not in known:
+            hint = suggest(str(predicate), known)
             report.add(f"scene.predicates.{fluent}", f"unknown spatial predicate {predicate!r}; {hint}")
     return {fluent: str(predicate) for fluent, predicate in value.items()}
 

@@ -19,7 +19,7 @@ from prag_asp.physics.moving import (
     verify_objects,
     with_riders,
 )
-from prag_asp.physics.placement import any_support, draw_pose, known_support, yaw_range
+from prag_asp.physics.placement import any_support, draw_pose, draw_yaws, known_support, relevant, yaw_ranges
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.search import OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.situation import Situation
@@ -27,6 +27,8 @@ from prag_asp.physics.support import TABLE, resting_height
 from prag_asp.physics.verdict import Waypoint
 
 OVER_RIM = 0.03
+ON_THE_SPOT = {"rotated", "upright"}
+"""Relations that say how an object is turned, and nothing of where it is."""
 
 
 def release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
@@ -90,7 +92,7 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypo
     others = {other: pose for other, pose in situation.poses.items() if other != entity}
     around = situation.with_poses(others)
     moves = {fact.predicate.name for fact in effect.fresh if fact.value and fact.arguments[0] == entity}
-    if moves and moves <= {"rotated"}:
+    if moves and moves <= ON_THE_SPOT:
         pose = _turned(search, situation, entity, effect)
     else:
         support = known_support(around, entity, effect.after) or TABLE
@@ -111,9 +113,9 @@ def _turned(search: Search, situation: Situation, entity: str, effect: Effect) -
     """Return the pose of the held object turned on the spot."""
     pose = situation.poses[entity]
     yaw = yaw_of(pose.quaternion)
-    wanted = yaw_range(situation, entity, effect.after)
+    wanted = yaw_ranges(situation, entity, relevant(effect.after, entity, situation))
     if wanted is not None:
-        yaw = wanted[0] + search.uniform(-wanted[1], wanted[1])
+        yaw = next(draw_yaws(search, wanted))
     turn = yaw_quaternion(yaw - yaw_of(pose.quaternion))
     return Pose(pose.position, multiply(turn, pose.quaternion))
 

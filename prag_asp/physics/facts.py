@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import PREDICATE_ROLES, Scene
+from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
-from prag_asp.physics.predicates import PREDICATES, Predicate
+from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
 from prag_asp.space.task import State, Task
 
 SUPPORTING = ("on_top", "inside")
-PLACING = (*SUPPORTING, "left_of", "right_of", "in_front_of", "behind", "located", "rotated", "reachable")
+BEARING = (*SUPPORTING, "located")
 
 
 class Fact(NamedTuple):
@@ -117,7 +117,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
     name = scene.meaning(atom)
     if name is None:
         return None
-    roles = PREDICATE_ROLES[name]
+    roles = scene.roles(name)
     if len(roles) != len(atom.arguments):
         raise SceneError(f"{atom} has {len(atom.arguments)} arguments, but {name} takes {', '.join(roles)}")
     for role, entity in zip(roles, atom.arguments, strict=True):
@@ -125,7 +125,11 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
         if entity not in known:
             table = "rotations" if role == "rotation" else "shapes"
             raise SceneError(f"{atom} speaks about {entity}, which has no entry under [scene.{table}]")
-    return Fact(PREDICATES[name], atom.arguments, value)
+    if not value and len(set(atom.arguments)) < len(atom.arguments):
+        return None  # nothing is in a relation to itself
+    own = scene.own.get(name)
+    around = () if own is None or own.around is None else (own.around,)
+    return Fact(predicate_of(scene, name), (*atom.arguments, *around), value)
 
 
 def _effect(
@@ -141,7 +145,7 @@ def _effect(
     releases = held if _known(subgoal, "holding", held) is False else None
     visits = _only(subgoal, "at")
     holds = held if grasps is None and releases is None else None
-    moved = [fact.arguments[fact.predicate.subject] for fact in subgoal if fact.value and _places(fact)]
+    moved = [_moved(fact, held) for fact in subgoal if fact.value and not fact.predicate.of_gripper]
     known_before = set(before)
     return Effect(
         action=action,
@@ -161,9 +165,11 @@ def _effect(
     )
 
 
-def _places(fact: Fact) -> bool:
-    """Tell whether a fact says where an object is."""
-    return fact.predicate.name in PLACING
+def _moved(fact: Fact, held: str | None) -> str:
+    """Return the object that moves when a fact is made true: what the gripper holds, where it is one of two or more."""
+    if held in fact.arguments and fact.predicate.name not in BEARING:
+        return str(held)
+    return fact.arguments[fact.predicate.subject]
 
 
 def _closes(subgoal: Iterable[Fact]) -> bool:

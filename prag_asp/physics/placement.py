@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator
 from itertools import repeat
 
 from prag_asp.physics.collisions import box
-from prag_asp.physics.facts import Fact
+from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
 from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
-from prag_asp.physics.predicates import PREDICATES, Volume
+from prag_asp.physics.predicates import PREDICATES, Volume, Yaws, predicate_of
+from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.predicates.volume import Floor
 from prag_asp.physics.search import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
 from prag_asp.physics.simulator import COLLISION
@@ -23,7 +24,8 @@ TABLE_ROOM = 0.1
 NEAR = 0.15
 JITTER = 0.05
 EDGE = 0.02
-CONTAINING = ("on_top", "inside")
+SEEN_CLOSE = (*DIRECTIONS, "aligned")
+"""Relations that are seen at a glance only where the two objects are close to each other."""
 
 Neighbour = tuple[float, float, float, float]
 """The centre of a body seen from above, and how far from it along x and y another touches it; metres."""
@@ -32,7 +34,7 @@ Neighbour = tuple[float, float, float, float]
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
     """Return what an object stands on or in by the facts, `TABLE` for the table, None where unknown."""
     for fact in facts:
-        if fact.value and fact.predicate.name in ("on_top", "inside", "located") and fact.arguments[0] == entity:
+        if fact.value and fact.predicate.name in BEARING and fact.arguments[0] == entity:
             support = fact.arguments[1]
             return TABLE if situation.is_table(support) else support
     return None
@@ -41,20 +43,35 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
 def any_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
     """Return a support for an object that may be anywhere: the table, unless it is known not to be on it.
 
+    Where a relation of the domain's own lets it stand on or in the other object, that is one as likely.
+
     Raises:
         Failure: every support is ruled out.
     """
+    facts = list(facts)
     ruled_out = {
         fact.arguments[1]
         for fact in facts
-        if not fact.value and fact.predicate.name in ("on_top", "inside") and fact.arguments[0] == entity
+        if not fact.value and fact.predicate.name in SUPPORTING and fact.arguments[0] == entity
     }
-    if not any(situation.is_table(support) for support in ruled_out):
-        return TABLE
-    options = [other for other in situation.poses if other not in ruled_out and situation.shape(other).kind != "sphere"]
+    possible = [
+        other for other in situation.poses if other not in ruled_out and situation.shape(other).kind != "sphere"
+    ]
+    if any(situation.is_table(support) for support in ruled_out):
+        options = possible
+    else:
+        options = [TABLE, *(other for other in possible if _may_bear(facts, entity, other))]
     if not options:
         raise Failure(EMPTY_VOLUME)
-    return options[int(search.rng.integers(len(options)))]
+    return options[0] if options == [TABLE] else options[int(search.rng.integers(len(options)))]
+
+
+def _may_bear(facts: Iterable[Fact], entity: str, other: str) -> bool:
+    """Tell whether a fact speaks of where an object is on, in or beside another."""
+    return any(
+        fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity and fact.arguments[-1] == other
+        for fact in facts
+    )
 
 
 def relevant(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
@@ -78,20 +95,20 @@ def draw_pose(
     *,
     height: float = 0.0,
 ) -> Pose:
-    """Draw a pose of an object at rest on a support, or `height` metres above, that the facts of a state allow.
+    """Draw a pose of an object at rest on a support, or `height` metres above, that the facts of a state allow there.
 
     Raises:
         Failure: the volume is empty, or nothing drawn from it satisfies the facts or is free.
     """
     about = relevant(facts, entity, situation)
     ahead = search.foresight.get((state, entity), ()) if support == TABLE else ()
-    quaternion, volume, everything = _place(search, situation, entity, support, about, ahead)
+    quaternion, volume, everything = _place(search, situation, entity, support, about, ahead, height)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not _shapes_volume(fact, entity)]
-    neighbours = _neighbours(situation, support, half, volume.low[2])
+    neighbours = _neighbours(situation, support, half, volume.low[2] - height)
     cause = RELATION
     for floor, spacing in _tries(favourite, everything, support):
         at = volume.draw(floor, search.uniform)
@@ -100,7 +117,7 @@ def draw_pose(
         if not _clear(at[0], at[1], neighbours, spacing):
             cause = OBJECTS_COLLIDE
         elif all_satisfied(checked, situation, entity, Pose(at, quaternion)):
-            return Pose((at[0], at[1], at[2] + height), quaternion)
+            return Pose(at, quaternion)
         else:
             cause = RELATION
     raise Failure(cause)
@@ -113,6 +130,7 @@ def _place(
     support: str,
     about: list[Fact],
     ahead: tuple[Volume, ...],
+    height: float,
 ) -> tuple[Quaternion, Volume, Floor]:
     """Return how an object is turned, where it can be then, and the floor of that.
 
@@ -125,7 +143,7 @@ def _place(
     found: tuple[Quaternion, Volume, Floor] | None = None
     for yaw in _yaws(search, situation, entity, support, about):
         quaternion = yaw_quaternion(yaw)
-        volume = _volume(situation, entity, support, quaternion, about)
+        volume = _volume(situation, entity, support, quaternion, about, height)
         floor = volume.floor()
         if floor is None:
             continue
@@ -156,19 +174,26 @@ def all_satisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose
     return all(fact.satisfied(trial) for fact in facts)
 
 
-def yaw_range(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[float, float] | None:
-    """Return the yaws that facts allow an object: a centre and a half width in radians; None where any will do.
+def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[Yaws, ...] | None:
+    """Return the ranges of yaws that facts allow an object, None where any will do.
 
     Raises:
         Failure: no yaw is left.
     """
     volume = Volume()
     for fact in facts:
-        if fact.value and fact.predicate.name == "rotated" and fact.arguments[0] == entity:
-            volume = volume.meet(fact.predicate.volume(situation, fact.arguments, IDENTITY))
-    if volume.empty:
+        if fact.predicate.turns and _shapes_volume(fact, entity):
+            volume = volume.meet(_allowed(situation, fact, entity, IDENTITY))
+    if volume.yaws == ():
         raise Failure(EMPTY_VOLUME)
-    return volume.yaw
+    return volume.yaws
+
+
+def draw_yaws(search: Search, ranges: tuple[Yaws, ...]) -> Iterator[float]:
+    """Draw a yaw in radians of each of some ranges, of any of them first."""
+    first = 0 if len(ranges) == 1 else int(search.rng.integers(len(ranges)))
+    for chosen in (*ranges[first:], *ranges[:first]):
+        yield chosen.centre + search.uniform(-chosen.half, chosen.half)
 
 
 def _shapes_volume(fact: Fact, entity: str) -> bool:
@@ -177,30 +202,40 @@ def _shapes_volume(fact: Fact, entity: str) -> bool:
     return fact.value and (subject == entity or fact.predicate.inverse is not None)
 
 
-def _volume(situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact]) -> Volume:
-    """Return where an object, turned as it will be, can be put down on a support as the facts want it.
+def _allowed(situation: Situation, fact: Fact, entity: str, quaternion: Quaternion) -> Volume:
+    """Return where an object, turned as it will be, may be by a fact that its volume expresses."""
+    predicate, arguments = fact.predicate, fact.arguments
+    if arguments[predicate.subject] == entity:
+        return predicate.volume(situation, arguments, quaternion)
+    inverse = predicate_of(situation.scene, str(predicate.inverse))
+    return inverse.volume(situation, arguments[::-1], quaternion)
+
+
+def _volume(
+    situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact], height: float
+) -> Volume:
+    """Return where an object, turned as it will be, can be put down on a support, or above, as the facts want it.
 
     What is put on the table has to be within reach, unless it is known not to be.
     """
     out_of_reach = any(fact.predicate.name == "reachable" and not fact.value for fact in about)
     volume = _surface(situation, entity, support, quaternion, out_of_reach)
+    if height > 0.0:
+        (ax, ay, az), (bx, by, bz) = volume.low, volume.high
+        volume = volume._replace(low=(ax, ay, az + height), high=(bx, by, bz + height))
     if support == TABLE and not out_of_reach:
         volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
     for fact in about:
-        predicate, arguments = fact.predicate, fact.arguments
-        if not _shapes_volume(fact, entity) or (predicate.name in CONTAINING and arguments == (entity, support)):
-            continue
-        if arguments[predicate.subject] == entity:
-            volume = volume.meet(predicate.volume(situation, arguments, quaternion))
-        elif predicate.inverse is not None:
-            volume = volume.meet(PREDICATES[predicate.inverse].volume(situation, arguments[::-1], quaternion))
+        on_it = fact.predicate.name in SUPPORTING and fact.arguments == (entity, support)
+        if _shapes_volume(fact, entity) and not on_it:
+            volume = volume.meet(_allowed(situation, fact, entity, quaternion))
     return volume
 
 
 def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
     """Return the part of a volume around what an object is beside: there the relation is seen at a glance."""
     for fact in about:
-        if fact.value and fact.predicate.inverse is not None:
+        if fact.value and fact.predicate.name in SEEN_CLOSE:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
             x, y, _ = situation.pose(other).position
             half_x, half_y, _ = situation.half(other)
@@ -251,10 +286,10 @@ def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[
 
 
 def _yaws(search: Search, situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
-    """Yield yaws in radians: one in the range that facts want, else square to the support, else any, then square."""
-    wanted = yaw_range(situation, entity, about)
+    """Yield yaws in radians: of the ranges that facts want, else square to the support, else any, then square."""
+    wanted = yaw_ranges(situation, entity, about)
     if wanted is not None:
-        yield wanted[0] + search.uniform(-wanted[1], wanted[1])
+        yield from draw_yaws(search, wanted)
         return
     if support == TABLE:
         yield search.uniform(-math.pi, math.pi)

@@ -90,6 +90,7 @@ class Prover:
         if not new:
             return
         true = [fact for fact in facts if fact.value]
+        yield from _gap_reasons(true)
         yield from _gripper_reasons(true)
         yield from _turn_reasons(true, self._scene)
         gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
@@ -141,6 +142,9 @@ def _lengths(found: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:
 
 def _own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     """Yield why a fact can never hold, whatever else does."""
+    if fact.value and len(set(fact.arguments)) < len(fact.arguments):
+        yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
+        return
     yield from _size_reasons(fact, scene)
     entities = () if fact.predicate.of_gripper else bodies(fact, scene)
     if entities and all(entity in scene.fixed for entity in entities) and not fact.satisfied(_still(scene)):
@@ -177,6 +181,14 @@ def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
     small, middle, _ = sorted(shape.size)
     area = small * middle * (math.pi / 4 if shape.kind in ("sphere", "cylinder") else 1.0)
     return small > min(inner_x, inner_y) or area > inner_x * inner_y
+
+
+def _gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
+    """Yield objects that are both near each other and far from each other."""
+    near = {frozenset(fact.arguments) for fact in true if fact.predicate.name == "near"}
+    for fact in true:
+        if near and fact.predicate.name == "far" and frozenset(fact.arguments) in near:
+            yield f"{' and '.join(fact.arguments)} cannot be near and far at once"
 
 
 def _gripper_reasons(true: Iterable[Fact]) -> Iterator[str]:

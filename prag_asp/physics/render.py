@@ -35,13 +35,19 @@ TOLD_FIRST = (
     "on_top",
     "inside",
     "located",
+    "between",
     "rotated",
+    "aligned",
     "left_of",
     "right_of",
     "in_front_of",
     "behind",
+    "near",
+    "far",
+    "upright",
     "at",
 )
+UNTOLD = ("reachable", "gripper_open")
 
 
 def film_strip(
@@ -195,8 +201,9 @@ def _action_words(action: Atom, scene: Scene) -> str:
 
 
 def _told(made: Sequence[Fact]) -> str:
-    """Return what is most worth telling of some facts."""
+    """Return what is most worth telling of some facts; relations of the domain's own come first."""
     order = {name: position for position, name in enumerate(TOLD_FIRST)}
-    known = sorted((fact for fact in made if fact.predicate.name in order), key=lambda f: order[f.predicate.name])
+    worth = (fact for fact in made if fact.predicate.name not in UNTOLD)
+    known = sorted(worth, key=lambda fact: order.get(fact.predicate.name, -1))
     told = known[:2] or list(made[:1])
     return ", ".join(fact.sentence() for fact in told)

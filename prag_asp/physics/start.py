@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.actions import take_place
 from prag_asp.physics.arm import Configuration, collide
-from prag_asp.physics.facts import Fact, Problem
+from prag_asp.physics.facts import BEARING, Fact, Problem
 from prag_asp.physics.geometry import Pose, yaw_quaternion
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.moving import verify_objects
 from prag_asp.physics.placement import any_support, draw_pose, known_support
 from prag_asp.physics.search import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
 from prag_asp.physics.situation import Situation
+
+BACKTRACKS = 12
+"""How often a first state goes back to an object that was put down before, instead of beginning anew."""
 
 
 def draw_start(search: Search, problem: Problem) -> Snapshot:
@@ -24,15 +28,8 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
         Failure: this attempt found none.
     """
     home = search.robot.home
-    situation = Situation(
-        search.scene, fixed_poses(search, problem), tool_pose(search.robot, home), search.robot.opening
-    )
-    for entity in _order(problem, search.scene):
-        if entity not in situation.poses:
-            support = known_support(situation, entity, problem.initial)
-            if support is None:
-                support = any_support(search, situation, entity, problem.initial)
-            situation = situation.with_pose(entity, draw_pose(search, situation, entity, support, problem.initial, 0))
+    still = Situation(search.scene, fixed_poses(search, problem), tool_pose(search.robot, home), search.robot.opening)
+    situation = _arranged(search, problem, still)
     verify_objects(search, situation, problem.objects, None)
     snapshot = Snapshot(situation, home)
     place = problem.held or _visited(problem.initial)
@@ -56,17 +53,67 @@ def fixed_poses(search: Search, problem: Problem) -> Mapping[str, Pose]:
     }
 
 
-def _order(problem: Problem, scene: Scene) -> list[str]:
-    """Return the objects so that supports come before what stands on them, large ones before small ones."""
+def _arranged(search: Search, problem: Problem, still: Situation) -> Situation:
+    """Return a situation with all objects at places that the facts allow, one after the other.
+
+    Where there is no place for one, an earlier one that it is in a relation to is drawn again, and all after that:
+    the nearest first, at the next time the one before it.
+
+    Raises:
+        Failure: there is no such object, or this has been tried `BACKTRACKS` times.
+    """
+    order = [entity for entity in order_of(problem, search.scene) if entity not in still.poses]
+    partners = _partners(problem.initial)
+    situations, failures = [still], Counter[str]()
+    while len(situations) <= len(order):
+        entity, situation = order[len(situations) - 1], situations[-1]
+        try:
+            support = known_support(situation, entity, problem.initial)
+            if support is None:
+                support = any_support(search, situation, entity, problem.initial)
+            pose = draw_pose(search, situation, entity, support, problem.initial, 0)
+        except Failure:
+            earlier = [i for i, other in enumerate(order[: len(situations) - 1]) if other in partners.get(entity, ())]
+            if not earlier or failures.total() >= BACKTRACKS:
+                raise
+            failures[entity] += 1
+            del situations[earlier[-failures[entity] % len(earlier)] + 1 :]
+        else:
+            situations.append(situation.with_pose(entity, pose))
+    return situations[-1]
+
+
+def _partners(facts: Iterable[Fact]) -> Mapping[str, set[str]]:
+    """Return for each object those that it is known to be in a relation to."""
+    partners: dict[str, set[str]] = {}
+    for fact in facts:
+        if fact.value:
+            for entity in fact.arguments:
+                partners.setdefault(entity, set()).update(fact.arguments)
+    return partners
+
+
+def order_of(problem: Problem, scene: Scene) -> list[str]:
+    """Return the objects in the order in which they are put down, large ones before small ones.
+
+    Supports come before what stands on them and, as far as there is no circle, what a relation refers to before its
+    subject, so that its volume is known; where the two can be swapped it does not matter.
+    """
     below: dict[str, set[str]] = {entity: set() for entity in problem.objects}
+    before: dict[str, set[str]] = {entity: set() for entity in problem.objects}
     for fact in problem.initial:
-        if fact.value and fact.predicate.name in ("on_top", "inside", "located") and fact.arguments[0] in below:
-            below[fact.arguments[0]] |= {fact.arguments[1]} & below.keys()
+        predicate, subject = fact.predicate, fact.arguments[fact.predicate.subject]
+        if not fact.value or predicate.of_gripper or predicate.inverse is not None or subject not in below:
+            continue
+        others = (below.keys() & set(fact.arguments)) - {subject}
+        before[subject] |= others
+        if predicate.name in BEARING:
+            below[subject] |= others
     ordered: list[str] = []
-    shapes = scene.shapes
-    waiting = sorted(problem.objects, key=lambda entity: -shapes[entity].size[0] * shapes[entity].size[1])
+    waiting = sorted(problem.objects, key=lambda entity: -scene.shapes[entity].size[0] * scene.shapes[entity].size[1])
     while waiting:
-        ready = [entity for entity in waiting if below[entity] <= set(ordered)] or waiting
+        ready = [entity for entity in waiting if before[entity] <= set(ordered)]
+        ready = ready or [entity for entity in waiting if below[entity] <= set(ordered)] or waiting
         ordered.append(ready[0])
         waiting.remove(ready[0])
     return ordered

@@ -44,7 +44,8 @@ class Predicate:
     `violations` defines it: metres or radians by which a situation misses each of its conditions. `subject`
     is the position of the argument that moves when the predicate is made true; where `of_gripper` is true the
     volume is the gripper's, otherwise that of the subject. `inverse` names the predicate that holds of the
-    swapped arguments whenever this one does.
+    two swapped arguments whenever this one does: itself where their order does not matter. `turns` is set where the
+    volume has ranges of yaws, `rests_on_other` where the subject may stand on or in its last argument.
     """
 
     name: str
@@ -54,6 +55,8 @@ class Predicate:
     subject: int = 0
     of_gripper: bool = False
     inverse: str | None = None
+    turns: bool = False
+    rests_on_other: bool = False
 
     def distance(self, situation: Situation, arguments: Arguments) -> float:
         """Return how far a situation is from satisfying the predicate, 0 exactly where it holds."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from prag_asp.errors import SceneError
 from prag_asp.physics.geometry import Quaternion, wrap, yaw_of
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
-from prag_asp.physics.predicates.volume import Volume
+from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
 
 TOLERANCE = math.radians(10)
@@ -35,7 +35,13 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the range of yaws."""
-    return Volume(yaw=(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN))
+    return Volume(yaws=(Yaws(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN),))
 
 
-ROTATED = Predicate(name="rotated", violations=_violations, volume=_volume, sentence=states("{0} {is} turned {1}"))
+ROTATED = Predicate(
+    name="rotated",
+    violations=_violations,
+    volume=_volume,
+    sentence=states("{0} {is} turned {1}"),
+    turns=True,
+)

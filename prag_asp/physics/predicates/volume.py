@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from prag_asp.physics.geometry import Outline, Vector, cut, wrap
+from prag_asp.physics.geometry import Outline, Vector, cut, inside_by, wrap
 
 RING_TRIES = 20
 EVERYWHERE = (-math.inf, -math.inf, -math.inf), (math.inf, math.inf, math.inf)
@@ -22,50 +22,52 @@ class Side(NamedTuple):
     c: float
 
 
-class Floor(NamedTuple):
-    """A convex polygon, and the areas of the triangles of its fan summed up; metres."""
-
-    polygon: Outline
-    areas: tuple[float, ...]
-
-
 class Ring(NamedTuple):
-    """What lies between two circles around a point, seen from above; metres."""
+    """What lies between two distances from a point, seen from above, or from a rectangle along the axes; metres."""
 
     x: float
     y: float
     inner: float
     outer: float
+    half_x: float = 0.0
+    half_y: float = 0.0
+
+    def distance(self, x: float, y: float) -> float:
+        """Return how far a place is from the point or the rectangle in metres."""
+        return math.hypot(max(0.0, abs(x - self.x) - self.half_x), max(0.0, abs(y - self.y) - self.half_y))
+
+
+class Yaws(NamedTuple):
+    """A range of yaws by its centre and its half width, in radians."""
+
+    centre: float
+    half: float
 
 
 class Volume(NamedTuple):
-    """Where the subject of a predicate may be: a region for its centre, a range of yaws, of openings.
+    """Where the subject of a predicate may be: a region for its centre, ranges of yaws, a range of openings.
 
-    The region is what a box aligned with the world's axes, half planes and rings have in common; the box is
-    infinite where the predicate does not care. Metres and radians; `yaw` is a centre and a half width.
+    The region is what a box aligned with the world's axes, half planes, rings and, of each of the `unions`, at least
+    one volume have in common; the box is infinite where the predicate does not care, `yaws` is None then. Metres and
+    radians.
     """
 
     low: Vector = EVERYWHERE[0]
     high: Vector = EVERYWHERE[1]
     sides: tuple[Side, ...] = ()
     rings: tuple[Ring, ...] = ()
-    yaw: tuple[float, float] | None = None
+    yaws: tuple[Yaws, ...] | None = None
     width: tuple[float, float] = (0.0, math.inf)
+    unions: tuple[tuple[Volume, ...], ...] = ()
 
     @property
     def empty(self) -> bool:
-        """Tell whether a range of numbers is empty; where none is, half planes and rings may still leave nothing."""
+        """Tell whether a range of numbers is empty; where none is, the rest may still leave nothing."""
         (ax, ay, az), (bx, by, bz) = self.low, self.high
-        return (
-            ax > bx
-            or ay > by
-            or az > bz
-            or self.width[0] > self.width[1]
-            or (self.yaw is not None and self.yaw[1] < 0.0)
-        )
+        return ax > bx or ay > by or az > bz or self.width[0] > self.width[1] or self.yaws == ()
 
     def meet(self, other: Volume) -> Volume:
-        """Return what both volumes allow; of two ranges of yaws the part of the first within the second."""
+        """Return what both volumes allow."""
         (ax, ay, az), (bx, by, bz) = self.low, other.low
         (cx, cy, cz), (dx, dy, dz) = self.high, other.high
         return Volume(
@@ -73,9 +75,20 @@ class Volume(NamedTuple):
             (min(cx, dx), min(cy, dy), min(cz, dz)),
             self.sides + other.sides,
             self.rings + other.rings,
-            _meet_yaws(self.yaw, other.yaw),
+            _meet_yaws(self.yaws, other.yaws),
             (max(self.width[0], other.width[0]), min(self.width[1], other.width[1])),
+            self.unions + other.unions,
         )
+
+    def parts(self) -> tuple[Volume, ...]:
+        """Return volumes without unions that make up the region together; of those known to be empty none."""
+        if not self.unions:
+            return (self,)
+        found = [self._replace(unions=())]
+        for union in self.unions:
+            met = (part.meet(each) for part in found for option in union for each in option.parts())
+            found = [part for part in met if not part.empty]
+        return tuple(found)
 
     def outside(self, point: Vector) -> float:
         """Return by how many metres a point misses the region, 0 within it."""
@@ -84,8 +97,9 @@ class Volume(NamedTuple):
         missed += [value - high for high, value in zip(self.high, point, strict=True)]
         missed += [side.a * x + side.b * y - side.c for side in self.sides]
         for ring in self.rings:
-            radius = math.hypot(x - ring.x, y - ring.y)
-            missed += [ring.inner - radius, radius - ring.outer]
+            distance = ring.distance(x, y)
+            missed += [ring.inner - distance, distance - ring.outer]
+        missed += [min((option.outside(point) for option in union), default=math.inf) for union in self.unions]
         return max(0.0, *missed)
 
     def floor(self, room: float = 0.0) -> Floor | None:
@@ -94,6 +108,11 @@ class Volume(NamedTuple):
         `room` metres are kept off its borders, or a third of the box where it is narrow. The box has to be
         finite along x and y.
         """
+        patches = [patch for part in self.parts() if (patch := part.patch(room)) is not None]
+        return tuple(patches) if patches else None
+
+    def patch(self, room: float) -> Patch | None:
+        """Return the floor of a region without unions."""
         if self.empty:
             return None
         (ax, ay, _), (bx, by, _) = self.low, self.high
@@ -101,29 +120,43 @@ class Volume(NamedTuple):
         polygon: Outline = ((ax + dx, ay + dy), (bx - dx, ay + dy), (bx - dx, by - dy), (ax + dx, by - dy))
         for a, b, c in self.sides:
             polygon = cut(polygon, a, b, c - min(room, dx, dy))
-        return _fan(polygon) if polygon else None
+        return _fan(self, polygon) if polygon else None
 
-    def draw(self, floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Draw a point of the region over its `floor` uniformly; None where the rings leave none.
+    @staticmethod
+    def draw(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
+        """Draw a point of a region over its `floor` uniformly; None where the rings leave none.
 
         Where the region has a height the point is drawn from all of it.
         """
         for _ in range(RING_TRIES):
-            x, y = _inside(floor, uniform)
-            if self._in_rings(x, y):
-                low, high = self.low[2], self.high[2]
+            patch = floor[0] if len(floor) == 1 else _choose(floor, uniform)
+            x, y = _inside(patch, uniform)
+            if patch.volume.in_rings(x, y) and (len(floor) == 1 or _keeps(floor, x, y, uniform)):
+                low, high = patch.volume.low[2], patch.volume.high[2]
                 return (x, y, low if low == high else uniform(low, high))
         return None
 
-    def _in_rings(self, x: float, y: float) -> bool:
-        """Tell whether a point lies in all rings."""
+    def in_rings(self, x: float, y: float) -> bool:
+        """Tell whether a place lies in all rings."""
         for ring in self.rings:  # noqa: SIM110 (all() is slower here)
-            if not ring.inner <= math.hypot(x - ring.x, y - ring.y) <= ring.outer:
+            if not ring.inner <= ring.distance(x, y) <= ring.outer:
                 return False
         return True
 
 
-def _fan(polygon: Outline) -> Floor:
+class Patch(NamedTuple):
+    """A convex polygon from which to draw, the areas of the triangles of its fan summed up, and its volume; metres."""
+
+    polygon: Outline
+    areas: tuple[float, ...]
+    volume: Volume
+
+
+Floor = tuple[Patch, ...]
+"""A region seen from above, but for its rings; its patches may overlap."""
+
+
+def _fan(volume: Volume, polygon: Outline) -> Patch:
     """Return a polygon of at least three corners (the last one repeated where there are fewer) with its areas."""
     polygon += (polygon[-1],) * (3 - len(polygon))
     (ax, ay), rest = polygon[0], polygon[1:]
@@ -131,12 +164,24 @@ def _fan(polygon: Outline) -> Floor:
     for (bx, by), (cx, cy) in pairwise(rest):
         total += max(0.0, (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2
         areas.append(total)
-    return Floor(polygon, tuple(areas))
+    return Patch(polygon, tuple(areas), volume)
 
 
-def _inside(floor: Floor, uniform: Callable[[float, float], float]) -> tuple[float, float]:
+def _choose(floor: Floor, uniform: Callable[[float, float], float]) -> Patch:
+    """Draw one of several patches by its area."""
+    sums = list(accumulate(patch.areas[-1] for patch in floor))
+    return floor[bisect_left(sums, uniform(0.0, sums[-1]), 0, len(floor) - 1)]
+
+
+def _keeps(floor: Floor, x: float, y: float, uniform: Callable[[float, float], float]) -> bool:
+    """Decide whether to keep a place of several patches: what lies in n of them is drawn n times too often."""
+    found = sum(inside_by(patch.polygon, (x, y)) >= 0.0 and patch.volume.in_rings(x, y) for patch in floor)
+    return found <= 1 or uniform(0.0, found) <= 1.0
+
+
+def _inside(patch: Patch, uniform: Callable[[float, float], float]) -> tuple[float, float]:
     """Draw a point of a convex polygon uniformly: a triangle of its fan by area, then a point in that."""
-    polygon, areas = floor
+    polygon, areas, _ = patch
     # The last triangle takes what rounding leaves over.
     i = bisect_left(areas, uniform(0.0, areas[-1]), 0, len(areas) - 1)
     (ax, ay), (bx, by), (cx, cy) = polygon[0], polygon[i + 1], polygon[i + 2]
@@ -146,13 +191,18 @@ def _inside(floor: Floor, uniform: Callable[[float, float], float]) -> tuple[flo
     return ax + s * (bx - ax) + t * (cx - ax), ay + s * (by - ay) + t * (cy - ay)
 
 
-def _meet_yaws(first: tuple[float, float] | None, second: tuple[float, float] | None) -> tuple[float, float] | None:
-    """Return the common part of two ranges of yaws, each a centre and a half width in radians."""
+def _meet_yaws(first: tuple[Yaws, ...] | None, second: tuple[Yaws, ...] | None) -> tuple[Yaws, ...] | None:
+    """Return the common parts of ranges of yaws: of each pair the part of the one within the other."""
     if first is None or second is None:
-        return first or second
-    offset = wrap(second[0] - first[0])
-    low, high = max(-first[1], offset - second[1]), min(first[1], offset + second[1])
-    return (first[0] + (low + high) / 2, (high - low) / 2)
+        return second if first is None else first
+    found = []
+    for one in first:
+        for two in second:
+            offset = wrap(two.centre - one.centre)
+            low, high = max(-one.half, offset - two.half), min(one.half, offset + two.half)
+            if low <= high:
+                found.append(Yaws(one.centre + (low + high) / 2, (high - low) / 2))
+    return tuple(found)
 
 
 def turned_box(pose: tuple[Vector, tuple[float, float]], half: tuple[float, float]) -> tuple[Side, ...]:

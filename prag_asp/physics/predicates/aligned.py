@@ -1,0 +1,72 @@
+"""``aligned``: two bodies side by side with parallel sides, in a row along an axis of the scene.
+
+Their yaws differ by a multiple of 90 degrees, up to `TURN`; a cylinder and a ball are parallel to everything. Their
+centres are at most `OFFSET` metres apart along one of the scene's axes x and y, seen from above, and their bounding
+boxes at least `GAP` metres apart along the other. The order of the two does not matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from prag_asp.domain.scene import Shape
+from prag_asp.physics.geometry import Quaternion, extents, wrap, yaw_of
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Volume, Yaws
+from prag_asp.physics.situation import Situation
+
+TURN, TURN_MARGIN = math.radians(5), math.radians(0.5)
+OFFSET, GAP, MARGIN = 0.01, 0.005, 0.003
+QUARTER = math.pi / 2
+
+
+def _has_sides(shape: Shape) -> bool:
+    """Tell whether a body has sides that can be parallel to others."""
+    return shape.kind not in ("cylinder", "sphere")
+
+
+def _parallel(situation: Situation, arguments: Arguments) -> bool:
+    """Tell whether both bodies have sides."""
+    return all(_has_sides(situation.shape(entity)) for entity in arguments)
+
+
+def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the bodies are out of the nearest row, and by how many radians not parallel."""
+    one, two = situation.body(arguments[0]), situation.body(arguments[1])
+    apart = [abs(a - b) for a, b in zip(one.pose.position[:2], two.pose.position[:2], strict=True)]
+    close = [one.half[axis] + two.half[axis] + GAP for axis in (0, 1)]
+    yield min(max(apart[1 - axis] - OFFSET, close[axis] - apart[axis]) for axis in (0, 1))
+    if _parallel(situation, arguments):
+        off = wrap(4 * (yaw_of(one.pose.quaternion) - yaw_of(two.pose.quaternion))) / 4
+        yield abs(off) - TURN
+
+
+def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the strips to the four sides of the other body, and the four ranges of parallel yaws."""
+    subject, other = arguments
+    at, half = situation.pose(other).position, situation.half(other)
+    own = extents(situation.shape(subject), quaternion)
+    strips = []
+    for axis in (0, 1):
+        for sign in (1.0, -1.0):
+            low, high = [-math.inf] * 3, [math.inf] * 3
+            low[1 - axis], high[1 - axis] = at[1 - axis] - OFFSET + MARGIN, at[1 - axis] + OFFSET - MARGIN
+            edge = at[axis] + sign * (half[axis] + own[axis] + GAP + MARGIN)
+            (low if sign > 0 else high)[axis] = edge
+            strips.append(Volume((low[0], low[1], low[2]), (high[0], high[1], high[2])))
+    yaws = None
+    if _parallel(situation, arguments):
+        yaw = yaw_of(situation.pose(other).quaternion)
+        yaws = tuple(Yaws(yaw + turn * QUARTER, TURN - TURN_MARGIN) for turn in range(4))
+    return Volume(yaws=yaws, unions=(tuple(strips),))
+
+
+ALIGNED = Predicate(
+    name="aligned",
+    violations=_violations,
+    volume=_volume,
+    sentence=states("{0} {is} aligned with {1}"),
+    inverse="aligned",
+    turns=True,
+)

@@ -1,0 +1,82 @@
+"""``between``: a body lies between two others, seen from above.
+
+The straight line from the centre of the one to that of the other passes through the body, and along that line it is
+at least `GAP` metres away from both. What is above or below does not matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from prag_asp.physics.geometry import Quaternion, Vector, width_along
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Volume, turned_box
+from prag_asp.physics.situation import Situation
+
+GAP = 0.005
+MARGIN = 0.003
+
+
+def _half_along(situation: Situation, entity: str, quaternion: Quaternion, direction: Vector) -> float:
+    """Return half the width of a body along a direction in metres; the table has none."""
+    return width_along(situation.shape(entity), quaternion, direction) / 2
+
+
+def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
+    """Return how far apart the two others are in metres, and the direction from the first to the second."""
+    (ax, ay, _), (bx, by, _) = (situation.pose(other).position for other in arguments[1:])
+    length = math.hypot(bx - ax, by - ay)
+    return length, ((bx - ax) / length, (by - ay) / length, 0.0) if length > 0.0 else (1.0, 0.0, 0.0)
+
+
+def _room(
+    situation: Situation, arguments: Arguments, quaternion: Quaternion, line: tuple[float, Vector]
+) -> tuple[float, float, float]:
+    """Return where on the line the centre of the body begins and ends to be free of the others, and how far off it.
+
+    Metres from the centre of the first of the others, and to each side.
+    """
+    subject, one, two = arguments
+    length, along = line
+    own = _half_along(situation, subject, quaternion, along) + GAP
+    begin = own + _half_along(situation, one, situation.pose(one).quaternion, along)
+    end = length - own - _half_along(situation, two, situation.pose(two).quaternion, along)
+    return begin, end, _half_along(situation, subject, quaternion, (-along[1], along[0], 0.0))
+
+
+def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the body is off the line, and short of either gap."""
+    line = _line(situation, arguments)
+    pose, (x, y, _) = situation.pose(arguments[0]), situation.pose(arguments[1]).position
+    begin, end, aside = _room(situation, arguments, pose.quaternion, line)
+    dx, dy, (ux, uy, _) = pose.position[0] - x, pose.position[1] - y, line[1]
+    yield abs(ux * dy - uy * dx) - aside
+    yield begin - (ux * dx + uy * dy)
+    yield ux * dx + uy * dy - end
+
+
+def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the rectangle around the line between the others."""
+    line = _line(situation, arguments)
+    begin, end, aside = _room(situation, arguments, quaternion, line)
+    x, y, _ = situation.pose(arguments[1]).position
+    along, across = (end - begin) / 2 - MARGIN, aside - min(MARGIN, aside / 2)
+    if along < 0.0:
+        return Volume((x, y, 0.0), (x, y, -1.0))
+    ux, uy, _ = line[1]
+    x, y = x + ux * (begin + end) / 2, y + uy * (begin + end) / 2
+    reach_x, reach_y = abs(ux) * along + abs(uy) * across, abs(uy) * along + abs(ux) * across
+    return Volume(
+        (x - reach_x, y - reach_y, -math.inf),
+        (x + reach_x, y + reach_y, math.inf),
+        sides=turned_box(((x, y, 0.0), (ux, uy)), (along, across)),
+    )
+
+
+BETWEEN = Predicate(
+    name="between",
+    violations=_violations,
+    volume=_volume,
+    sentence=states("{0} {is} between {1} and {2}"),
+)

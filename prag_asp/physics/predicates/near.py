@@ -1,0 +1,73 @@
+"""``near`` and ``far``: how wide the gap between two bodies is, seen from above.
+
+The gap is the distance of their bounding boxes along the scene's axes, 0 where one is above the other. Up to `NEAR`
+metres are near, from `FAR` metres on is far; between is neither. The order of the two does not matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from prag_asp.physics.geometry import Quaternion, extents
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Ring, Volume
+from prag_asp.physics.situation import Situation
+
+NEAR, FAR = 0.10, 0.25
+MARGIN = 0.003
+
+
+def _gap(situation: Situation, arguments: Arguments) -> float:
+    """Return the gap between two bodies in metres."""
+    one, two = situation.body(arguments[0]), situation.body(arguments[1])
+    (ax, ay, _), (bx, by, _) = one.pose.position, two.pose.position
+    dx, dy = abs(ax - bx) - one.half[0] - two.half[0], abs(ay - by) - one.half[1] - two.half[1]
+    return math.hypot(max(0.0, dx), max(0.0, dy))
+
+
+def _around(situation: Situation, arguments: Arguments, quaternion: Quaternion, gaps: tuple[float, float]) -> Ring:
+    """Return where the subject may be so that the gap is between two bounds in metres."""
+    subject, other = arguments
+    (x, y, _), half = situation.pose(other).position, situation.half(other)
+    own = extents(situation.shape(subject), quaternion)
+    return Ring(x, y, *gaps, own[0] + half[0], own[1] + half[1])
+
+
+def _near_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the gap is too wide."""
+    yield _gap(situation, arguments) - NEAR
+
+
+def _near_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return what is around the other body."""
+    ring = _around(situation, arguments, quaternion, (0.0, NEAR - MARGIN))
+    dx, dy = ring.half_x + ring.outer, ring.half_y + ring.outer
+    low, high = (ring.x - dx, ring.y - dy, -math.inf), (ring.x + dx, ring.y + dy, math.inf)
+    return Volume(low, high, rings=(ring,))
+
+
+def _far_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the gap is too narrow."""
+    yield FAR - _gap(situation, arguments)
+
+
+def _far_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return what is far from the other body."""
+    return Volume(rings=(_around(situation, arguments, quaternion, (FAR + MARGIN, math.inf)),))
+
+
+NEAR_TO = Predicate(
+    name="near",
+    violations=_near_violations,
+    volume=_near_volume,
+    sentence=states("{0} {is} near {1}"),
+    inverse="near",
+)
+FAR_FROM = Predicate(
+    name="far",
+    violations=_far_violations,
+    volume=_far_volume,
+    sentence=states("{0} {is} far from {1}"),
+    inverse="far",
+)

@@ -1,0 +1,30 @@
+"""``upright``: a body stands as it was made, its z axis up to `TOLERANCE` vertical; a ball always does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from prag_asp.physics.geometry import Quaternion, rotate
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Volume
+from prag_asp.physics.situation import Situation
+
+TOLERANCE = math.radians(10)
+
+
+def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many radians the body leans beyond the tolerance."""
+    if situation.shape(arguments[0]).kind != "sphere":
+        x, y, z = rotate(situation.pose(arguments[0]).quaternion, (0.0, 0.0, 1.0))
+        yield math.atan2(math.hypot(x, y), z) - TOLERANCE
+    else:
+        yield -TOLERANCE
+
+
+def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return everything: what is turned about z alone is upright wherever it is."""
+    return Volume()
+
+
+UPRIGHT = Predicate(name="upright", violations=_violations, volume=_volume, sentence=states("{0} {is} upright"))
