@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from prag_asp.cli import options
+from prag_asp.cli.learn import learn, require_proofs
 from prag_asp.cli.options import Asked, Checking, Weighing, asks
 from prag_asp.cli.split import split
 from prag_asp.cli.statistics import stats
@@ -46,13 +47,15 @@ def domains() -> None:
 def check(*, asked: Asked) -> None:
     """Check a domain and say what it declares."""
     domain = asked.domain()
+    require_proofs(domain)
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
     composites = f"{len(facts.composites)} composites, " if facts.composites else ""
+    learned = f"{len(domain.learned)} learned invariants, " if domain.learned else ""
     click.echo(
         f"{domain.name}: ok; {world} world, {len(facts.entities)} entities, {len(facts.fluents)} fluents, "
-        f"{len(facts.actions)} actions, {composites}{scene}"
+        f"{len(facts.actions)} actions, {composites}{learned}{scene}"
     )
 
 
@@ -212,6 +215,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         raise click.exceptions.Exit(FAILED)
 
 
+cli.add_command(learn)
 cli.add_command(task)
 cli.add_command(split)
 cli.add_command(stats)
