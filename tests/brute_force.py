@@ -41,6 +41,7 @@ class Toy:
     blocked: tuple[tuple[int, int, int], ...] = ()
     composites: tuple[tuple[int, ...], ...] = ()
     free: tuple[int, ...] = ()
+    impossible: tuple[tuple[int, int], ...] = ()
 
     def text(self) -> str:
         lines = [f"fluent(f{f})." for f in range(self.fluents)]
@@ -51,6 +52,7 @@ class Toy:
         lines += [f"initially(f{f},{spelled(v)})." for f, v in self.initially.items()]
         lines += [f"exclusive(f{f},f{g})." for f, g in self.exclusive]
         lines += [f"implies(f{f},f{g})." for f, g in self.implies]
+        lines += [f"impossible(f{f},f{g})." for f, g in self.impossible]
         lines += [f"goal(f{f},{spelled(v)})." for f, v in self.goal.items()]
         lines += [f"at_most({name},{k})." for name, k in self.at_most.items()]
         lines += [f"composite(c{i})." for i in range(len(self.composites))]
@@ -66,7 +68,7 @@ class Toy:
         return "\n".join(lines) + "\n"
 
     def allowed(self, state: State) -> bool:
-        return not any(state[f] and state[g] for f, g in self.exclusive) and all(
+        return not any(state[f] and state[g] for f, g in (*self.exclusive, *self.impossible)) and all(
             state[g] for f, g in self.implies if state[f]
         )
 

@@ -36,6 +36,7 @@ def toys(draw: st.DrawFn, *, closed: bool) -> Toy:
         tuple(draw(st.lists(st.tuples(number, number), max_size=2))),
         draw(st.dictionaries(st.sampled_from(["a", "b"]), st.integers(0, 2), max_size=1)),
         tuple(draw(st.lists(st.tuples(number, fluent, fluent), max_size=2))) if closed else (),
+        impossible=tuple(draw(st.lists(pair, max_size=2))),
     )
 
 

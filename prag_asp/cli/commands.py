@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from prag_asp.cli import options
+from prag_asp.cli.learn import learn, require_proofs
 from prag_asp.cli.options import Asked, Checking, Weighing, asks
 from prag_asp.cli.render import render
 from prag_asp.cli.split import split
@@ -49,13 +50,15 @@ def check(*, asked: Asked) -> None:
     domain = asked.domain()
     if "own" in domain.settings.scene:
         options.scene_of(domain)
+    require_proofs(domain)
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
     composites = f"{len(facts.composites)} composites, " if facts.composites else ""
+    learned = f"{len(domain.learned)} learned invariants, " if domain.learned else ""
     click.echo(
         f"{domain.name}: ok; {world} world, {len(facts.entities)} entities, {len(facts.fluents)} fluents, "
-        f"{len(facts.actions)} actions, {composites}{scene}"
+        f"{len(facts.actions)} actions, {composites}{learned}{scene}"
     )
 
 
@@ -217,6 +220,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
 
 
 cli.add_command(render)
+cli.add_command(learn)
 cli.add_command(task)
 cli.add_command(split)
 cli.add_command(stats)

@@ -29,6 +29,7 @@ class Asked:
     rules: tuple[str, ...] = ()
     encodings: str | None = None
     flat: bool = False
+    learned: bool = True
     length: int = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
@@ -41,10 +42,17 @@ class Asked:
         """Load the domain."""
         from prag_asp.domain.load import load_domain
 
-        return load_domain(self.name, rules=self.rules, encodings=self.encodings, flat=self.flat, trust=self.trust)
+        return load_domain(
+            self.name,
+            rules=self.rules,
+            encodings=self.encodings,
+            flat=self.flat,
+            trust=self.trust,
+            learned=self.learned,
+        )
 
-    def space(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
-        """Return the task space, which tells its progress to `tell`."""
+    def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
+        """Return the task space of the domain, or of another one, which tells its progress to `tell`."""
         from prag_asp.space.limits import Limits, parse_memory, parse_time
         from prag_asp.space.task_space import TaskSpace
 
@@ -55,7 +63,7 @@ class Asked:
         )
         if not all(map(str.strip, self.where)):
             raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
-        space = TaskSpace(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
+        space = TaskSpace(domain or self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
         return space.where(*self.where)
 
 
@@ -65,6 +73,9 @@ PROGRAM = (
     ),
     click.option("--encodings", metavar="DIR", help="Folder of encodings to use in place of the shipped ones."),
     click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
+    click.option(
+        "--learned/--no-learned", default=True, help="Read learned.lp if the domain has one.  [default: learned]"
+    ),
 )
 DOMAIN = (click.argument("name", metavar="DOMAIN"), *PROGRAM)
 TRUST = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")

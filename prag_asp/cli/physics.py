@@ -56,16 +56,17 @@ class Recordings:
 
 
 class Tally:
-    """How many tasks were drawn, how many passed, and why the rest failed."""
+    """How many tasks were drawn, how many passed, how many are proved infeasible, and why the rest failed."""
 
     def __init__(self) -> None:
-        self.drawn, self.passed, self.budget = 0, 0, ""
+        self.drawn, self.passed, self.proved, self.budget = 0, 0, 0, ""
         self._reasons: Counter[str] = Counter()
 
     def add(self, verdict: Verdict) -> None:
         """Count a verdict."""
         self.drawn += 1
         self.passed += verdict.feasible
+        self.proved += verdict.status == "infeasible"
         self.budget = str(verdict.budget)
         if not verdict.feasible:
             kind = "proved infeasible" if verdict.status == "infeasible" else "not found"

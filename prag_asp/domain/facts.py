@@ -36,6 +36,7 @@ class Facts:
     initially: Assignment
     exclusive: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
     implies: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
+    impossible: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
     goal: Assignment
     composites: tuple[clingo.Symbol, ...]
     stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
@@ -82,6 +83,7 @@ def read_facts(control: clingo.Control) -> Facts:
         initially=tuple((fluent, str(value)) for fluent, value in rows(control, "initially", 2)),
         exclusive=tuple((first, second) for first, second in rows(control, "exclusive", 2)),
         implies=tuple((first, second) for first, second in rows(control, "implies", 2)),
+        impossible=tuple((first, second) for first, second in rows(control, "impossible", 2)),
         goal=tuple((fluent, str(value)) for fluent, value in rows(control, "goal", 2)),
         composites=tuple(composite for (composite,) in rows(control, "composite", 1)),
         stages=stages,

@@ -5,12 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import clingo
+
 from prag_asp.domain.facts import Facts
-from prag_asp.domain.lint import check
+from prag_asp.domain.lint import check, check_learned
 from prag_asp.domain.paths import data_folder, domain_folder
 from prag_asp.domain.rules import rule_sources
 from prag_asp.domain.settings import Settings
 from prag_asp.domain.sources import HIERARCHY, Program, Source, core_sources, read_sources
+
+LEARNED = "learned.lp"
+"""The file of invariants that physics has proved; `prag-asp learn` writes it."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +23,8 @@ class Domain:
     """A domain that has passed every check.
 
     `program` is the whole logic program (the encodings, the domain's own files and the rules asked for), `facts` what
-    its base part states. Physics runs the Python files of the domain only where it is `trusted`.
+    its base part states. Physics runs the Python files of the domain only where it is `trusted`. `learned` are the
+    impossible fluents that only the file of learned invariants states.
     """
 
     name: str
@@ -28,6 +34,7 @@ class Domain:
     facts: Facts
     settings: Settings
     trusted: bool = False
+    learned: tuple[tuple[clingo.Symbol, clingo.Symbol], ...] = ()
 
 
 def load_domain(
@@ -37,13 +44,15 @@ def load_domain(
     encodings: str | Path | None = None,
     flat: bool = False,
     trust: bool = False,
+    learned: bool = True,
 ) -> Domain:
     """Read and check a domain, given as a shipped name or as a folder.
 
     `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
     of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
-    that its domain.toml names; nothing else does.
+    that its domain.toml names; nothing else does. Without `learned`, the file of learned invariants is left out; it is
+    read where the folder has one.
 
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
@@ -62,7 +71,24 @@ def load_domain(
         facts = replace(facts, composites=(), stages={}, free=())
     if not facts.composites:
         program = Program(tuple(source for source in program.sources if source not in hierarchy))
-    return Domain(folder.resolve().name, folder, encodings, program, facts, settings, trust)
+    domain = Domain(folder.resolve().name, folder, encodings, program, facts, settings, trust)
+    path = folder / LEARNED
+    return with_learned(domain, read_sources(path, encodings)) if learned and path.is_file() else domain
+
+
+def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
+    """Return a domain with learned invariants, each stated as ``impossible(F,G)``.
+
+    Raises:
+        DomainError: the sources state something else, or speak of what the domain does not declare.
+    """
+    program = Program(_unique((*domain.program.sources, *sources)))
+    impossible = check_learned(program, sources).impossible
+    known = {frozenset(pair) for pair in domain.facts.impossible}
+    added = {frozenset(pair): pair for pair in impossible if frozenset(pair) not in known}
+    return replace(
+        domain, program=program, facts=replace(domain.facts, impossible=impossible), learned=tuple(added.values())
+    )
 
 
 def _unique(sources: tuple[Source, ...]) -> tuple[Source, ...]:

@@ -16,7 +16,7 @@ from prag_asp.logic.solver import Solver
 from prag_asp.logic.tracked import TrackedProgram, broken_atoms, tracked
 
 OPPOSITE = {"true": "false", "false": "true"}
-TOLD = ("step.lp", "invariants.lp", "goal.lp")
+TOLD = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
 """The encodings whose constraints are told in words."""
 
 
@@ -114,6 +114,13 @@ class _Search:
                 if all(state.true(self._atom(predicate, fluent, time, value)) for value in OPPOSITE):
                     yield f"{fluent} would have to be both true and false"
                     break
+            if self._impossible(fluent, min(step, len(self._plan)), state):
+                yield f"{fluent} would have to be true, which is impossible together with what else is true then"
+
+    def _impossible(self, fluent: clingo.Symbol, time: int, state: _State) -> bool:
+        true = {each: state.true(self._atom(each, fluent, time, "true")) for each in ("known", "holds", "reached")}
+        ruled_out, barred = (state.true(self._atom(each, fluent, time)) for each in ("ruled_out", "barred"))
+        return (barred and true["known"]) or (ruled_out and (true["holds"] or true["reached"]))
 
     def _atom(self, predicate: str, term: clingo.Symbol, time: int, value: str = "") -> Literal:
         middle = [clingo.Function(value)] if value else []

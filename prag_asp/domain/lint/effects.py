@@ -28,12 +28,16 @@ def effect_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
             findings.assigned(predicate, values, (action,))
     findings.assigned("initially", facts.initially)
     findings.assigned("goal", facts.goal)
-    for predicate, pairs in (("exclusive", facts.exclusive), ("implies", facts.implies)):
+    for predicate, pairs in _pairs(facts).items():
         for pair in pairs:
             for fluent in pair:
                 findings.declared(fluent, predicate, pair)
     yield from findings.problems()
     yield from _doubled(facts, origins)
+
+
+def _pairs(facts: Facts) -> dict[str, tuple[Row, ...]]:
+    return {"exclusive": facts.exclusive, "implies": facts.implies, "impossible": facts.impossible}
 
 
 @dataclass

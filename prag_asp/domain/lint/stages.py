@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from clingo.ast import ASTType
+
 from prag_asp.domain.facts import Facts, read_facts
 from prag_asp.domain.grounding import Grounder
 from prag_asp.domain.lint.composites import composite_problems
@@ -31,14 +33,17 @@ from prag_asp.errors import DomainError
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
 
+LEARNED_INVARIANT = ("impossible", 2)
+"""What a file of learned invariants may state."""
+
+
 def check(program: Program, folder: Path) -> tuple[Facts, Settings]:
     """Return what a domain states and its settings, if nothing is wrong with them.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
     """
-    encodings = _encodings_folder(program)
-    owned = [(source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources]
+    owned = _owned(program)
     statements, problems = parse_sources(owned)
     path = folder / "domain.toml"
     table = read_table(path)
@@ -55,6 +60,45 @@ def check(program: Program, folder: Path) -> tuple[Facts, Settings]:
     raise_problems(execution_problems(plain, grounder.control, facts, statements, origins))
     raise_problems(name_problems(settings, facts))
     return facts, settings
+
+
+def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
+    """Return what a domain that has passed every check states together with `learned`, which `program` includes.
+
+    Raises:
+        DomainError: the learned sources state something other than invariants of declared fluents.
+    """
+    owned = _owned(program)
+    statements, problems = parse_sources(owned)
+    raise_problems(problems)
+    paths = {source.path for source in learned}
+    raise_problems(
+        each.problem("only impossible(F,G) may be stated here; write other rules into domain.lp")
+        for each in statements
+        if each.path in paths and not _states_invariant(each)
+    )
+    raise_problems([*directive_problems(statements), *vocabulary_problems(statements)])
+    grounder = Grounder(_one_free_step(program, owned))
+    grounder.ground([("base", [])])
+    origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
+    facts = _facts(grounder, origins)
+    raise_problems(effect_problems(facts, origins))
+    return facts
+
+
+def _states_invariant(statement: Statement) -> bool:
+    """Tell whether a statement is a rule for an invariant, or begins the base part, as every file does."""
+    if statement.kind == ASTType.Program:
+        return statement.part == "base"
+    heads = [atom.signature for atom in statement.heads]
+    plain = statement.is_rule and statement.node.head.ast_type == ASTType.Literal
+    return plain and statement.part == "base" and heads == [LEARNED_INVARIANT]
+
+
+def _owned(program: Program) -> list[tuple[Source, bool]]:
+    """Return the files of a program, each with whether it is the domain's own."""
+    encodings = _encodings_folder(program)
+    return [(source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources]
 
 
 def _facts(grounder: Grounder, origins: Origins) -> Facts:
