@@ -179,3 +179,20 @@ def _heat(pen: _Pen, panel: Heat, x: float, y: float) -> None:
 
 def _font(size: int) -> FreeTypeFont | PlainFont:
     return ImageFont.load_default(size)
+
+
+def gallery(pictures: Sequence[Image.Image], captions: Sequence[Sequence[str]], file: Path, gap: int = 16) -> None:
+    """Write pictures side by side as a PNG, each above the lines of its caption."""
+    wide, high = pictures[0].size
+    room = 24 * max(map(len, captions)) + 2 * gap
+    size = (len(pictures) * (wide + gap) + gap, high + room + gap)
+    image = Image.new("RGB", (size[0] * SMOOTH, size[1] * SMOOTH), "white")
+    pen = _Pen(ImageDraw.Draw(image))
+    for place, lines in enumerate(captions):
+        for row, line in enumerate(lines):
+            pen.text(gap + place * (wide + gap) + 4, gap + high + 24 + 24 * row, line, 18, "lm")
+    reduced = image.resize(size, Image.Resampling.LANCZOS)
+    for place, each in enumerate(pictures):
+        reduced.paste(each, (gap + place * (wide + gap), gap))
+    file.parent.mkdir(parents=True, exist_ok=True)
+    reduced.save(file, optimize=True)

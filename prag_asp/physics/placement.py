@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from itertools import repeat
 
+from prag_asp.physics.chains import Chain, chains, kept_apart
 from prag_asp.physics.collisions import box
 from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
 from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
@@ -100,9 +101,11 @@ def draw_pose(
     Raises:
         Failure: the volume is empty, or nothing drawn from it satisfies the facts or is free.
     """
+    facts = list(facts)
     about = relevant(facts, entity, situation)
     ahead = search.foresight.get((state, entity), ()) if support == TABLE else ()
-    quaternion, volume, everything = _place(search, situation, entity, support, about, ahead, height)
+    between = chains(situation, entity, facts)
+    quaternion, volume, everything = _place(search, situation, entity, support, about, ahead, between, height)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
@@ -130,6 +133,7 @@ def _place(
     support: str,
     about: list[Fact],
     ahead: tuple[Volume, ...],
+    between: tuple[list[Chain], ...],
     height: float,
 ) -> tuple[Quaternion, Volume, Floor]:
     """Return how an object is turned, where it can be then, and the floor of that.
@@ -143,8 +147,9 @@ def _place(
     found: tuple[Quaternion, Volume, Floor] | None = None
     for yaw in _yaws(search, situation, entity, support, about):
         quaternion = yaw_quaternion(yaw)
-        volume = _volume(situation, entity, support, quaternion, about, height)
-        floor = volume.floor()
+        volume, floor = _roomy(
+            situation, entity, quaternion, _volume(situation, entity, support, quaternion, about, height), between
+        )
         if floor is None:
             continue
         half = extents(situation.shape(entity), quaternion)
@@ -157,6 +162,18 @@ def _place(
     if found is None:
         raise Failure(EMPTY_VOLUME)
     return found
+
+
+def _roomy(
+    situation: Situation, entity: str, quaternion: Quaternion, volume: Volume, between: tuple[list[Chain], ...]
+) -> tuple[Volume, Floor | None]:
+    """Return the part of a volume that leaves room for what comes between, ample room if there is, and its floor."""
+    for chained in between or ([],):
+        part = volume.meet(kept_apart(situation, entity, quaternion, chained)) if chained else volume
+        floor = part.floor()
+        if floor is not None:
+            return part, floor
+    return volume, None
 
 
 def _shrunk(volume: Volume, half: Vector) -> Volume:

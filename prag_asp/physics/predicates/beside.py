@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from prag_asp.physics.geometry import Quaternion, extents
+from prag_asp.physics.geometry import Quaternion, Vector, extents
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
@@ -51,10 +51,14 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
 def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the wedge beyond the other body."""
     subject, other = arguments
+    return wedge(situation, name, other, extents(situation.shape(subject), quaternion), GAP + MARGIN)
+
+
+def wedge(situation: Situation, name: str, other: str, half: Vector, gap: float) -> Volume:
+    """Return the region in a direction from a body for the centre of a box with half sides; `gap` metres apart."""
     axis, sign = direction(name, situation.scene.frame)
     at = situation.pose(other).position
-    half = extents(situation.shape(subject), quaternion)[axis]
-    edge = at[axis] + sign * (half + situation.half(other)[axis] + GAP + MARGIN)
+    edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)
     low, high = [-math.inf] * 3, [math.inf] * 3
     (low if sign > 0 else high)[axis] = edge
     sides = []
