@@ -114,14 +114,18 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
     if meaning is None:
         return
     roles = scene.roles(meaning)
-    if len(roles) != len(fluent.arguments):
-        yield Problem(
-            f"scene.predicates.{fluent.name}",
-            f"{fluent} has {len(fluent.arguments)} arguments, but {meaning} takes {len(roles)} "
-            f'({", ".join(roles)}); write {fluent.name} = "{IGNORED}" if it means something else',
-        )
-        return
     own = scene.own.get(meaning)
+    if len(roles) != len(fluent.arguments):
+        if own is not None and fluent.name == meaning:
+            key, hint = f"scene.own.{meaning}.arguments", "list what each of them has to be"
+        else:
+            key, hint = (
+                f"scene.predicates.{fluent.name}",
+                f'write {fluent.name} = "{IGNORED}" if it means something else',
+            )
+        taken = f"{meaning} takes {len(roles)} ({', '.join(roles)})"
+        yield Problem(key, f"{fluent} has {len(fluent.arguments)} arguments, but {taken}; {hint}")
+        return
     around = () if own is None or own.around is None else (("object", own.around),)
     for role, entity in (*zip(roles, fluent.arguments, strict=True), *around):
         shape = scene.shapes.get(entity)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from prag_asp.physics.allowed import draw_yaws, relevant, yaw_ranges
 from prag_asp.physics.arm import LIFT, Configuration, configure, descend
 from prag_asp.physics.collisions import colliding
 from prag_asp.physics.facts import Effect
@@ -19,7 +20,7 @@ from prag_asp.physics.moving import (
     verify_objects,
     with_riders,
 )
-from prag_asp.physics.placement import any_support, draw_pose, draw_yaws, known_support, relevant, yaw_ranges
+from prag_asp.physics.placement import any_support, draw_pose, known_support
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.search import OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.situation import Situation

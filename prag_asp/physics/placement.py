@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterable, Iterator
 from itertools import repeat
 
+from prag_asp.physics.allowed import all_satisfied, allowed, draw_yaws, relevant, shapes_volume, yaw_ranges
 from prag_asp.physics.chains import Chain, chains, kept_apart
 from prag_asp.physics.collisions import box
 from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
-from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
-from prag_asp.physics.predicates import PREDICATES, Volume, Yaws, predicate_of
+from prag_asp.physics.geometry import Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
+from prag_asp.physics.predicates import PREDICATES, Ring, Volume
 from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.predicates.volume import Floor
 from prag_asp.physics.search import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
@@ -75,17 +76,6 @@ def _may_bear(facts: Iterable[Fact], entity: str, other: str) -> bool:
     )
 
 
-def relevant(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
-    """Return the facts about an object whose other bodies have their places; the gripper's are left out."""
-    return [
-        fact
-        for fact in facts
-        if entity in fact.arguments
-        and not fact.predicate.of_gripper
-        and all(_has_place(situation, other) for other in fact.arguments if other != entity)
-    ]
-
-
 def draw_pose(
     search: Search,
     situation: Situation,
@@ -103,14 +93,14 @@ def draw_pose(
     """
     facts = list(facts)
     about = relevant(facts, entity, situation)
-    ahead = search.foresight.get((state, entity), ()) if support == TABLE else ()
+    ahead = _ahead(search, situation, entity, support, state)
     between = chains(situation, entity, facts)
     quaternion, volume, everything = _place(search, situation, entity, support, about, ahead, between, height)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
-    checked = [fact for fact in about if not _shapes_volume(fact, entity)]
+    checked = [fact for fact in about if not shapes_volume(fact, entity)]
     neighbours = _neighbours(situation, support, half, volume.low[2] - height)
     cause = RELATION
     for floor, spacing in _tries(favourite, everything, support):
@@ -154,7 +144,8 @@ def _place(
             continue
         half = extents(situation.shape(entity), quaternion)
         for wished in (volume.meet(_shrunk(room, half)) for room in ahead):
-            if wished_floor := wished.floor():
+            wished_floor = wished.floor()
+            if wished_floor and (wished.rings == volume.rings or Volume.draw(wished_floor, search.uniform)):
                 return quaternion, wished, wished_floor
         found = found or (quaternion, volume, floor)
         if not ahead:
@@ -179,53 +170,23 @@ def _roomy(
 def _shrunk(volume: Volume, half: Vector) -> Volume:
     """Return where the centre of an object may be that has to be in a box wholly, seen from above."""
     (ax, ay, az), (bx, by, bz) = volume.low, volume.high
-    return Volume((ax + half[0], ay + half[1], az), (bx - half[0], by - half[1], bz))
+    return volume._replace(low=(ax + half[0], ay + half[1], az), high=(bx - half[0], by - half[1], bz))
 
 
-def all_satisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> bool:
-    """Tell whether facts would hold with an object at a pose."""
-    facts = list(facts)
-    if not facts:
-        return True
-    trial = situation.with_pose(entity, pose)
-    return all(fact.satisfied(trial) for fact in facts)
-
-
-def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[Yaws, ...] | None:
-    """Return the ranges of yaws that facts allow an object, None where any will do.
-
-    Raises:
-        Failure: no yaw is left.
-    """
-    volume = Volume()
-    for fact in facts:
-        if fact.predicate.turns and _shapes_volume(fact, entity):
-            volume = volume.meet(_allowed(situation, fact, entity, IDENTITY))
-    if volume.yaws == ():
-        raise Failure(EMPTY_VOLUME)
-    return volume.yaws
-
-
-def draw_yaws(search: Search, ranges: tuple[Yaws, ...]) -> Iterator[float]:
-    """Draw a yaw in radians of each of some ranges, of any of them first."""
-    first = 0 if len(ranges) == 1 else int(search.rng.integers(len(ranges)))
-    for chosen in (*ranges[first:], *ranges[:first]):
-        yield chosen.centre + search.uniform(-chosen.half, chosen.half)
-
-
-def _shapes_volume(fact: Fact, entity: str) -> bool:
-    """Tell whether a fact is one that the volume of an object expresses exactly."""
-    subject = fact.arguments[fact.predicate.subject]
-    return fact.value and (subject == entity or fact.predicate.inverse is not None)
-
-
-def _allowed(situation: Situation, fact: Fact, entity: str, quaternion: Quaternion) -> Volume:
-    """Return where an object, turned as it will be, may be by a fact that its volume expresses."""
-    predicate, arguments = fact.predicate, fact.arguments
-    if arguments[predicate.subject] == entity:
-        return predicate.volume(situation, arguments, quaternion)
-    inverse = predicate_of(situation.scene, str(predicate.inverse))
-    return inverse.volume(situation, arguments[::-1], quaternion)
+def _ahead(search: Search, situation: Situation, entity: str, support: str, state: int) -> tuple[Volume, ...]:
+    """Return where all of an object leaves ample room for what comes later, and where just enough."""
+    rooms = search.foresight.get((state, entity), ()) if support == TABLE else ()
+    spans = [span for span in search.spans.get((state, entity), ()) if span.other in situation.poses]
+    if not spans:
+        return rooms
+    found = []
+    for room, wide in zip(rooms or (Volume(), Volume()), (True, False), strict=True):
+        rings = []
+        for span in spans:
+            x, y, _ = situation.pose(span.other).position
+            rings.append(Ring(x, y, span.ample if wide else span.enough, math.inf))
+        found.append(room._replace(rings=tuple(rings)))
+    return tuple(found)
 
 
 def _volume(
@@ -244,8 +205,8 @@ def _volume(
         volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
     for fact in about:
         on_it = fact.predicate.name in SUPPORTING and fact.arguments == (entity, support)
-        if _shapes_volume(fact, entity) and not on_it:
-            volume = volume.meet(_allowed(situation, fact, entity, quaternion))
+        if shapes_volume(fact, entity) and not on_it:
+            volume = volume.meet(allowed(situation, fact, entity, quaternion))
     return volume
 
 
@@ -315,9 +276,3 @@ def _yaws(search: Search, situation: Situation, entity: str, support: str, about
         return
     quarter = int(search.rng.integers(4)) * math.pi / 2
     yield yaw_of(situation.pose(support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
-
-
-def _has_place(situation: Situation, entity: str) -> bool:
-    """Tell whether an argument of a fact needs no place of its own or has it."""
-    shape = situation.scene.shapes.get(entity)
-    return shape is None or shape.kind in ("robot", "table") or entity in situation.poses

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.simulator import Simulator
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.spans import Spans
 from prag_asp.physics.verdict import Moment
 
 EMPTY_VOLUME = "no room where the relations want the object"
@@ -56,12 +57,13 @@ class Exhausted(Exception):
 
 @dataclass(frozen=True)
 class Search:
-    """The simulator, the objects of the task, the generator of random numbers of this task, its foresight."""
+    """The simulator, the objects of the task, the generator of random numbers of this task, what comes later in it."""
 
     simulator: Simulator
     objects: tuple[str, ...]
     rng: np.random.Generator
     foresight: Foresight
+    spans: Spans = field(default_factory=dict)
 
     @property
     def scene(self) -> Scene:

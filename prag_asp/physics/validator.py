@@ -20,6 +20,7 @@ from prag_asp.physics.proofs import Prover
 from prag_asp.physics.search import CAUSES, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.settling import Settling, open_settling
 from prag_asp.physics.simulator import open_simulator
+from prag_asp.physics.spans import foresee_spans
 from prag_asp.physics.start import draw_start
 from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
 from prag_asp.space.task import Task
@@ -50,7 +51,8 @@ class Validator:
         if proof is not None:
             return Verdict("infeasible", budget, seed, index, reason=str(proof))
         rng = np.random.default_rng([seed, index])
-        search = Search(self._simulator, seen.objects, rng, foresee(seen, self._scene))
+        ahead, spans = foresee(seen, self._scene), foresee_spans(seen, self._scene)
+        search = Search(self._simulator, seen.objects, rng, ahead, spans)
         return self._look(seen, search, budget, seed, index)
 
     def _look(self, seen: Problem, search: Search, budget: Budget, seed: int, index: int) -> Verdict:

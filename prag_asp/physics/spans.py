@@ -1,0 +1,89 @@
+"""Room for what comes between two objects, now or later: the two are put far enough apart.
+
+This only steers draws; every check stays as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.physics.facts import Fact, Problem
+from prag_asp.physics.predicates.between import GAP, MARGIN
+
+FINGER_ROOM = 0.035
+DEPTH = 4
+"""How many objects in a row are foreseen."""
+
+
+class Span(NamedTuple):
+    """How far another object should be, centre to centre, in metres: with room for a finger, or just enough."""
+
+    other: str
+    ample: float
+    enough: float
+
+
+Spans = Mapping[tuple[int, str], tuple[Span, ...]]
+"""For a state and an object that comes to its place in it: how far from which others it should be."""
+
+
+def foresee_spans(problem: Problem, scene: Scene) -> Spans:
+    """Return how far apart the objects of a task should be for what comes between them."""
+    known = [*problem.initial, *(fact for effect in problem.effects for fact in effect.fresh)]
+    if not any(fact.value and fact.predicate.name == "between" for fact in known):
+        return {}
+    found: dict[tuple[int, str], tuple[Span, ...]] = {}
+    for k in range(len(problem.states)):
+        for entity in problem.objects if k == 0 else problem.effects[k - 1].moved:
+            spans = tuple(
+                Span(
+                    other,
+                    _span(problem, scene, k, (entity, other), True),
+                    _span(problem, scene, k, (entity, other), False),
+                )
+                for other in problem.objects
+                if other != entity and any(_between(problem, k, (entity, other)))
+            )
+            if spans:
+                found[k, entity] = spans
+    return found
+
+
+def _span(problem: Problem, scene: Scene, k: int, pair: tuple[str, str], wide: bool, depth: int = 0) -> float:
+    """Return how far apart the centres of two objects should be in state `k`, in metres."""
+    one, two = pair
+    need = _radius(scene.shapes[one], wide) + _radius(scene.shapes[two], wide)
+    need += FINGER_ROOM if wide else GAP + 2 * MARGIN
+    if depth < DEPTH:
+        for i, fact in _between(problem, k, pair):
+            inner = fact.arguments[0]
+            parts = ((one, inner), (inner, two))
+            need = max(need, sum(_span(problem, scene, i, part, wide, depth + 1) for part in parts))
+    return need
+
+
+def _between(problem: Problem, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
+    """Yield what is between two objects while they rest as in state `k`, with the state that begins it."""
+    if k == 0:
+        yield from ((0, fact) for fact in problem.initial if _parts(fact, pair))
+    for j in range(k, len(problem.effects)):
+        effect = problem.effects[j]
+        if not {*effect.moved, effect.grasps, effect.releases}.isdisjoint(pair):
+            return
+        yield from ((j + 1, fact) for fact in effect.fresh if _parts(fact, pair))
+
+
+def _parts(fact: Fact, pair: tuple[str, str]) -> bool:
+    """Tell whether a fact puts something between two objects."""
+    return fact.value and fact.predicate.name == "between" and {*fact.arguments[1:]} == {*pair}
+
+
+def _radius(shape: Shape, wide: bool) -> float:
+    """Return half the side of an object in metres, as it is turned at worst, or at best."""
+    x, y, _ = shape.half
+    if shape.kind in ("sphere", "cylinder"):
+        return x
+    return math.hypot(x, y) if wide else min(x, y)
