@@ -26,12 +26,20 @@ PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
     "gripper_open": ("robot",),
     "located": ("object", "object"),
     "rotated": ("object", "rotation"),
+    "is_open": ("furniture",),
+    "is_closed": ("furniture",),
 }
 """The spatial predicates and what each of their arguments has to be."""
 
 IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""
 
+
+FURNITURE = ("drawer", "cupboard")
+"""The kinds of bodies that have a part on a joint."""
+
+HOLLOW = ("container", *FURNITURE)
+"""The kinds of bodies that things can be in."""
 
 Size = tuple[float, float, float]
 """The sides of a bounding box in metres."""

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import FURNITURE, Scene, Shape
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import IDENTITY, Pose, cavity, extents, yaw_quaternion
+from prag_asp.physics.mechanism import mechanism
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, direction
 from prag_asp.physics.robot import ROBOTS
 from prag_asp.physics.situation import Situation
@@ -62,7 +63,10 @@ def _size_reasons(fact: Fact, scene: Scene, large: Scene) -> Iterator[str]:
             yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
     elif name in ("inside", "located"):
         entity, container = fact.arguments
-        inner = cavity(large.shapes[container])
+        shape = large.shapes[container]
+        inner = mechanism(shape).cavity if shape.kind in FURNITURE else cavity(shape)
+        if name == "located" and shape.kind == "table":
+            return
         if inner[2] == 0.0:
             yield f"{container} is not a container, so {entity} cannot be in it"
         elif _too_large(scene.shapes[entity], inner[0], inner[1]):
@@ -171,11 +175,11 @@ def _thinnest(scene: Scene, entity: str, axis: int) -> float:
 
 
 def _still(scene: Scene) -> Situation:
-    """Return the situation of the objects that never move and are of one size."""
+    """Return the situation of the objects that never move, not even a part of them, and are of one size."""
     poses = {
         entity: Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
         for entity, (x, y, yaw) in scene.fixed.items()
-        if entity not in scene.ranges
+        if entity not in scene.ranges and scene.shapes[entity].kind not in FURNITURE
     }
     return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)
 

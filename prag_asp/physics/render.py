@@ -42,6 +42,8 @@ TOLD_FIRST = (
     "right_of",
     "in_front_of",
     "behind",
+    "is_open",
+    "is_closed",
     "at",
 )
 
@@ -160,7 +162,7 @@ def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int]) -> Image.Image:
     """Return one state as a picture of `size` pixels; the simulator must have been opened with `visual`."""
     image_type = _pillow()
-    simulator.place(moment.poses)
+    simulator.place(moment.poses, moment.openings)
     simulator.pose_arm(moment.joints, moment.width)
     pixels = _render(simulator, (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING))
     image: Image.Image = image_type.fromarray(pixels).resize(size, image_type.Resampling.LANCZOS)

@@ -10,6 +10,7 @@ from prag_asp.physics.actions import take_place
 from prag_asp.physics.arm import Configuration, collide
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import Pose, yaw_quaternion
+from prag_asp.physics.handling import draw_openings
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.moving import verify_objects
 from prag_asp.physics.placement import any_support, draw_pose, known_support
@@ -25,6 +26,8 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
     """
     home = search.robot.home
     situation = Situation(search.scene, fixed_poses(search, problem), tool_pose(home), search.robot.opening)
+    for furniture, opening in draw_openings(search, situation, problem.initial).items():
+        situation = situation.with_opening(furniture, opening)
     for entity in _order(problem, search.scene):
         if entity not in situation.poses:
             support = known_support(situation, entity, problem.initial)

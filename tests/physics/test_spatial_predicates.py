@@ -25,7 +25,10 @@ SHAPES = {
     "can": Shape("cylinder", (0.066, 0.066, 0.1)),
     "apple": Shape("sphere", (0.07, 0.07, 0.07)),
     "crate": Shape("container", (0.3, 0.24, 0.06), 0.006),
+    "drawer": Shape("drawer", (0.3, 0.26, 0.1), 0.008),
+    "cupboard": Shape("cupboard", (0.24, 0.22, 0.12), 0.008),
 }
+LIMITS = {"drawer": 0.3 - 3 * 0.008 - 0.002, "cupboard": math.pi / 2}
 ARGUMENTS = {
     "on_top": ("cube", "brick"),
     "inside": ("brick", "crate"),
@@ -39,6 +42,8 @@ ARGUMENTS = {
     "gripper_open": ("panda",),
     "located": ("can", "crate"),
     "rotated": ("brick", "quarter"),
+    "is_open": ("drawer",),
+    "is_closed": ("cupboard",),
 }
 DOWN = (1.0, 0.0, 0.0, 0.0)
 ROOM = Volume((-1.0, -1.5, -0.5), (2.0, 1.5, 1.0))
@@ -56,13 +61,16 @@ def _situation(rng: random.Random, frame: str = "robot", spread: float = 0.5) ->
     poses = {name: pose() for name, shape in SHAPES.items() if shape.kind not in ("robot", "table")}
     tool = pose()
     tool = Pose(tool.position, multiply(tool.quaternion, DOWN))
-    return Situation(_scene(frame), poses, tool, rng.uniform(0.0, 0.08))
+    openings = {name: rng.choice((0.0, 1.0, rng.random())) * limit for name, limit in LIMITS.items()}
+    return Situation(_scene(frame), poses, tool, rng.uniform(0.0, 0.08), openings=openings)
 
 
 def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: random.Random) -> Situation | None:
     """Put the subject (the object with a yaw, or the gripper) somewhere in the predicate's volume."""
     predicate = PREDICATES[name]
     volume = predicate.volume(situation, arguments, IDENTITY)
+    if PREDICATE_ROLES[name] == ("furniture",):
+        return None if volume.empty else situation.with_opening(arguments[0], rng.uniform(*volume.opening))
     yaw = rng.uniform(-math.pi, math.pi)
     if volume.yaw is not None:
         yaw = volume.yaw[0] + rng.uniform(-volume.yaw[1], volume.yaw[1])
@@ -83,10 +91,13 @@ def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: ran
 def _pairs(name: str) -> list[tuple[str, ...]]:
     """Return the arguments of a predicate with every kind of subject and of the other body."""
     given = ARGUMENTS[name]
+    if "furniture" in PREDICATE_ROLES[name]:
+        return [("drawer",), ("cupboard",)]
     if "object" not in PREDICATE_ROLES[name]:
         return [given]
     bodies = ["cube", "brick", "can", "apple", "crate"]
-    places = {"inside": ["crate"], "located": ["crate"], "rotated": ["quarter", "straight"]}
+    hollow = ["crate", "drawer", "cupboard"]
+    places = {"inside": hollow, "located": [*hollow, "table"], "rotated": ["quarter", "straight"]}
     if PREDICATE_ROLES[name][0] == "robot":
         return [("panda", body) for body in bodies]
     others = places.get(name, [*bodies, "table"] if name == "on_top" else bodies)

@@ -8,13 +8,26 @@ from prag_asp.physics.predicates.beside import BESIDE
 from prag_asp.physics.predicates.gripper import AT, GRIPPER_OPEN, HOLDING, REACHABLE
 from prag_asp.physics.predicates.inside import INSIDE, LOCATED
 from prag_asp.physics.predicates.on_top import ON_TOP
+from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
 from prag_asp.physics.predicates.predicate import Predicate
 from prag_asp.physics.predicates.rotated import ROTATED
 from prag_asp.physics.predicates.volume import Volume
 
 PREDICATES: Mapping[str, Predicate] = {
     predicate.name: predicate
-    for predicate in (ON_TOP, INSIDE, *BESIDE, REACHABLE, HOLDING, AT, GRIPPER_OPEN, LOCATED, ROTATED)
+    for predicate in (
+        ON_TOP,
+        INSIDE,
+        *BESIDE,
+        REACHABLE,
+        HOLDING,
+        AT,
+        GRIPPER_OPEN,
+        LOCATED,
+        ROTATED,
+        IS_OPEN,
+        IS_CLOSED,
+    )
 }
 """Every spatial predicate by its name."""
 

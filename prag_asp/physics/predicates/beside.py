@@ -42,7 +42,7 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
     """Yield by how many metres the subject is outside the spread or short of the gap."""
     axis, sign = direction(name, situation.scene.frame)
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
-    at, other = one.pose.position, two.pose.position
+    at, other = one.centre, two.centre
     along = sign * (at[axis] - other[axis])
     yield (abs(at[1 - axis] - other[1 - axis]) - SPREAD * along) / SLANT
     yield one.half[axis] + two.half[axis] + GAP - along
@@ -52,7 +52,7 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
     """Return the wedge beyond the other body."""
     subject, other = arguments
     axis, sign = direction(name, situation.scene.frame)
-    at = situation.pose(other).position
+    at = situation.body(other).centre
     half = extents(situation.shape(subject), quaternion)[axis]
     edge = at[axis] + sign * (half + situation.half(other)[axis] + GAP + MARGIN)
     low, high = [-math.inf] * 3, [math.inf] * 3

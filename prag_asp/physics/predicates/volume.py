@@ -8,7 +8,7 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
-from prag_asp.physics.geometry import Outline, Vector, cut, wrap
+from prag_asp.physics.geometry import Outline, Vector, cut, inside_by, wrap
 
 RING_TRIES = 20
 EVERYWHERE = (-math.inf, -math.inf, -math.inf), (math.inf, math.inf, math.inf)
@@ -39,10 +39,12 @@ class Ring(NamedTuple):
 
 
 class Volume(NamedTuple):
-    """Where the subject of a predicate may be: a region for its centre, a range of yaws, of openings.
+    """Where the subject of a predicate may be: a region for its centre, a range of yaws, of widths, of openings.
 
     The region is what a box aligned with the world's axes, half planes and rings have in common; the box is
-    infinite where the predicate does not care. Metres and radians; `yaw` is a centre and a half width.
+    infinite where the predicate does not care, and the centre is in none of the `holes`, which are convex and
+    counter-clockwise from above. Metres and radians; `yaw` is a centre and a half width, `width` belongs to the
+    gripper, `opening` to the joint of furniture.
     """
 
     low: Vector = EVERYWHERE[0]
@@ -51,6 +53,8 @@ class Volume(NamedTuple):
     rings: tuple[Ring, ...] = ()
     yaw: tuple[float, float] | None = None
     width: tuple[float, float] = (0.0, math.inf)
+    opening: tuple[float, float] = (0.0, math.inf)
+    holes: tuple[Outline, ...] = ()
 
     @property
     def empty(self) -> bool:
@@ -61,6 +65,7 @@ class Volume(NamedTuple):
             or ay > by
             or az > bz
             or self.width[0] > self.width[1]
+            or self.opening[0] > self.opening[1]
             or (self.yaw is not None and self.yaw[1] < 0.0)
         )
 
@@ -75,6 +80,8 @@ class Volume(NamedTuple):
             self.rings + other.rings,
             _meet_yaws(self.yaw, other.yaw),
             (max(self.width[0], other.width[0]), min(self.width[1], other.width[1])),
+            (max(self.opening[0], other.opening[0]), min(self.opening[1], other.opening[1])),
+            self.holes + other.holes,
         )
 
     def outside(self, point: Vector) -> float:
@@ -86,10 +93,11 @@ class Volume(NamedTuple):
         for ring in self.rings:
             radius = math.hypot(x - ring.x, y - ring.y)
             missed += [ring.inner - radius, radius - ring.outer]
+        missed += [inside_by(hole, (x, y)) for hole in self.holes]
         return max(0.0, *missed)
 
     def floor(self, room: float = 0.0) -> Floor | None:
-        """Return the region from above, but for its rings, None where nothing is left.
+        """Return the region from above, but for its rings and holes, None where nothing is left.
 
         `room` metres are kept off its borders, or a third of the box where it is narrow. The box has to be
         finite along x and y.
@@ -104,7 +112,7 @@ class Volume(NamedTuple):
         return _fan(polygon) if polygon else None
 
     def draw(self, floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Draw a point of the region over its `floor` uniformly; None where the rings leave none.
+        """Draw a point of the region over its `floor` uniformly; None where the rings and holes leave none.
 
         Where the region has a height the point is drawn from all of it.
         """
@@ -116,11 +124,11 @@ class Volume(NamedTuple):
         return None
 
     def _in_rings(self, x: float, y: float) -> bool:
-        """Tell whether a point lies in all rings."""
-        for ring in self.rings:  # noqa: SIM110 (all() is slower here)
+        """Tell whether a point lies in all rings and in no hole."""
+        for ring in self.rings:
             if not ring.inner <= math.hypot(x - ring.x, y - ring.y) <= ring.outer:
                 return False
-        return True
+        return not any(inside_by(hole, (x, y)) > 0.0 for hole in self.holes)
 
 
 def _fan(polygon: Outline) -> Floor:
