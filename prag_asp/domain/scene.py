@@ -12,7 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
 from prag_asp.domain.own_table import read_own
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Box, Material, Own, Scene, Shape, Size, Table
+from prag_asp.domain.scene_model import (
+    FURNITURE,
+    HOLLOW,
+    IGNORED,
+    PREDICATE_ROLES,
+    Box,
+    Material,
+    Own,
+    Scene,
+    Shape,
+    Size,
+    Table,
+)
 from prag_asp.domain.scene_places import BODILESS
 from prag_asp.domain.scene_report import Problem, Report, ancestors
 from prag_asp.domain.scene_shapes import SHAPE_KEYS
@@ -23,6 +35,8 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 __all__ = [
+    "FURNITURE",
+    "HOLLOW",
     "IGNORED",
     "PREDICATE_ROLES",
     "SCENE_KEYS",
@@ -134,6 +148,14 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
         elif role != "rotation" and shape is None:
             kind = entities.get(entity, entity)
             yield Problem(f"scene.shapes.{kind}", f"missing: {fluent} speaks about {entity}, a {kind}")
-        elif role != "rotation" and shape is not None and (role == "robot") != (shape.kind == "robot"):
+        elif role != "rotation" and shape is not None and not _plays(role, shape):
             kind = entities.get(entity, entity)
-            yield Problem(f"scene.shapes.{kind}.kind", f"{fluent} needs {entity} to be of the kind {role}")
+            wanted = " or ".join(FURNITURE) if role == "furniture" else role
+            yield Problem(f"scene.shapes.{kind}.kind", f"{fluent} needs {entity} to be of the kind {wanted}")
+
+
+def _plays(role: str, shape: Shape) -> bool:
+    """Tell whether a body has the kind that an argument of a predicate asks for."""
+    if role == "furniture":
+        return shape.kind in FURNITURE
+    return (role == "robot") == (shape.kind == "robot")

@@ -31,12 +31,20 @@ PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
     "between": ("object", "object", "object"),
     "aligned": ("object", "object"),
     "upright": ("object",),
+    "is_open": ("furniture",),
+    "is_closed": ("furniture",),
 }
 """The spatial predicates that every scene has, and what each of their arguments has to be."""
 
 IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""
 
+
+FURNITURE = ("drawer", "cupboard")
+"""The kinds of bodies that have a part on a joint."""
+
+HOLLOW = ("container", *FURNITURE)
+"""The kinds of bodies that things can be in."""
 
 Size = tuple[float, float, float]
 """The sides of a bounding box in metres."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from prag_asp.domain.scene_model import Shape, Size
+from prag_asp.domain.scene_model import FURNITURE, HOLLOW, Shape, Size
 from prag_asp.domain.scene_report import Report, is_number, suggest
 
 SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
@@ -13,6 +13,8 @@ SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
     "cylinder": ("radius", "height"),
     "sphere": ("radius",),
     "container": ("size", "wall"),
+    "drawer": ("size", "wall"),
+    "cupboard": ("size", "wall"),
     "table": (),
     "robot": (),
 }
@@ -21,7 +23,9 @@ TRIPLE = 3
 SIZES = 8
 """How many sizes a range has: bodies are made once for each, for making and removing them leaks memory."""
 
-HOLLOW = ("container",)
+LEAST = (0.12, 0.12, 0.06)
+"""The smallest sides of furniture in metres: less holds nothing, or leaves no room for a handle."""
+
 NOTHING = (0.0, 0.0, 0.0)
 
 
@@ -53,6 +57,9 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
     report.unknown(key, value, ("kind", *SHAPE_KEYS[kind]))
     low, high = _sizes(report, key, kind, value)
     wall = _wall(report, key, value, low) if kind in HOLLOW else 0.0
+    if kind in FURNITURE and (low != high or not all(side >= least for side, least in zip(low, LEAST, strict=True))):
+        text = f"needs one size of at least {' x '.join(f'{side:g}' for side in LEAST)} m for a {kind}"
+        report.add(f"{key}.size", f"{text}; got {value.get('size')!r}")
     if len(report.problems) > before:
         return ()
     return tuple(Shape(kind, size, wall) for size in _between(low, high))

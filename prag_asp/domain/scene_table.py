@@ -11,7 +11,7 @@ from typing import Any
 
 from prag_asp.domain.scene_colors import read_colors
 from prag_asp.domain.scene_materials import read_materials
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
+from prag_asp.domain.scene_model import FURNITURE, IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
 from prag_asp.domain.scene_places import BODILESS, place_problems, read_fixed, read_table, read_workspace
 from prag_asp.domain.scene_report import Report, is_number, suggest
 from prag_asp.domain.scene_shapes import read_shapes
@@ -61,10 +61,13 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
 
 
 def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> None:
-    """Report objects larger than the table, and fixed ones off it or in each other.
+    """Report objects larger than the table, fixed ones off it or in each other, and furniture without a place.
 
     `given` is ``scene.shapes`` by class.
     """
+    for entity, shape in scene.shapes.items():
+        if shape.kind in FURNITURE and entity not in scene.fixed:
+            report.add(f"scene.fixed.{entity}", f"missing: {entity} is a {shape.kind}, which does not move; say where")
     bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.kind not in BODILESS}
     for entity, shape in bodies.items():
         if _larger(shape, scene.table):

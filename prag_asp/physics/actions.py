@@ -9,6 +9,7 @@ from prag_asp.physics.arm import Configuration, descend, grasps
 from prag_asp.physics.carrying import carry, release, relocate
 from prag_asp.physics.facts import Effect, Fact
 from prag_asp.physics.geometry import compose, invert
+from prag_asp.physics.handling import turn
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.moving import arm_waypoint, raise_arm, require_free
 from prag_asp.physics.predicates import PREDICATES
@@ -26,7 +27,7 @@ def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) ->
         Failure: this attempt found none.
         Exhausted: earlier attempts were all that there are.
     """
-    if attempt > 0 and not effect.moved and effect.grasps is None and effect.visits is None:
+    if attempt > 0 and not (effect.moved or effect.turns) and effect.grasps is None and effect.visits is None:
         raise Exhausted
     start = snapshot
     for entity in effect.moved:
@@ -35,6 +36,8 @@ def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) ->
     waypoints: list[Waypoint] = []
     if snapshot.above is not None and not _stays_down(snapshot, effect):
         snapshot = raise_arm(search, snapshot, waypoints)
+    for furniture in effect.turns:
+        snapshot = turn(search, snapshot, furniture, effect.after, attempt, waypoints)
     if effect.grasps is not None:
         snapshot = _grasp(search, snapshot, effect, attempt, waypoints)
     elif effect.releases is not None:
@@ -65,12 +68,13 @@ def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) ->
 
 def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[Fact], facts: Iterable[Fact]) -> None:
     """Check the facts that an action can have changed or that the state newly knows."""
-    known_again = set(fresh)
+    known_again, openings = set(fresh), after.situation.openings
     changed = {
         entity
         for entity, pose in after.situation.poses.items()
         if before.situation.poses[entity] is not pose and before.situation.poses[entity] != pose
     }
+    changed |= {entity for entity, opening in openings.items() if before.situation.openings[entity] != opening}
     for fact in facts:
         concerned = fact.predicate.of_gripper or not changed.isdisjoint(fact.arguments)
         if (concerned or fact in known_again) and not fact.satisfied(after.situation):
@@ -79,8 +83,8 @@ def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[F
 
 def _stays_down(snapshot: Snapshot, effect: Effect) -> bool:
     """Tell whether a lowered gripper begins an action where it is: it grasps, lets go or waits there."""
-    if effect.releases is not None:
-        return effect.releases not in effect.moved
+    if effect.releases is not None or effect.turns:
+        return effect.releases not in effect.moved and not effect.turns
     target = effect.grasps or effect.visits
     if target is not None:
         return PREDICATES["at"].holds(snapshot.situation, ("", target))

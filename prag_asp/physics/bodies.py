@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
-from prag_asp.domain.scene import Material, Scene, Shape
+from prag_asp.domain.scene import FURNITURE, Material, Scene, Shape
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.furniture import make_furniture
 from prag_asp.physics.geometry import Vector
+from prag_asp.physics.primitives import Part, boxes, make_shapes
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.solids import container_boxes, volume
 
 PARKING = (20.0, 20.0, 5.0)
-
-
-class _Part(NamedTuple):
-    """A primitive of a body: its kind in PyBullet, its sizes and its place in the body in metres."""
-
-    kind: int
-    half: Vector = (0.0, 0.0, 0.0)
-    radius: float = 0.0
-    height: float = 0.0
-    at: Vector = (0.0, 0.0, 0.0)
 
 
 def parking_place(i: int) -> Vector:
@@ -36,20 +27,23 @@ def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
     half = (table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2)
     at = (*table.centre, -TABLE_THICKNESS / 2)
     material = next((scene.material(e) for e, shape in scene.shapes.items() if shape.kind == "table"), Material())
-    return _make([_Part(pybullet.GEOM_BOX, half=half)], material, 0.0, at, client, table.color if visual else None)
+    return _make([Part(pybullet.GEOM_BOX, half=half)], material, 0.0, at, client, table.color if visual else None)
 
 
 def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False) -> int:
     """Make the body of an object; one that is fixed in the scene has no mass.
 
-    `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism.
+    `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism; furniture
+    is one.
 
     Raises:
         SceneError: PyBullet refuses its shape.
     """
     color = scene.colors.get(entity, "#808080") if visual else None
-    parts, material = _parts(scene.shapes[entity]), scene.material(entity)
-    return _make(parts, material, mass(scene, entity), at, client, color, free)
+    shape, material = scene.shapes[entity], scene.material(entity)
+    if shape.kind in FURNITURE:
+        return make_furniture(client, shape, material, at, color)
+    return _make(_parts(shape), material, mass(scene, entity), at, client, color, free)
 
 
 def mass(scene: Scene, entity: str) -> float:
@@ -57,19 +51,19 @@ def mass(scene: Scene, entity: str) -> float:
     return 0.0 if entity in scene.fixed else scene.material(entity).density * volume(scene.shapes[entity])
 
 
-def _parts(shape: Shape) -> list[_Part]:
+def _parts(shape: Shape) -> list[Part]:
     """Return the primitives that make up a shape."""
     if shape.kind == "sphere":
-        return [_Part(pybullet.GEOM_SPHERE, radius=shape.half[0])]
+        return [Part(pybullet.GEOM_SPHERE, radius=shape.half[0])]
     if shape.kind == "cylinder":
-        return [_Part(pybullet.GEOM_CYLINDER, radius=shape.half[0], height=shape.size[2])]
+        return [Part(pybullet.GEOM_CYLINDER, radius=shape.half[0], height=shape.size[2])]
     if shape.kind == "container":
-        return [_Part(pybullet.GEOM_BOX, half=half, at=at) for at, half in container_boxes(shape)]
-    return [_Part(pybullet.GEOM_BOX, half=shape.half)]
+        return boxes(container_boxes(shape))
+    return [Part(pybullet.GEOM_BOX, half=shape.half)]
 
 
 def _make(
-    parts: Sequence[_Part],
+    parts: Sequence[Part],
     material: Material,
     weight: float,
     at: Vector,
@@ -82,35 +76,11 @@ def _make(
     Raises:
         SceneError: PyBullet refuses a shape.
     """
-    kinds = [part.kind for part in parts]
-    radii, lengths = [part.radius for part in parts], [part.height for part in parts]
-    halves, centres = [part.half for part in parts], [part.at for part in parts]
-    shapes = pybullet.createCollisionShapeArray(
-        shapeTypes=kinds,
-        radii=radii,
-        lengths=lengths,
-        halfExtents=halves,
-        collisionFramePositions=centres,
-        physicsClientId=client,
-    )
-    looks = -1
-    if color is not None:
-        rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]
-        looks = pybullet.createVisualShapeArray(
-            shapeTypes=kinds,
-            radii=radii,
-            lengths=lengths,
-            halfExtents=halves,
-            visualFramePositions=centres,
-            rgbaColors=[rgba] * len(kinds),
-            physicsClientId=client,
-        )
-    body = -1
-    if shapes >= 0 and (looks >= 0 or color is None):
-        body = pybullet.createMultiBody(weight, shapes, looks, at, useMaximalCoordinates=free, physicsClientId=client)
+    solid, looks = make_shapes(parts, client, color)
+    body = pybullet.createMultiBody(weight, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
     if body < 0:
-        raise SceneError(f"PyBullet refuses a body of {parts}")
-    rolls = kinds[0] == pybullet.GEOM_SPHERE
+        raise SceneError(f"PyBullet refuses a body of {list(parts)}")
+    rolls = parts[0].kind == pybullet.GEOM_SPHERE
     pybullet.changeDynamics(
         body,
         -1,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from prag_asp.domain.scene import FURNITURE
 from prag_asp.physics.allowed import draw_yaws, relevant, yaw_ranges
 from prag_asp.physics.arm import LIFT, Configuration, configure, descend
 from prag_asp.physics.collisions import colliding
@@ -97,7 +98,7 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypo
         pose = _turned(search, situation, entity, effect)
     else:
         support = known_support(around, entity, effect.after) or TABLE
-        depth = cavity(situation.shape(support))[2] if support != TABLE else 0.0
+        depth = _depth(around, support)
         height = max(LIFT, depth + OVER_RIM)
         pose = draw_pose(search, around, entity, support, effect.after, effect.number, height=height)
     poses = with_riders(situation, entity, pose, search.objects)
@@ -108,6 +109,15 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypo
     carried = moved_arm(search, snapshot, joints, poses, None)
     waypoints.append(arm_waypoint("carry", carried))
     return carried
+
+
+def _depth(situation: Situation, support: str) -> float:
+    """Return how far the highest point of something hollow is above its floor, 0 for other supports; metres."""
+    if support == TABLE:
+        return 0.0
+    if situation.shape(support).kind in FURNITURE:
+        return situation.top(support) - situation.floor(support).position[2]
+    return cavity(situation.shape(support))[2]
 
 
 def _turned(search: Search, situation: Situation, entity: str, effect: Effect) -> Pose:

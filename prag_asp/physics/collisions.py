@@ -24,7 +24,7 @@ class ArmCollision(NamedTuple):
 def box(situation: Situation, entity: str) -> Box:
     """Return the bounding box of a body: its centre and its half sides in metres."""
     body = situation.body(entity)
-    return body.pose.position, body.half
+    return body.centre, body.half
 
 
 def boxes_meet(one: Box, two: Box) -> bool:
@@ -38,7 +38,7 @@ def colliding(
     simulator: Simulator, situation: Situation, moved: Iterable[str], objects: Iterable[str]
 ) -> tuple[str, str] | None:
     """Return a moved object and another, or the table, that it collides with; None where none do."""
-    simulator.place(situation.poses)
+    simulator.place(situation.poses, situation.openings)
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in moved:
         done.add(one)
@@ -56,7 +56,7 @@ def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
     """Return what the arm collides with, None where it is free; its fingers may touch `touched`."""
-    simulator.place(situation.poses)
+    simulator.place(situation.poses, situation.openings)
     simulator.pose_arm(joints, width)
     robot = simulator.robot
     links = simulator.link_boxes()

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import FURNITURE, Scene, Shape
 from prag_asp.physics.differences import ORIGIN, Gap, Node, between
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.geometry import cavity, extents, yaw_quaternion
@@ -24,8 +24,10 @@ Demand = tuple[int, Gap]
 
 
 def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
-    """Return what a fact that holds demands; nothing where it says nothing about places."""
+    """Return what a fact that holds demands; nothing where it says nothing about places, or speaks of furniture."""
     name = fact.predicate.name
+    if any(scene.shapes[entity].kind in FURNITURE for entity in bodies(fact, scene)):
+        return ()
     if name in DIRECTIONS:
         return (_beside(fact, scene),)
     demand = DEMANDS.get(name)
@@ -33,8 +35,10 @@ def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
 
 
 def standing(entity: str, scene: Scene) -> tuple[Demand, ...]:
-    """Return what is so of a body in any state: how high it is, and where it is if it never moves."""
+    """Return what is so of a body in any state: how high it is, and where it is if no part of it ever moves."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
+    if shape.kind in FURNITURE:
+        return ()
     tall = (2 * min(shape.half), 2 * math.hypot(*shape.half)) if place is None else (shape.size[2],) * 2
     found = [(Z, gap) for gap in between(_top(entity), _bottom(entity), *tall)]
     if place is not None:
@@ -93,7 +97,9 @@ def _inside(scene: Scene, arguments: tuple[str, ...], room: float = inside.FLOOR
 
 
 def _located(scene: Scene, arguments: tuple[str, ...]) -> Iterator[Demand]:
-    """Yield that a body is in another or held above it."""
+    """Yield that a body is in another or held above it; nothing for the table, over which it may be anywhere."""
+    if scene.shapes[arguments[1]].kind == "table":
+        return iter(())
     return _inside(scene, arguments, cavity(scene.shapes[arguments[1]])[2] + inside.HOVER)
 
 

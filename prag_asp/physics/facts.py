@@ -13,6 +13,7 @@ from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
 from prag_asp.space.task import State, Task
 
+OPENING = ("is_open", "is_closed")
 SUPPORTING = ("on_top", "inside")
 BEARING = (*SUPPORTING, "located")
 
@@ -40,7 +41,8 @@ class Effect:
     `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to. `holds` is
     the object held before and after. `leaves` is set where the gripper goes away from its object, `lifts`
     where a grasped object leaves what it stands on, `stays` where the gripper remains at a released object.
-    `moved` are objects that the action makes the subject of a relation. `after` are the facts of the state
+    `moved` are objects that the action makes the subject of a relation, `turns` the furniture that it opens or closes.
+    `after` are the facts of the state
     `number` that it leads to, `fresh` those of them that the state before does not know.
     """
 
@@ -54,6 +56,7 @@ class Effect:
     lifts: bool
     stays: bool
     moved: tuple[str, ...]
+    turns: tuple[str, ...]
     closes: bool
     after: tuple[Fact, ...]
     fresh: tuple[Fact, ...]
@@ -159,6 +162,7 @@ def _effect(
         and any(f.predicate.name in SUPPORTING and not f.value and f.arguments[0] == grasps for f in subgoal),
         stays=releases is not None and _known(after, "at", releases) is True,
         moved=tuple(dict.fromkeys(moved)),
+        turns=tuple(dict.fromkeys(fact.arguments[0] for fact in subgoal if _turns(fact, known_before))),
         closes=_closes(subgoal),
         after=after,
         fresh=tuple(fact for fact in after if fact not in known_before),
@@ -170,6 +174,11 @@ def _moved(fact: Fact, held: str | None) -> str:
     if held in fact.arguments and fact.predicate.name not in BEARING:
         return str(held)
     return fact.arguments[fact.predicate.subject]
+
+
+def _turns(fact: Fact, known: set[Fact]) -> bool:
+    """Tell whether a fact says that furniture is open or closed, and is not known already."""
+    return fact.predicate.name in OPENING and fact not in known
 
 
 def _closes(subgoal: Iterable[Fact]) -> bool:

@@ -142,7 +142,7 @@ def width_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> floa
 
 
 def cavity(shape: Shape) -> Vector:
-    """Return the inner sides and the depth of a container's cavity in metres; zeros for what is solid."""
+    """Return the inner sides and the depth of a container's cavity in metres; zeros for other shapes."""
     if shape.kind != "container":
         return (0.0, 0.0, 0.0)
     x, y, z = shape.size

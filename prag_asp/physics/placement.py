@@ -6,11 +6,13 @@ import math
 from collections.abc import Iterable, Iterator
 from itertools import repeat
 
+from prag_asp.domain.scene import FURNITURE, HOLLOW
 from prag_asp.physics.allowed import all_satisfied, allowed, draw_yaws, relevant, shapes_volume, yaw_ranges
 from prag_asp.physics.chains import Chain, chains, kept_apart
-from prag_asp.physics.collisions import box
+from prag_asp.physics.collisions import Box, box
 from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
 from prag_asp.physics.geometry import Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
+from prag_asp.physics.mechanism import swept
 from prag_asp.physics.predicates import PREDICATES, Ring, Volume
 from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.predicates.volume import Floor
@@ -215,7 +217,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
     for fact in about:
         if fact.value and fact.predicate.name in SEEN_CLOSE:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
-            x, y, _ = situation.pose(other).position
+            x, y, _ = situation.body(other).centre
             half_x, half_y, _ = situation.half(other)
             dx, dy = half_x + NEAR, half_y + NEAR
             volume = volume.meet(Volume((x - dx, y - dy, -math.inf), (x + dx, y + dy, math.inf)))
@@ -225,7 +227,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 def _surface(situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool) -> Volume:
     """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
     if support != TABLE:
-        name = "inside" if situation.shape(support).kind == "container" else "on_top"
+        name = "inside" if situation.shape(support).kind in HOLLOW else "on_top"
         return PREDICATES[name].volume(situation, (entity, support), quaternion)
     half_x, half_y, z = extents(situation.shape(entity), quaternion)
     low_x, high_x, low_y, high_y = situation.scene.workspace
@@ -240,12 +242,24 @@ def _neighbours(situation: Situation, support: str, half: Vector, z: float) -> l
     """Return what the bounding box of an object at a height can meet, but for a container that it is put into."""
     found = []
     for other in situation.poses:
-        if support != TABLE and situation.shape(other).kind == "container":
+        kind = situation.shape(other).kind
+        if support != TABLE and kind in HOLLOW:
             continue
-        (x, y, other_z), (half_x, half_y, half_z) = box(situation, other)
-        if abs(z - other_z) < half[2] + half_z + COLLISION:
-            found.append((x, y, half_x + half[0], half_y + half[1]))
+        for (x, y, other_z), (half_x, half_y, half_z) in _boxes(situation, other, kind):
+            if abs(z - other_z) < half[2] + half_z + COLLISION:
+                found.append((x, y, half_x + half[0], half_y + half[1]))
     return found
+
+
+def _boxes(situation: Situation, entity: str, kind: str) -> list[Box]:
+    """Return the bounding box of a body; of furniture that of its body, and of all the places where its part can be."""
+    if kind not in FURNITURE:
+        return [box(situation, entity)]
+    corners = swept(situation.shape(entity), situation.pose(entity))
+    return [
+        (((ax + bx) / 2, (ay + by) / 2, (az + bz) / 2), ((bx - ax) / 2, (by - ay) / 2, (bz - az) / 2))
+        for (ax, ay, az), (bx, by, bz) in corners
+    ]
 
 
 def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) -> bool:

@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from itertools import product
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import FURNITURE, Scene, Shape
 from prag_asp.physics.demands import Demand, all_demands, bodies
 from prag_asp.physics.differences import ORIGIN, ROUNDING, Gap, Node, impossible_row, lowest
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap, yaw_quaternion
+from prag_asp.physics.mechanism import mechanism
 from prag_asp.physics.predicates import rotated
 from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.robot import ROBOTS
@@ -147,7 +148,8 @@ def _own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
         return
     yield from _size_reasons(fact, scene)
     entities = () if fact.predicate.of_gripper else bodies(fact, scene)
-    if entities and all(entity in scene.fixed for entity in entities) and not fact.satisfied(_still(scene)):
+    still = _still(scene)
+    if entities and all(entity in still.poses for entity in entities) and not fact.satisfied(still):
         yield f"{fact.sentence()} cannot hold, for nothing of it can move"
 
 
@@ -163,7 +165,10 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
             yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
     elif name in ("inside", "located"):
         entity, container = fact.arguments
-        inner = cavity(scene.shapes[container])
+        shape = scene.shapes[container]
+        if name == "located" and shape.kind == "table":
+            return
+        inner = mechanism(shape).cavity if shape.kind in FURNITURE else cavity(shape)
         if inner == NO_CONTAINER:
             yield f"{container} is not a container, so {entity} cannot be in it"
         elif _too_large(scene.shapes[entity], inner[0], inner[1]):
@@ -258,9 +263,10 @@ def _never_together(facts: Iterable[Fact]) -> str:
 
 
 def _still(scene: Scene) -> Situation:
-    """Return the situation of the bodies that never move."""
+    """Return the situation of the bodies that never move, not even a part of them."""
     poses = {
         entity: Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
         for entity, (x, y, yaw) in scene.fixed.items()
+        if scene.shapes[entity].kind not in FURNITURE
     }
     return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)

@@ -45,6 +45,8 @@ TOLD_FIRST = (
     "near",
     "far",
     "upright",
+    "is_open",
+    "is_closed",
     "at",
 )
 UNTOLD = ("reachable", "gripper_open")

@@ -96,4 +96,11 @@ class Snapshot:
 
     def moment(self) -> Moment:
         """Return the snapshot as a moment of a witness."""
-        return Moment(dict(self.situation.poses), self.joints, self.situation.width, self.held, self.grasp)
+        return Moment(
+            dict(self.situation.poses),
+            self.joints,
+            self.situation.width,
+            self.held,
+            self.grasp,
+            dict(self.situation.openings),
+        )

@@ -14,6 +14,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.physics.bodies import make_body, make_table, mass, parking_place
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.facts import Problem, problem
+from prag_asp.physics.furniture import read_opening, set_opening
 from prag_asp.physics.geometry import Pose, turn_between
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.robot import ROBOTS
@@ -31,6 +32,10 @@ LARGEST_MOVE = 0.003
 LARGEST_TURN = math.radians(3)
 LARGEST_SPEED = 0.03
 """How far a stable object moves, in metres and radians, and how fast at the end, in metres a second."""
+
+
+Rest = tuple[Mapping[str, Pose], Mapping[str, float]]
+"""The poses of objects, and how far furniture is open in metres or radians."""
 
 
 class Settling:
@@ -55,7 +60,10 @@ class Settling:
                 settled = self._settle(scene, bodies, moment)
                 if settled is None:
                     return UNSTABLE
-                situation = Situation(scene, settled, tool_pose(self._robot, moment.joints), moment.width)
+                poses, openings = settled
+                situation = Situation(
+                    scene, poses, tool_pose(self._robot, moment.joints), moment.width, openings=openings
+                )
                 if not all(fact.satisfied(situation) for fact in facts):
                     return UNSETTLED
             previous = moment
@@ -71,11 +79,13 @@ class Settling:
             for i, entity in enumerate(objects)
         }
 
-    def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Mapping[str, Pose] | None:
-        """Return where the objects come to rest, None where one leaves its place."""
+    def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Rest | None:
+        """Return where the objects come to rest, and how far furniture is open; None where one leaves its place."""
         client = self._client
         for entity, body in bodies.items():
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
+        for entity, opening in moment.openings.items():
+            set_opening(client, bodies[entity], opening)
         if moment.held is not None:
             pybullet.changeDynamics(bodies[moment.held], -1, mass=0.0, physicsClientId=client)
         for _ in range(STEPS):
@@ -87,8 +97,10 @@ class Settling:
             pybullet.changeDynamics(bodies[moment.held], -1, mass=own, physicsClientId=client)
         if any(math.hypot(*speed) > LARGEST_SPEED for speed in speeds):
             return None
+        openings = {entity: read_opening(client, bodies[entity]) for entity in moment.openings}
         stayed = all(_stayed(moment.poses[entity], pose) for entity, pose in settled.items())
-        return settled if stayed else None
+        still = all(abs(openings[entity] - opening) <= LARGEST_MOVE for entity, opening in moment.openings.items())
+        return (settled, openings) if stayed and still else None
 
 
 @contextmanager
@@ -110,7 +122,8 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
 
 def _as_stable(before: Moment, after: Moment) -> bool:
     """Tell whether objects that are stable at a moment are so at the next: nothing has moved or been let go."""
-    return before.poses == after.poses and before.held in (None, after.held)
+    same = before.poses == after.poses and before.openings == after.openings
+    return same and before.held in (None, after.held)
 
 
 def _stayed(before: Pose, after: Pose) -> bool:

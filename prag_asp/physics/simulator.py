@@ -17,6 +17,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.bodies import make_body, make_table, parking_place
 from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.furniture import set_opening
 from prag_asp.physics.geometry import Pose, Vector, finite
 from prag_asp.physics.robot import ROBOTS, Joints, Robot
 from prag_asp.physics.robot.file import wheel_file, write_robot
@@ -26,6 +27,7 @@ COLLISION = -0.0015
 """Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
 
 REMEMBERED = 64
+NOTHING_OPEN: Mapping[str, float] = {}
 CONTACT_BREAKING = 0.002
 """Metres; with PyBullet's 20 mm, points of contact keep normals from before a held object was turned.
 
@@ -53,6 +55,7 @@ class Simulator:
         }
         self.bodies = self._chosen()
         self._poses: dict[str, Pose] = {}
+        self._openings: dict[str, float] = {}
         self._trunk, self._wrist = (sorted(set(links)) for links in zip(*self.robot.self_pairs, strict=True))
         self._link_boxes: list[tuple[Vector, Vector]] = []
         self._arm_at: tuple[Joints, float] | None = None
@@ -75,12 +78,18 @@ class Simulator:
         self.scene = scene
         self.bodies = self._chosen()
 
-    def place(self, poses: Mapping[str, Pose]) -> None:
-        """Put objects at poses, and park all others.
+    def place(self, poses: Mapping[str, Pose], openings: Mapping[str, float] = NOTHING_OPEN) -> None:
+        """Put objects at poses, and park all others; `openings` of furniture are metres or radians.
 
         Raises:
-            SceneError: an object has no body, or its pose is not finite.
+            SceneError: an object has no body, or its pose or opening is not finite.
         """
+        for entity, opening in openings.items():
+            if self._openings.get(entity) != opening:
+                if not math.isfinite(opening):
+                    raise SceneError(f"{entity} has the opening {opening}, which is not a finite number")
+                set_opening(self.client, self.body(entity), opening)
+                self._openings[entity] = opening
         for entity, pose in poses.items():
             known = self._poses.get(entity)
             if known is not pose and known != pose:

@@ -6,25 +6,29 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import FURNITURE, Scene, Shape
 from prag_asp.errors import SceneError
-from prag_asp.physics.geometry import Pose, Vector, extents
+from prag_asp.physics.geometry import Pose, Vector, extents, raised
+from prag_asp.physics.mechanism import around, cavity_pose, part_pose
 
 TABLE_THICKNESS = 0.04
 
 
 class Body(NamedTuple):
-    """An object's pose, half the sides of its bounding box as it is turned, and the corners of that; metres."""
+    """An object's pose, half the sides of its bounding box as it is turned, its corners and its centre; metres."""
 
     pose: Pose
     half: Vector
     low: Vector
     high: Vector
+    centre: Vector
 
 
 @dataclass(frozen=True)
 class Situation:
-    """The poses of the objects, the pose of the point between the finger tips, the opening in metres.
+    """The poses of the objects, the pose of the point between the finger tips, the opening of the gripper in metres.
+
+    `openings` say how far furniture is open, in metres or radians, where it is.
 
     `measured` remembers the boxes of poses already seen; situations made from one another share it.
     """
@@ -34,6 +38,7 @@ class Situation:
     tool: Pose
     width: float
     measured: dict[str, Body] = field(default_factory=dict, repr=False, compare=False)
+    openings: Mapping[str, float] = field(default_factory=dict)
 
     def shape(self, entity: str) -> Shape:
         """Return the shape of an entity.
@@ -76,8 +81,29 @@ class Situation:
             return known
         if pose is None:
             return _box(self.pose(entity), (self.scene.table.size[0] / 2, self.scene.table.size[1] / 2, 0.0))
-        body = self.measured[entity] = _box(pose, extents(self.scene.shapes[entity], pose.quaternion))
+        shape = self.scene.shapes[entity]
+        if shape.kind in FURNITURE:
+            body = _between(pose, *around(shape, pose, self.opening(entity)))
+        else:
+            body = _box(pose, extents(shape, pose.quaternion))
+        self.measured[entity] = body
         return body
+
+    def opening(self, entity: str) -> float:
+        """Return how far furniture is open, in metres or radians."""
+        return self.openings.get(entity, 0.0)
+
+    def part(self, entity: str) -> Pose:
+        """Return the pose of the moving part of furniture, and of other bodies their own."""
+        shape, pose = self.shape(entity), self.pose(entity)
+        return part_pose(shape, pose, self.opening(entity)) if shape.kind in FURNITURE else pose
+
+    def floor(self, entity: str) -> Pose:
+        """Return the pose of the middle of the floor of something hollow."""
+        shape, pose = self.shape(entity), self.pose(entity)
+        if shape.kind in FURNITURE:
+            return cavity_pose(shape, pose, self.opening(entity))
+        return raised(pose, shape.wall - self.half(entity)[2])
 
     def half(self, entity: str) -> Vector:
         """Return half the sides of the bounding box of an entity as it is turned, in metres."""
@@ -97,14 +123,27 @@ class Situation:
 
     def with_poses(self, poses: Mapping[str, Pose]) -> Situation:
         """Return the situation with other poses of the objects."""
-        return Situation(self.scene, poses, self.tool, self.width, self.measured)
+        return Situation(self.scene, poses, self.tool, self.width, self.measured, self.openings)
 
     def with_tool(self, tool: Pose, width: float) -> Situation:
         """Return the situation with the gripper elsewhere or open otherwise."""
-        return Situation(self.scene, self.poses, tool, width, self.measured)
+        return Situation(self.scene, self.poses, tool, width, self.measured, self.openings)
+
+    def with_opening(self, entity: str, opening: float) -> Situation:
+        """Return the situation with furniture open otherwise; what is in it stays where it is."""
+        measured = {other: body for other, body in self.measured.items() if other != entity}
+        openings = {**self.openings, entity: opening}
+        return Situation(self.scene, self.poses, self.tool, self.width, measured, openings)
 
 
 def _box(pose: Pose, half: Vector) -> Body:
     """Return a pose with a bounding box around it."""
     (x, y, z), (hx, hy, hz) = pose.position, half
-    return Body(pose, half, (x - hx, y - hy, z - hz), (x + hx, y + hy, z + hz))
+    return Body(pose, half, (x - hx, y - hy, z - hz), (x + hx, y + hy, z + hz), pose.position)
+
+
+def _between(pose: Pose, low: Vector, high: Vector) -> Body:
+    """Return a pose with the bounding box between two corners."""
+    (ax, ay, az), (bx, by, bz) = low, high
+    half = ((bx - ax) / 2, (by - ay) / 2, (bz - az) / 2)
+    return Body(pose, half, low, high, ((ax + bx) / 2, (ay + by) / 2, (az + bz) / 2))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from prag_asp.domain.scene import Shape
+from prag_asp.domain.scene import FURNITURE, Shape
 from prag_asp.physics.geometry import Vector
+from prag_asp.physics.mechanism import mechanism
 
 
 def container_boxes(shape: Shape) -> list[tuple[Vector, Vector]]:
@@ -31,4 +32,7 @@ def volume(shape: Shape) -> float:
         return math.pi * x * x / 4 * z
     if shape.kind == "container":
         return sum(8 * half[0] * half[1] * half[2] for _, half in container_boxes(shape))
+    if shape.kind in FURNITURE:
+        made = mechanism(shape)
+        return sum(8 * half[0] * half[1] * half[2] for _, half in (*made.body, *made.part))
     return x * y * z

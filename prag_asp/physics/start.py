@@ -11,6 +11,7 @@ from prag_asp.physics.actions import take_place
 from prag_asp.physics.arm import Configuration, collide
 from prag_asp.physics.facts import BEARING, Fact, Problem
 from prag_asp.physics.geometry import Pose, yaw_quaternion
+from prag_asp.physics.handling import draw_openings
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.moving import verify_objects
 from prag_asp.physics.placement import any_support, draw_pose, known_support
@@ -29,6 +30,8 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
     """
     home = search.robot.home
     still = Situation(search.scene, fixed_poses(search, problem), tool_pose(search.robot, home), search.robot.opening)
+    for furniture, opening in draw_openings(search, still, problem.initial).items():
+        still = still.with_opening(furniture, opening)
     situation = _arranged(search, problem, still)
     verify_objects(search, situation, problem.objects, None)
     snapshot = Snapshot(situation, home)

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from prag_asp.domain.scene import HOLLOW
 from prag_asp.physics.geometry import (
     Outline,
     Point,
-    cavity,
     hull,
     inside_by,
     intersection,
@@ -20,6 +20,7 @@ from prag_asp.physics.geometry import (
     rectangle,
     yaw_of,
 )
+from prag_asp.physics.predicates.inside import floor_height, hollow
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.solids import volume
 
@@ -111,8 +112,8 @@ def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, fl
 def _surface(situation: Situation, support: str) -> float | None:
     """Return the height of a body's top or a container's floor in metres, None for a ball."""
     shape = situation.shape(support)
-    if shape.kind == "container":
-        return situation.bottom(support) + shape.wall
+    if shape.kind in HOLLOW:
+        return floor_height(situation, support)
     return None if shape.kind == "sphere" else situation.top(support)
 
 
@@ -130,10 +131,10 @@ def _top(situation: Situation, support: str) -> Outline:
         x, y = situation.scene.table.centre
         size_x, size_y = situation.scene.table.size
         return rectangle(x, y, size_x / 2, size_y / 2, 0.0)
-    shape, pose = situation.shape(support), situation.pose(support)
-    if shape.kind != "container":
-        return outline(shape, pose)
-    inner = cavity(shape)
+    shape = situation.shape(support)
+    if shape.kind not in HOLLOW:
+        return outline(shape, situation.pose(support))
+    pose, inner = hollow(situation, support)
     x, y, _ = pose.position
     return rectangle(x, y, inner[0] / 2, inner[1] / 2, yaw_of(pose.quaternion))
 

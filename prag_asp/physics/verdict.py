@@ -56,7 +56,8 @@ class Moment:
     """One state of a witness.
 
     `poses` are those of all objects, `joints` the seven joint angles in radians, `width` the opening in
-    metres, `grasp` the pose of the `held` object in the frame of the tool.
+    metres, `grasp` the pose of the `held` object in the frame of the tool, `openings` how far furniture is open, in
+    metres or radians.
     """
 
     poses: Mapping[str, Pose]
@@ -64,34 +65,40 @@ class Moment:
     width: float
     held: str | None = None
     grasp: Pose | None = None
+    openings: Mapping[str, float] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the moment as JSON-able data."""
-        return {
+        """Return the moment as JSON-able data, without `openings` where there is no furniture."""
+        data: dict[str, Any] = {
             "poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()},
             "joints": list(self.joints),
             "width": self.width,
             "held": self.held,
             "grasp": None if self.grasp is None else _pose_json(self.grasp),
         }
+        if self.openings:
+            data["openings"] = dict(self.openings)
+        return data
 
 
 @dataclass(frozen=True)
 class Waypoint:
     """A configuration that the arm passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, retreat or stay. `held` is what the gripper holds
-    there.
+    `name` is approach (above the object), at, lift, carry, pull, retreat or stay. `held` is what the gripper holds
+    there; where that is the handle of furniture, `opening` is how far it is open, in metres or radians.
     """
 
     name: str
     joints: Joints
     width: float
     held: str | None = None
+    opening: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return the waypoint as JSON-able data."""
-        return {"name": self.name, "joints": list(self.joints), "width": self.width, "held": self.held}
+        """Return the waypoint as JSON-able data, without `opening` where it holds no furniture."""
+        data = {"name": self.name, "joints": list(self.joints), "width": self.width, "held": self.held}
+        return data if self.opening is None else {**data, "opening": self.opening}
 
 
 @dataclass(frozen=True)
@@ -218,9 +225,17 @@ def _moment(data: Mapping[str, Any]) -> Moment:
         width=float(data["width"]),
         held=data["held"],
         grasp=None if data["grasp"] is None else _pose(data["grasp"]),
+        openings={str(entity): float(opening) for entity, opening in data.get("openings", {}).items()},
     )
 
 
 def _waypoint(data: Mapping[str, Any]) -> Waypoint:
     """Return the waypoint that `Waypoint.to_json` wrote."""
-    return Waypoint(str(data["name"]), tuple(map(float, data["joints"])), float(data["width"]), data["held"])
+    opening = data.get("opening")
+    return Waypoint(
+        str(data["name"]),
+        tuple(map(float, data["joints"])),
+        float(data["width"]),
+        data["held"],
+        None if opening is None else float(opening),
+    )

@@ -16,6 +16,7 @@ from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import riders, unsupported
 from prag_asp.physics.verdict import Moment, Waypoint, Witness
+from prag_asp.physics.witness_handling import carried_along, handling_problems, opening_problems, openings_at
 from prag_asp.space.task import Task
 
 POSITION_TOLERANCE = 1e-4
@@ -82,6 +83,7 @@ def _broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iter
             yield f"{entity} has no pose"
         elif not finite(moment.poses[entity]):
             yield f"the pose of {entity} is not a finite position and rotation"
+    yield from opening_problems(moment, seen, simulator.scene)
     for entity in moment.poses:
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
@@ -105,10 +107,10 @@ def _broken_arm(joints: tuple[float, ...], width: float, simulator: Simulator) -
 
 def _state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator) -> Iterator[str]:
     """Yield wrong facts of a state, collisions, falling objects and a held object out of the hand."""
-    simulator.place(moment.poses)
+    simulator.place(moment.poses, moment.openings)
     simulator.pose_arm(moment.joints, moment.width)
     poses = {entity: simulator.read(entity) for entity in moment.poses}
-    situation = Situation(simulator.scene, poses, tool_in(simulator), moment.width)
+    situation = Situation(simulator.scene, poses, tool_in(simulator), moment.width, openings=moment.openings)
     for fact in seen.states[k]:
         if not fact.satisfied(situation):
             yield f"it does not hold that {fact.sentence()}"
@@ -149,15 +151,20 @@ def _motion_problems(
     last = motion[-1]
     if (last.joints, last.width, last.held) != (after.joints, after.width, after.held):
         yield "its last waypoint is not the arm of the next state"
-    for waypoint in motion[:-1]:
-        hit = _waypoint_collision(waypoint, before, after, simulator)
+    wrong = list(handling_problems(motion, heights, before, after, simulator.scene))
+    yield from wrong
+    for i, waypoint in enumerate(() if wrong else motion[:-1]):
+        openings = openings_at(motion, i, before)
+        hit = _waypoint_collision(waypoint, before, after, openings, simulator)
         if hit is not None:
-            yield f"{waypoint.name}: the arm collides with {hit}"
+            yield f"{waypoint.name}: {hit}"
 
 
-def _waypoint_collision(waypoint: Waypoint, before: Moment, after: Moment, simulator: Simulator) -> str | None:
-    """Return what the arm collides with at a waypoint, objects where they are then; None where it is free."""
-    poses = dict(before.poses)
+def _waypoint_collision(
+    waypoint: Waypoint, before: Moment, after: Moment, openings: Mapping[str, float], simulator: Simulator
+) -> str | None:
+    """Return what collides at a waypoint, the arm or furniture, objects where they are then; None where all is free."""
+    poses = carried_along(before.poses, before.openings, openings, simulator.scene)
     simulator.pose_arm(waypoint.joints, waypoint.width)
     tool = tool_in(simulator)
     grasp = before.grasp if waypoint.held == before.held else after.grasp
@@ -165,10 +172,13 @@ def _waypoint_collision(waypoint: Waypoint, before: Moment, after: Moment, simul
         poses = _carried(poses, waypoint.held, compose(tool, grasp), simulator.scene)
     elif before.held is not None:
         poses = dict(after.poses)
-    situation = Situation(simulator.scene, poses, tool, waypoint.width)
+    situation = Situation(simulator.scene, poses, tool, waypoint.width, openings=openings)
+    pair = colliding(simulator, situation, list(openings), list(poses))
+    if pair is not None:
+        return f"{pair[0]} collides with {pair[1]}"
     touched = waypoint.held or _at(situation)
     hit = arm_collision(simulator, situation, waypoint.joints, waypoint.width, touched)
-    return None if hit is None else hit.other
+    return None if hit is None else f"the arm collides with {hit.other}"
 
 
 def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -> dict[str, Pose]:
@@ -180,12 +190,17 @@ def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -
 
 
 def _stray(effect: Effect, before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:
-    """Yield objects that an action has moved though it does not move them."""
-    may_move = {*effect.moved, effect.grasps, effect.releases, effect.holds} - {None}
-    situation = Situation(simulator.scene, before.poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    """Yield objects that an action has moved though it does not move them, and furniture that it has opened so."""
+    for furniture, opening in after.openings.items():
+        if opening != before.openings[furniture] and furniture not in effect.turns:
+            yield f"{furniture} has been opened or closed"
+    along = carried_along(before.poses, before.openings, after.openings, simulator.scene)
+    held = (effect.grasps, effect.releases, effect.holds)
+    may_move = {*effect.moved, *(entity for entity in held if entity is not None)}
+    situation = Situation(simulator.scene, before.poses, Pose((0.0, 0.0, 1.0)), 0.0, openings=before.openings)
     for entity in [entity for entity in may_move if entity in before.poses]:
-        may_move |= set(riders(situation, str(entity), set(before.poses) - {str(entity)}))
-    for entity, pose in before.poses.items():
+        may_move |= set(riders(situation, entity, set(before.poses) - {entity}))
+    for entity, pose in along.items():
         moved = not _near(pose, after.poses.get(entity, pose))
         if moved and (entity not in may_move or entity in simulator.scene.fixed):
             yield f"{entity} has moved"

@@ -20,6 +20,9 @@ CLASSES = {
     "box_1": "box",
     "bowl_1": "bowl",
     "crate_1": "crate",
+    "cup_1": "cup",
+    "drawer_1": "drawer",
+    "cupboard_1": "cupboard",
 }
 
 

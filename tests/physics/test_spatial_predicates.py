@@ -27,7 +27,10 @@ SHAPES = {
     "can": Shape("cylinder", (0.066, 0.066, 0.1)),
     "apple": Shape("sphere", (0.07, 0.07, 0.07)),
     "crate": Shape("container", (0.3, 0.24, 0.06), 0.006),
+    "drawer": Shape("drawer", (0.3, 0.26, 0.1), 0.008),
+    "cupboard": Shape("cupboard", (0.24, 0.22, 0.12), 0.008),
 }
+LIMITS = {"drawer": 0.3 - 3 * 0.008 - 0.002, "cupboard": math.pi / 2}
 ARGUMENTS = {
     "on_top": ("cube", "brick"),
     "inside": ("brick", "crate"),
@@ -50,6 +53,8 @@ ARGUMENTS = {
     "wholly_in_corner": ("can", "crate"),
     "on_the_left": ("brick", "table"),
     "looks_at": ("brick", "can"),
+    "is_open": ("drawer",),
+    "is_closed": ("cupboard",),
 }
 CORNERS = (
     Box((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
@@ -86,13 +91,16 @@ def _situation(rng: random.Random, frame: str = "robot", spread: float = 0.5) ->
     poses = {name: pose() for name, shape in SHAPES.items() if shape.kind not in ("robot", "table")}
     tool = pose()
     tool = Pose(tool.position, multiply(tool.quaternion, DOWN))
-    return Situation(_scene(frame), poses, tool, rng.uniform(0.0, 0.08))
+    openings = {name: rng.choice((0.0, 1.0, rng.random())) * limit for name, limit in LIMITS.items()}
+    return Situation(_scene(frame), poses, tool, rng.uniform(0.0, 0.08), openings=openings)
 
 
 def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: random.Random) -> Situation | None:
     """Put the subject (the object with a yaw, or the gripper) somewhere in the predicate's volume."""
     predicate = ALL[name]
     volume = predicate.volume(situation, arguments, IDENTITY)
+    if _scene().roles(name) == ("furniture",):
+        return None if volume.empty else situation.with_opening(arguments[0], rng.uniform(*volume.opening))
     yaw = rng.uniform(-math.pi, math.pi)
     if volume.yaws is not None:
         chosen = rng.choice(volume.yaws)
@@ -115,10 +123,18 @@ def _pairs(name: str) -> list[tuple[str, ...]]:
     """Return the arguments of a predicate with every kind of subject and of the other bodies."""
     given = ARGUMENTS[name]
     roles = _scene().roles(name)
+    if "furniture" in roles:
+        return [("drawer",), ("cupboard",)]
     if "object" not in roles:
         return [given]
     bodies = ["cube", "brick", "can", "apple", "crate"]
-    places = {"inside": ["crate"], "located": ["crate"], "rotated": ["quarter", "straight"], "on_the_left": ["table"]}
+    hollow = ["crate", "drawer", "cupboard"]
+    places = {
+        "inside": hollow,
+        "located": [*hollow, "table"],
+        "rotated": ["quarter", "straight"],
+        "on_the_left": ["table"],
+    }
     if roles[0] == "robot":
         return [("panda", body) for body in bodies]
     if len(given) == 1:

@@ -15,6 +15,7 @@ from prag_asp.physics.predicates.gripper import AT, GRIPPER_OPEN, HOLDING, REACH
 from prag_asp.physics.predicates.inside import INSIDE, LOCATED
 from prag_asp.physics.predicates.near import FAR_FROM, NEAR_TO
 from prag_asp.physics.predicates.on_top import ON_TOP
+from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
 from prag_asp.physics.predicates.predicate import Predicate, states
 from prag_asp.physics.predicates.python_file import defined
 from prag_asp.physics.predicates.rotated import ROTATED
@@ -25,7 +26,7 @@ PREDICATES: Mapping[str, Predicate] = {
     predicate.name: predicate
     for predicate in (
         ON_TOP, INSIDE, *BESIDE, REACHABLE, HOLDING, AT, GRIPPER_OPEN, LOCATED, ROTATED, NEAR_TO, FAR_FROM, BETWEEN,
-        ALIGNED, UPRIGHT,
+        ALIGNED, UPRIGHT, IS_OPEN, IS_CLOSED,
     )
 }  # fmt: skip
 """Every spatial predicate that all scenes have, by its name."""

@@ -34,7 +34,7 @@ def _parallel(situation: Situation, arguments: Arguments) -> bool:
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the bodies are out of the nearest row, and by how many radians not parallel."""
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
-    apart = [abs(a - b) for a, b in zip(one.pose.position[:2], two.pose.position[:2], strict=True)]
+    apart = [abs(a - b) for a, b in zip(one.centre[:2], two.centre[:2], strict=True)]
     close = [one.half[axis] + two.half[axis] + GAP for axis in (0, 1)]
     yield min(max(apart[1 - axis] - OFFSET, close[axis] - apart[axis]) for axis in (0, 1))
     if _parallel(situation, arguments):
@@ -45,7 +45,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the strips to the four sides of the other body, and the four ranges of parallel yaws."""
     subject, other = arguments
-    at, half = situation.pose(other).position, situation.half(other)
+    at, half = situation.body(other).centre, situation.half(other)
     own = extents(situation.shape(subject), quaternion)
     strips = []
     for axis in (0, 1):

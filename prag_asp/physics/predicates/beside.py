@@ -42,7 +42,7 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
     """Yield by how many metres the subject is outside the spread or short of the gap."""
     axis, sign = direction(name, situation.scene.frame)
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
-    at, other = one.pose.position, two.pose.position
+    at, other = one.centre, two.centre
     along = sign * (at[axis] - other[axis])
     yield (abs(at[1 - axis] - other[1 - axis]) - SPREAD * along) / SLANT
     yield one.half[axis] + two.half[axis] + GAP - along
@@ -57,7 +57,7 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
 def wedge(situation: Situation, name: str, other: str, half: Vector, gap: float) -> Volume:
     """Return the region in a direction from a body for the centre of a box with half sides; `gap` metres apart."""
     axis, sign = direction(name, situation.scene.frame)
-    at = situation.pose(other).position
+    at = situation.body(other).centre
     edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)
     low, high = [-math.inf] * 3, [math.inf] * 3
     (low if sign > 0 else high)[axis] = edge

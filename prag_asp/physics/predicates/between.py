@@ -25,7 +25,7 @@ def _half_along(situation: Situation, entity: str, quaternion: Quaternion, direc
 
 def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
     """Return how far apart the two others are in metres, and the direction from the first to the second."""
-    (ax, ay, _), (bx, by, _) = (situation.pose(other).position for other in arguments[1:])
+    (ax, ay, _), (bx, by, _) = (situation.body(other).centre for other in arguments[1:])
     length = math.hypot(bx - ax, by - ay)
     return length, ((bx - ax) / length, (by - ay) / length, 0.0) if length > 0.0 else (1.0, 0.0, 0.0)
 
@@ -48,7 +48,7 @@ def _room(
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the body is off the line, and short of either gap."""
     line = _line(situation, arguments)
-    pose, (x, y, _) = situation.pose(arguments[0]), situation.pose(arguments[1]).position
+    pose, (x, y, _) = situation.pose(arguments[0]), situation.body(arguments[1]).centre
     begin, end, aside = _room(situation, arguments, pose.quaternion, line)
     dx, dy, (ux, uy, _) = pose.position[0] - x, pose.position[1] - y, line[1]
     yield abs(ux * dy - uy * dx) - aside
@@ -60,7 +60,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     """Return the rectangle around the line between the others."""
     line = _line(situation, arguments)
     begin, end, aside = _room(situation, arguments, quaternion, line)
-    x, y, _ = situation.pose(arguments[1]).position
+    x, y, _ = situation.body(arguments[1]).centre
     along, across = (end - begin) / 2 - MARGIN, aside - min(MARGIN, aside / 2)
     if along < 0.0:
         return Volume((x, y, 0.0), (x, y, -1.0))

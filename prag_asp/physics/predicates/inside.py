@@ -1,10 +1,29 @@
-"""``inside`` and ``located``: a body in the cavity of a container, or (``located``) held right above."""
+"""``inside`` and ``located``: a body in the cavity of a container, or (``located``) held right above.
+
+Furniture is a container too: what is in a drawer lies in its tray, and moves with it. ``located`` at the table means
+on it or held right above it, but not over anything hollow.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Quaternion, Vector, cavity, extents, heading, multiply, to_local
+from prag_asp.domain.scene import FURNITURE, HOLLOW
+from prag_asp.physics.geometry import (
+    Outline,
+    Pose,
+    Quaternion,
+    Vector,
+    cavity,
+    extents,
+    heading,
+    inside_by,
+    multiply,
+    rectangle,
+    to_local,
+    yaw_of,
+)
+from prag_asp.physics.mechanism import mechanism
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, turned_box
 from prag_asp.physics.situation import Situation
@@ -15,9 +34,31 @@ HOVER = 0.2
 MARGIN = 0.003
 
 
+def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
+    """Return a pose in the middle of a cavity, seen from above, its inner sides and its depth in metres."""
+    shape = situation.shape(container)
+    if shape.kind in FURNITURE:
+        return situation.floor(container), mechanism(shape).cavity
+    return situation.pose(container), cavity(shape)
+
+
 def floor_height(situation: Situation, container: str) -> float:
     """Return the height of a container's floor in metres."""
-    return situation.bottom(container) + situation.shape(container).wall
+    shape = situation.shape(container)
+    if shape.kind in FURNITURE:
+        return situation.floor(container).position[2]
+    return situation.bottom(container) + shape.wall
+
+
+def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[Outline]:
+    """Yield the rectangles that a container covers, seen from above, each side wider by a margin in metres."""
+    shape, pose = situation.shape(container), situation.pose(container)
+    half_x, half_y, _ = shape.half
+    yield rectangle(*pose.position[:2], half_x + margin, half_y + margin, yaw_of(pose.quaternion))
+    if shape.kind in FURNITURE:
+        middle, (size_x, size_y, _) = hollow(situation, container)
+        half_x, half_y = size_x / 2 + shape.wall + margin, size_y / 2 + shape.wall + margin
+        yield rectangle(*middle.position[:2], half_x, half_y, yaw_of(middle.quaternion))
 
 
 def _half_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Vector:
@@ -28,9 +69,8 @@ def _half_within(situation: Situation, subject: str, container: str, quaternion:
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
     """Yield how far the bounding box of a body, in the container's axes, sticks out of it in metres."""
-    pose, outer = situation.pose(subject), situation.pose(container)
+    pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
-    inner = cavity(situation.shape(container))
     yield abs(dx) - inner[0] / 2
     yield abs(dy) - inner[1] / 2
     half = _half_within(situation, subject, container, pose.quaternion)
@@ -53,16 +93,34 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres a body misses the room in and up to `HOVER` above the container."""
-    height = _height(situation, *arguments)
+    subject, place = arguments
+    if situation.is_table(place):
+        yield from _over_table(situation, subject, place)
+        return
+    height = _height(situation, subject, place)
     yield -TOLERANCE - height
-    yield height - cavity(situation.shape(arguments[1]))[2] - HOVER
-    yield from _lateral(situation, *arguments)
+    yield height - hollow(situation, place)[1][2] - HOVER
+    yield from _lateral(situation, subject, place)
+
+
+def _over_table(situation: Situation, subject: str, table: str) -> Iterator[float]:
+    """Yield how far a body is from a place on the table, or up to `HOVER` above it, and over nothing hollow."""
+    height = situation.bottom(subject)
+    yield -TOLERANCE - height
+    yield height - HOVER
+    (x, y, _), (at_x, at_y, _) = situation.pose(subject).position, situation.pose(table).position
+    half_x, half_y, _ = situation.half(table)
+    yield abs(x - at_x) - half_x
+    yield abs(y - at_y) - half_y
+    for other in situation.poses:
+        if other != subject and situation.shape(other).kind in HOLLOW:
+            yield from (inside_by(rim, (x, y)) for rim in rims(situation, other))
 
 
 def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float) -> Volume:
     """Return where the centre of a body may be, up to a height above the floor."""
     subject, container = arguments
-    pose, inner = situation.pose(container), cavity(situation.shape(container))
+    pose, inner = hollow(situation, container)
     half = _half_within(situation, subject, container, quaternion)
     dx, dy = inner[0] / 2 - half[0] - MARGIN, inner[1] / 2 - half[1] - MARGIN
     x, y, _ = pose.position
@@ -84,9 +142,24 @@ def _inside_volume(situation: Situation, arguments: Arguments, quaternion: Quate
 
 
 def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the room in the container and above it."""
-    depth = cavity(situation.shape(arguments[1]))[2]
+    """Return the room in the container or on the table, and above it."""
+    if situation.is_table(arguments[1]):
+        return _table_volume(situation, arguments, quaternion)
+    depth = hollow(situation, arguments[1])[1][2]
     return _room(situation, arguments, quaternion, depth + HOVER - MARGIN)
+
+
+def _table_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the room above the table, but for what is over something hollow."""
+    subject, table = arguments
+    (x, y, _), (half_x, half_y, _) = situation.pose(table).position, situation.half(table)
+    z = extents(situation.shape(subject), quaternion)[2]
+    others = [other for other in situation.poses if other != subject and situation.shape(other).kind in HOLLOW]
+    return Volume(
+        (x - half_x + MARGIN, y - half_y + MARGIN, z),
+        (x + half_x - MARGIN, y + half_y - MARGIN, z + HOVER - MARGIN),
+        holes=tuple(rim for other in others for rim in rims(situation, other, MARGIN)),
+    )
 
 
 INSIDE = Predicate(

@@ -21,7 +21,7 @@ MARGIN = 0.003
 def _gap(situation: Situation, arguments: Arguments) -> float:
     """Return the gap between two bodies in metres."""
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
-    (ax, ay, _), (bx, by, _) = one.pose.position, two.pose.position
+    (ax, ay, _), (bx, by, _) = one.centre, two.centre
     dx, dy = abs(ax - bx) - one.half[0] - two.half[0], abs(ay - by) - one.half[1] - two.half[1]
     return math.hypot(max(0.0, dx), max(0.0, dy))
 
@@ -29,7 +29,7 @@ def _gap(situation: Situation, arguments: Arguments) -> float:
 def _around(situation: Situation, arguments: Arguments, quaternion: Quaternion, gaps: tuple[float, float]) -> Ring:
     """Return where the subject may be so that the gap is between two bounds in metres."""
     subject, other = arguments
-    (x, y, _), half = situation.pose(other).position, situation.half(other)
+    (x, y, _), half = situation.body(other).centre, situation.half(other)
     own = extents(situation.shape(subject), quaternion)
     return Ring(x, y, *gaps, own[0] + half[0], own[1] + half[1])
 

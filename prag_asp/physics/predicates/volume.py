@@ -45,11 +45,12 @@ class Yaws(NamedTuple):
 
 
 class Volume(NamedTuple):
-    """Where the subject of a predicate may be: a region for its centre, ranges of yaws, a range of openings.
+    """Where the subject of a predicate may be: a region for its centre, ranges of yaws, of widths, of openings.
 
     The region is what a box aligned with the world's axes, half planes, rings and, of each of the `unions`, at least
-    one volume have in common; the box is infinite where the predicate does not care, `yaws` is None then. Metres and
-    radians.
+    one volume have in common, but for the `holes`, which are convex and counter-clockwise from above; the box is
+    infinite where the predicate does not care, `yaws` is None then. Metres and radians; `width` belongs to the gripper,
+    `opening` to the joint of furniture.
     """
 
     low: Vector = EVERYWHERE[0]
@@ -58,13 +59,16 @@ class Volume(NamedTuple):
     rings: tuple[Ring, ...] = ()
     yaws: tuple[Yaws, ...] | None = None
     width: tuple[float, float] = (0.0, math.inf)
+    opening: tuple[float, float] = (0.0, math.inf)
+    holes: tuple[Outline, ...] = ()
     unions: tuple[tuple[Volume, ...], ...] = ()
 
     @property
     def empty(self) -> bool:
         """Tell whether a range of numbers is empty; where none is, the rest may still leave nothing."""
         (ax, ay, az), (bx, by, bz) = self.low, self.high
-        return ax > bx or ay > by or az > bz or self.width[0] > self.width[1] or self.yaws == ()
+        ranges = (self.width, self.opening)
+        return ax > bx or ay > by or az > bz or any(low > high for low, high in ranges) or self.yaws == ()
 
     def meet(self, other: Volume) -> Volume:
         """Return what both volumes allow."""
@@ -77,6 +81,8 @@ class Volume(NamedTuple):
             self.rings + other.rings,
             _meet_yaws(self.yaws, other.yaws),
             (max(self.width[0], other.width[0]), min(self.width[1], other.width[1])),
+            (max(self.opening[0], other.opening[0]), min(self.opening[1], other.opening[1])),
+            self.holes + other.holes,
             self.unions + other.unions,
         )
 
@@ -99,11 +105,12 @@ class Volume(NamedTuple):
         for ring in self.rings:
             distance = ring.distance(x, y)
             missed += [ring.inner - distance, distance - ring.outer]
+        missed += [inside_by(hole, (x, y)) for hole in self.holes]
         missed += [min((option.outside(point) for option in union), default=math.inf) for union in self.unions]
         return max(0.0, *missed)
 
     def floor(self, room: float = 0.0) -> Floor | None:
-        """Return the region from above, but for its rings, None where nothing is left.
+        """Return the region from above, but for its rings and holes, None where nothing is left.
 
         `room` metres are kept off its borders, or a third of the box where it is narrow. The box has to be
         finite along x and y.
@@ -124,24 +131,24 @@ class Volume(NamedTuple):
 
     @staticmethod
     def draw(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Draw a point of a region over its `floor` uniformly; None where the rings leave none.
+        """Draw a point of a region over its `floor` uniformly; None where the rings and holes leave none.
 
         Where the region has a height the point is drawn from all of it.
         """
         for _ in range(RING_TRIES):
             patch = floor[0] if len(floor) == 1 else _choose(floor, uniform)
             x, y = _inside(patch, uniform)
-            if patch.volume.in_rings(x, y) and (len(floor) == 1 or _keeps(floor, x, y, uniform)):
+            if patch.volume.admits(x, y) and (len(floor) == 1 or _keeps(floor, x, y, uniform)):
                 low, high = patch.volume.low[2], patch.volume.high[2]
                 return (x, y, low if low == high else uniform(low, high))
         return None
 
-    def in_rings(self, x: float, y: float) -> bool:
-        """Tell whether a place lies in all rings."""
-        for ring in self.rings:  # noqa: SIM110 (all() is slower here)
+    def admits(self, x: float, y: float) -> bool:
+        """Tell whether a place lies in all rings and in no hole."""
+        for ring in self.rings:
             if not ring.inner <= ring.distance(x, y) <= ring.outer:
                 return False
-        return True
+        return not any(inside_by(hole, (x, y)) > 0.0 for hole in self.holes)
 
 
 class Patch(NamedTuple):
@@ -153,7 +160,7 @@ class Patch(NamedTuple):
 
 
 Floor = tuple[Patch, ...]
-"""A region seen from above, but for its rings; its patches may overlap."""
+"""A region seen from above, but for its rings and holes; its patches may overlap."""
 
 
 def _fan(volume: Volume, polygon: Outline) -> Patch:
@@ -175,7 +182,7 @@ def _choose(floor: Floor, uniform: Callable[[float, float], float]) -> Patch:
 
 def _keeps(floor: Floor, x: float, y: float, uniform: Callable[[float, float], float]) -> bool:
     """Decide whether to keep a place of several patches: what lies in n of them is drawn n times too often."""
-    found = sum(inside_by(patch.polygon, (x, y)) >= 0.0 and patch.volume.in_rings(x, y) for patch in floor)
+    found = sum(inside_by(patch.polygon, (x, y)) >= 0.0 and patch.volume.admits(x, y) for patch in floor)
     return found <= 1 or uniform(0.0, found) <= 1.0
 
 

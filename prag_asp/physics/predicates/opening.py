@@ -1,0 +1,49 @@
+"""``is_open`` and ``is_closed``: how far a drawer is drawn out, or a door is turned; metres or radians.
+
+Open is at least `OPEN` of the way, closed at most `CLOSED`; in between furniture is neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from prag_asp.physics.geometry import Quaternion
+from prag_asp.physics.mechanism import mechanism
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Volume
+from prag_asp.physics.situation import Situation
+
+OPEN, CLOSED = 0.9, 0.05
+OPEN_MARGIN, CLOSED_MARGIN = 0.05, 0.03
+
+
+def limit(situation: Situation, furniture: str) -> float:
+    """Return how far furniture opens, in metres or radians."""
+    return mechanism(situation.shape(furniture)).limit
+
+
+def _open_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield how much farther the furniture has to open."""
+    yield OPEN * limit(situation, arguments[0]) - situation.opening(arguments[0])
+
+
+def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the openings that count as open."""
+    most = limit(situation, arguments[0])
+    return Volume(opening=((OPEN + OPEN_MARGIN) * most, most))
+
+
+def _closed_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield how much farther the furniture has to close."""
+    yield situation.opening(arguments[0]) - CLOSED * limit(situation, arguments[0])
+
+
+def _closed_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the openings that count as closed."""
+    return Volume(opening=(0.0, (CLOSED - CLOSED_MARGIN) * limit(situation, arguments[0])))
+
+
+IS_OPEN = Predicate(name="is_open", violations=_open_violations, volume=_open_volume, sentence=states("{0} {is} open"))
+IS_CLOSED = Predicate(
+    name="is_closed", violations=_closed_violations, volume=_closed_volume, sentence=states("{0} {is} closed")
+)
