@@ -9,15 +9,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
+from prag_asp.domain.scene_model import BODILESS, IGNORED, PREDICATE_ROLES, Mount, Scene, Shape, Table
 from prag_asp.domain.scene_table import SCENE_KEYS, SHAPE_KEYS, Problem, SceneReader, ancestors
 from prag_asp.errors import SceneError
 
 __all__ = [
+    "BODILESS",
     "IGNORED",
     "PREDICATE_ROLES",
     "SCENE_KEYS",
     "SHAPE_KEYS",
+    "Mount",
     "Problem",
     "Scene",
     "Shape",

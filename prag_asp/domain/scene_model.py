@@ -23,10 +23,14 @@ PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
     "holding": ("robot", "object"),
     "at": ("robot", "object"),
     "gripper_open": ("robot",),
+    "over": ("robot", "object"),
     "located": ("object", "object"),
     "rotated": ("object", "rotation"),
 }
 """The spatial predicates and what each of their arguments has to be."""
+
+BODILESS = ("robot", "table", "zone")
+"""The kinds of shapes that are no objects: a robot, the table, and a flat part of the table's top."""
 
 IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""
@@ -45,6 +49,15 @@ class Shape(NamedTuple):
         return (self.size[0] / 2, self.size[1] / 2, self.size[2] / 2)
 
 
+class Mount(NamedTuple):
+    """Which robot an entity is, and where its base stands: x and y in metres, yaw in radians."""
+
+    kind: str
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+
 @dataclass(frozen=True)
 class Table:
     """The table: sides along x and y in metres, centre of its top (at z = 0), colour."""
@@ -61,6 +74,7 @@ class Scene:
     `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where
     objects are put (low x, high x, low y, high y), `fixed` holds x, y in metres and yaw in radians of what
     never moves, `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in radians.
+    `robots` says where each robot stands; where it is empty there is one `robot`, at the origin.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot.
     """
@@ -74,6 +88,12 @@ class Scene:
     fixed: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     predicates: Mapping[str, str] = field(default_factory=dict)
     rotations: Mapping[str, float] = field(default_factory=dict)
+    robots: Mapping[str, Mount] = field(default_factory=dict)
+
+    @property
+    def mounts(self) -> Mapping[str, Mount]:
+        """All robots by the names of their entities; a single one at the origin has no name."""
+        return self.robots or {"": Mount(self.robot)}
 
     def meaning(self, fluent: Atom) -> str | None:
         """Return the name of the spatial predicate that `fluent` means, None where physics ignores it."""

@@ -12,8 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Scene, Shape, Table
+from prag_asp.domain.scene_robots import ROBOTS, read_robots
 
-ROBOTS = ("panda", "kuka")
 FRAMES = ("robot", "viewer")
 PALETTE = ("#e4572e", "#2e86ab", "#f2b134", "#3a9d5d", "#8e5bb5", "#d64577", "#4bb3b8", "#a0714f")
 CONTAINER_COLOR = "#b9c4cc"
@@ -24,8 +24,9 @@ SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
     "container": ("size", "wall"),
     "table": (),
     "robot": (),
+    "zone": ("size",),
 }
-SCENE_KEYS = ("robot", "frame", "workspace", "table", "shapes", "colors", "fixed", "predicates", "rotations")
+SCENE_KEYS = ("robot", "robots", "frame", "workspace", "table", "shapes", "colors", "fixed", "predicates", "rotations")
 MIN_WALL, MAX_LENGTH = 0.003, 2.0
 PAIR, TRIPLE = 2, 3
 
@@ -78,12 +79,10 @@ class SceneReader:
             and (shape := self.shape(f"scene.shapes.{name}", value)) is not None
         }
         shapes = {entity: shape for entity in self.entities if (shape := self.inherited(entity, by_class))}
-        robots = [entity for entity, shape in shapes.items() if shape.kind == "robot"]
-        if len(robots) > 1:
-            self.add("scene.shapes", f"one robot is supported; got {', '.join(robots)}")
+        robot = self.choice(table, "robot", ROBOTS)
         return Scene(
             shapes=shapes,
-            robot=self.choice(table, "robot", ROBOTS),
+            robot=robot,
             frame=self.choice(table, "frame", FRAMES),
             workspace=self.workspace(self.section(table, "workspace")),
             table=self.table(self.section(table, "table")),
@@ -91,6 +90,7 @@ class SceneReader:
             fixed=self.fixed(self.section(table, "fixed"), shapes),
             predicates=self.predicates(self.section(table, "predicates")),
             rotations=self.rotations(self.section(table, "rotations")),
+            robots=read_robots(self, self.section(table, "robots"), shapes, robot),
         )
 
     def add(self, key: str, message: str) -> None:
@@ -169,11 +169,12 @@ class SceneReader:
         for name in SHAPE_KEYS[kind]:
             if name == "wall":
                 continue
-            count = TRIPLE if name == "size" else 1
+            count = (PAIR if kind == "zone" else TRIPLE) if name == "size" else 1
             given = value.get(name)
             found[name] = self.lengths(f"{key}.{name}", given if count > 1 else [given], count) or (0.0,) * count
         if "size" in found:
-            return (found["size"][0], found["size"][1], found["size"][2])
+            sides = (*found["size"], 0.0)  # a zone is flat
+            return (sides[0], sides[1], sides[2])
         diameter = 2 * found["radius"][0] if "radius" in found else 0.0
         height = found["height"][0] if "height" in found else diameter
         return (diameter, diameter, height)
@@ -246,12 +247,15 @@ class SceneReader:
             if not self.known_entity(key, entity):
                 continue
             if entity not in shapes or shapes[entity].kind in ("robot", "table"):
-                self.add(key, f"needs an entity with the shape of an object; {entity} has none")
+                self.add(key, f"needs an entity with the shape of an object or a zone; {entity} has none")
             elif not fine:
                 self.add(key, f"needs x and y in metres, and a yaw in degrees if you like; got {place!r}")
             else:
                 yaw = math.radians(place[2]) if len(place) == TRIPLE else 0.0
                 fixed[entity] = (float(place[0]), float(place[1]), yaw)
+        for entity, shape in shapes.items():
+            if shape.kind == "zone" and entity not in value:
+                self.add(f"scene.fixed.{entity}", "missing: a zone needs a place, x and y in metres")
         return fixed
 
     def predicates(self, value: Mapping[str, Any]) -> dict[str, str]:

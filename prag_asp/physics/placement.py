@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from itertools import repeat
 
+from prag_asp.domain.scene import BODILESS
 from prag_asp.physics.collisions import box
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
@@ -34,7 +35,7 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
     for fact in facts:
         if fact.value and fact.predicate.name in ("on_top", "inside", "located") and fact.arguments[0] == entity:
             support = fact.arguments[1]
-            return TABLE if situation.is_table(support) else support
+            return TABLE if situation.is_surface(support) else support
     return None
 
 
@@ -180,11 +181,11 @@ def _shapes_volume(fact: Fact, entity: str) -> bool:
 def _volume(situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact]) -> Volume:
     """Return where an object, turned as it will be, can be put down on a support as the facts want it.
 
-    What is put on the table has to be within reach, unless it is known not to be.
+    What is put on the table has to be within reach, unless it is known not to be or there are several robots.
     """
     out_of_reach = any(fact.predicate.name == "reachable" and not fact.value for fact in about)
     volume = _surface(situation, entity, support, quaternion, out_of_reach)
-    if support == TABLE and not out_of_reach:
+    if support == TABLE and not out_of_reach and not situation.others:
         volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
     for fact in about:
         predicate, arguments = fact.predicate, fact.arguments
@@ -268,4 +269,4 @@ def _yaws(search: Search, situation: Situation, entity: str, support: str, about
 def _has_place(situation: Situation, entity: str) -> bool:
     """Tell whether an argument of a fact needs no place of its own or has it."""
     shape = situation.scene.shapes.get(entity)
-    return shape is None or shape.kind in ("robot", "table") or entity in situation.poses
+    return shape is None or shape.kind in BODILESS or entity in situation.poses

@@ -10,7 +10,7 @@ from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import IDENTITY, Pose, cavity, extents, yaw_quaternion
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, direction
-from prag_asp.physics.robot import ROBOTS
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 
 AXES = ("x", "y", "z")
@@ -50,7 +50,7 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     """Yield why an object is too large for the gripper or a container however it is turned."""
     name = fact.predicate.name
     if name == "holding":
-        entity, opening = fact.arguments[1], ROBOTS[scene.robot].opening
+        entity, opening = fact.arguments[1], robot_of(scene, fact.arguments[0]).opening
         narrowest = min(scene.shapes[entity].size)
         if narrowest > opening:
             yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
@@ -77,12 +77,14 @@ def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
 
 
 def _gripper_reasons(true: list[Fact]) -> Iterator[str]:
-    """Yield why the gripper cannot do two things at once."""
-    held = sorted({fact.arguments[1] for fact in true if fact.predicate.name == "holding"})
-    if len(held) > 1:
-        yield f"the gripper cannot hold {held[0]} and {held[1]} at once"
-    if held and any(fact.predicate.name == "gripper_open" for fact in true):
-        yield f"the gripper cannot be open while it holds {held[0]}"
+    """Yield why a gripper cannot do two things at once."""
+    for robot in dict.fromkeys(fact.arguments[0] for fact in true if fact.predicate.name == "holding"):
+        own = [fact for fact in true if fact.arguments[0] == robot]
+        held = sorted({fact.arguments[1] for fact in own if fact.predicate.name == "holding"})
+        if len(held) > 1:
+            yield f"the gripper cannot hold {held[0]} and {held[1]} at once"
+        if any(fact.predicate.name == "gripper_open" for fact in own):
+            yield f"the gripper cannot be open while it holds {held[0]}"
 
 
 def _order_reasons(true: list[Fact]) -> Iterator[str]:

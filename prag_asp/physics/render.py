@@ -154,8 +154,7 @@ def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int]) -> Image.Image:
     """Return one state as a picture of `size` pixels; the simulator must have been opened with `visual`."""
     image_type = _pillow()
-    simulator.place(moment.poses)
-    simulator.pose_arm(moment.joints, moment.width)
+    simulator.show(moment)
     pixels = _render(simulator, (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING))
     image: Image.Image = image_type.fromarray(pixels).resize(size, image_type.Resampling.LANCZOS)
     return image

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,8 +11,8 @@ from prag_asp.physics.foresight import Foresight
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.simulator import Simulator
-from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Moment
+from prag_asp.physics.situation import Situation, Standing
+from prag_asp.physics.verdict import ArmState, Moment
 
 EMPTY_VOLUME = "no room where the relations want the object"
 RELATION = "a relation of the state does not hold"
@@ -70,7 +70,7 @@ class Search:
 
     @property
     def robot(self) -> Robot:
-        """The robot of the simulator."""
+        """The robot that acts in the simulator."""
         return self.simulator.robot
 
     def uniform(self, low: float, high: float) -> float:
@@ -94,4 +94,20 @@ class Snapshot:
 
     def moment(self) -> Moment:
         """Return the snapshot as a moment of a witness."""
-        return Moment(dict(self.situation.poses), self.joints, self.situation.width, self.held, self.grasp)
+        situation = self.situation
+        others = {name: ArmState(arm.joints, arm.width, arm.held, arm.grasp) for name, arm in situation.others.items()}
+        poses, acting = dict(situation.poses), situation.acting
+        return Moment(poses, self.joints, situation.width, self.held, self.grasp, acting, others)
+
+    def turned_to(self, robot: str) -> Snapshot:
+        """Return the snapshot with another robot as the one that acts; with no name it stays the same one."""
+        situation = self.situation
+        if robot in ("", situation.acting):
+            return self
+        others = dict(situation.others)
+        other = others.pop(robot)
+        others[situation.acting] = Standing(
+            self.joints, situation.tool, situation.width, self.held, self.grasp, self.above
+        )
+        turned = replace(situation, tool=other.tool, width=other.width, acting=robot, others=others)
+        return Snapshot(turned, other.joints, other.held, other.grasp, other.above)

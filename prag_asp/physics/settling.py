@@ -16,10 +16,10 @@ from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.geometry import Pose, turn_between
 from prag_asp.physics.kinematics import tool_pose
-from prag_asp.physics.robot import ROBOTS
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search import UNSETTLED, UNSTABLE
 from prag_asp.physics.simulator import open_client, read_pose, start_world
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.verdict import Moment, Witness
 from prag_asp.space.task import Task
 
@@ -38,7 +38,6 @@ class Settling:
 
     def __init__(self, scene: Scene, client: int):
         self._scene = scene
-        self._robot = ROBOTS[scene.robot]
         self._client = client
 
     def failure(self, seen: Problem, witness: Witness) -> str | None:
@@ -54,7 +53,7 @@ class Settling:
                 settled = self._settle(bodies, moment)
                 if settled is None:
                     return UNSTABLE
-                situation = Situation(self._scene, settled, tool_pose(self._robot, moment.joints), moment.width)
+                situation = _situation(self._scene, moment, settled)
                 if not all(fact.satisfied(situation) for fact in facts):
                     return UNSETTLED
             previous = moment
@@ -75,15 +74,14 @@ class Settling:
         client = self._client
         for entity, body in bodies.items():
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
-        if moment.held is not None:
-            pybullet.changeDynamics(bodies[moment.held], -1, mass=0.0, physicsClientId=client)
+        for entity in moment.all_held:
+            pybullet.changeDynamics(bodies[entity], -1, mass=0.0, physicsClientId=client)
         for _ in range(STEPS):
             pybullet.stepSimulation(physicsClientId=client)
         settled = {entity: read_pose(client, body) for entity, body in bodies.items()}
         speeds = [pybullet.getBaseVelocity(body, physicsClientId=client)[0] for body in bodies.values()]
-        if moment.held is not None:
-            own = mass(self._scene, moment.held)
-            pybullet.changeDynamics(bodies[moment.held], -1, mass=own, physicsClientId=client)
+        for entity in moment.all_held:
+            pybullet.changeDynamics(bodies[entity], -1, mass=mass(self._scene, entity), physicsClientId=client)
         if any(math.hypot(*speed) > LARGEST_SPEED for speed in speeds):
             return None
         stayed = all(_stayed(moment.poses[entity], pose) for entity, pose in settled.items())
@@ -107,9 +105,19 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
         return settling.failure(problem(task, scene), witness)
 
 
+def _situation(scene: Scene, moment: Moment, poses: Mapping[str, Pose]) -> Situation:
+    """Return what is to be seen where the arms are as at a moment, and the objects at some poses."""
+    others = {
+        name: Standing(arm.joints, tool_pose(robot_of(scene, name), arm.joints), arm.width, arm.held, arm.grasp)
+        for name, arm in moment.others.items()
+    }
+    tool = tool_pose(robot_of(scene, moment.robot), moment.joints)
+    return Situation(scene, poses, tool, moment.width, acting=moment.robot, others=others)
+
+
 def _as_stable(before: Moment, after: Moment) -> bool:
     """Tell whether objects that are stable at a moment are so at the next: nothing has moved or been let go."""
-    return before.poses == after.poses and before.held in (None, after.held)
+    return before.poses == after.poses and before.all_held <= after.all_held
 
 
 def _stayed(before: Pose, after: Pose) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration import Demonstration
@@ -50,12 +50,22 @@ class Budget:
         return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier}
 
 
+class ArmState(NamedTuple):
+    """An arm at a moment: joint angles in radians, the opening in metres, what it holds and how."""
+
+    joints: Joints
+    width: float
+    held: str | None = None
+    grasp: Pose | None = None
+
+
 @dataclass(frozen=True)
 class Moment:
     """One state of a witness.
 
     `poses` are those of all objects, `joints` the seven joint angles in radians, `width` the opening in
-    metres, `grasp` the pose of the `held` object in the frame of the tool.
+    metres, `grasp` the pose of the `held` object in the frame of the tool. Where there are several robots these are
+    those of `robot`, which has acted, and the `others` stand still.
     """
 
     poses: Mapping[str, Pose]
@@ -63,34 +73,45 @@ class Moment:
     width: float
     held: str | None = None
     grasp: Pose | None = None
+    robot: str = ""
+    others: Mapping[str, ArmState] = field(default_factory=dict)
+
+    def arms(self) -> dict[str, ArmState]:
+        """Return all arms by the names of their robots."""
+        return {self.robot: ArmState(self.joints, self.width, self.held, self.grasp), **self.others}
+
+    @property
+    def all_held(self) -> frozenset[str]:
+        """Every object that an arm holds."""
+        return frozenset(arm.held for arm in self.arms().values() if arm.held is not None)
 
     def to_json(self) -> dict[str, Any]:
         """Return the moment as JSON-able data."""
-        return {
-            "poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()},
-            "joints": list(self.joints),
-            "width": self.width,
-            "held": self.held,
-            "grasp": None if self.grasp is None else _pose_json(self.grasp),
-        }
+        data: dict[str, Any] = {"poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()}}
+        data |= _arm_json(ArmState(self.joints, self.width, self.held, self.grasp))
+        if self.robot:
+            data |= {"robot": self.robot, "others": {name: _arm_json(arm) for name, arm in self.others.items()}}
+        return data
 
 
 @dataclass(frozen=True)
 class Waypoint:
     """A configuration that the arm passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, retreat or stay. `held` is what the gripper holds
-    there.
+    `name` is approach (above the object), at, lift, carry, retreat, move (empty) or stay. `held` is what the gripper
+    holds there; `robot` is the arm's where there are several.
     """
 
     name: str
     joints: Joints
     width: float
     held: str | None = None
+    robot: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Return the waypoint as JSON-able data."""
-        return {"name": self.name, "joints": list(self.joints), "width": self.width, "held": self.held}
+        data = {"name": self.name, "joints": list(self.joints), "width": self.width, "held": self.held}
+        return {**data, "robot": self.robot} if self.robot else data
 
 
 @dataclass(frozen=True)
@@ -199,13 +220,25 @@ def _moment(data: Mapping[str, Any]) -> Moment:
     """Return the moment that `Moment.to_json` wrote."""
     return Moment(
         poses={str(entity): _pose(pose) for entity, pose in data["poses"].items()},
-        joints=tuple(map(float, data["joints"])),
-        width=float(data["width"]),
-        held=data["held"],
-        grasp=None if data["grasp"] is None else _pose(data["grasp"]),
+        robot=str(data.get("robot", "")),
+        others={str(name): _arm(arm) for name, arm in data.get("others", {}).items()},
+        **_arm(data)._asdict(),
     )
+
+
+def _arm_json(arm: ArmState) -> dict[str, Any]:
+    """Return an arm as JSON-able data."""
+    grasp = None if arm.grasp is None else _pose_json(arm.grasp)
+    return {"joints": list(arm.joints), "width": arm.width, "held": arm.held, "grasp": grasp}
+
+
+def _arm(data: Mapping[str, Any]) -> ArmState:
+    """Return the arm that `_arm_json` wrote."""
+    grasp = None if data["grasp"] is None else _pose(data["grasp"])
+    return ArmState(tuple(map(float, data["joints"])), float(data["width"]), data["held"], grasp)
 
 
 def _waypoint(data: Mapping[str, Any]) -> Waypoint:
     """Return the waypoint that `Waypoint.to_json` wrote."""
-    return Waypoint(str(data["name"]), tuple(map(float, data["joints"])), float(data["width"]), data["held"])
+    joints, robot = tuple(map(float, data["joints"])), str(data.get("robot", ""))
+    return Waypoint(str(data["name"]), joints, float(data["width"]), data["held"], robot)
