@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from prag_asp.domain.scene import BODILESS, Scene
 from prag_asp.errors import SceneError
-from prag_asp.physics.bodies import make_body, make_table, parking_place
+from prag_asp.physics.bodies import make_body, make_table, parking_place, show_zone
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.geometry import Pose, finite
 from prag_asp.physics.robot import Joints, Robot, robot_of
@@ -45,6 +45,9 @@ class Simulator:
             for entity, shape in scene.shapes.items()
             if shape.kind not in BODILESS
         }
+        for entity, shape in scene.shapes.items() if visual else ():
+            if shape.kind == "zone":
+                show_zone(client, scene, entity)
         self._poses: dict[str, Pose] = {}
         for entity in self.bodies:
             self._park(entity)
