@@ -13,19 +13,20 @@ from typing import TYPE_CHECKING, Any
 from prag_asp.domain.atom import Atom
 from prag_asp.domain.own_table import read_own
 from prag_asp.domain.scene_model import (
+    BODILESS,
     FURNITURE,
     HOLLOW,
     IGNORED,
     PREDICATE_ROLES,
     Box,
     Material,
+    Mount,
     Own,
     Scene,
     Shape,
     Size,
     Table,
 )
-from prag_asp.domain.scene_places import BODILESS
 from prag_asp.domain.scene_report import Problem, Report, ancestors
 from prag_asp.domain.scene_shapes import SHAPE_KEYS
 from prag_asp.domain.scene_table import SCENE_KEYS, read_scene
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 __all__ = [
+    "BODILESS",
     "FURNITURE",
     "HOLLOW",
     "IGNORED",
@@ -43,6 +45,7 @@ __all__ = [
     "SHAPE_KEYS",
     "Box",
     "Material",
+    "Mount",
     "Own",
     "Problem",
     "Scene",

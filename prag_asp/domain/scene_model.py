@@ -24,6 +24,7 @@ PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
     "holding": ("robot", "object"),
     "at": ("robot", "object"),
     "gripper_open": ("robot",),
+    "over": ("robot", "object"),
     "located": ("object", "object"),
     "rotated": ("object", "rotation"),
     "near": ("object", "object"),
@@ -35,6 +36,9 @@ PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
     "is_closed": ("furniture",),
 }
 """The spatial predicates that every scene has, and what each of their arguments has to be."""
+
+BODILESS = ("robot", "table", "zone")
+"""The kinds of shapes that are no objects: a robot, the table, and a flat part of the table's top."""
 
 IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""
@@ -104,6 +108,15 @@ class Own(NamedTuple):
     file: str = ""
 
 
+class Mount(NamedTuple):
+    """Which robot an entity is, and where its base stands: x and y in metres, yaw in radians."""
+
+    kind: str
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+
 @dataclass(frozen=True)
 class Table:
     """The table: sides along x and y in metres, centre of its top (at z = 0), colour."""
@@ -123,6 +136,7 @@ class Scene:
     yaws in radians.
     `materials` belong to entities; `ranges` hold all shapes, the smallest first, of those whose size is drawn for each
     task, and `shapes` the largest of them.
+    `robots` says where each robot stands; where it is empty there is one `robot`, at the origin.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
     among them are run only where `trusted` is set.
@@ -141,6 +155,12 @@ class Scene:
     ranges: Mapping[str, tuple[Shape, ...]] = field(default_factory=dict)
     own: Mapping[str, Own] = field(default_factory=dict)
     trusted: bool = False
+    robots: Mapping[str, Mount] = field(default_factory=dict)
+
+    @property
+    def mounts(self) -> Mapping[str, Mount]:
+        """All robots by the names of their entities; a single one at the origin has no name."""
+        return self.robots or {"": Mount(self.robot)}
 
     def meaning(self, fluent: Atom) -> str | None:
         """Return the name of the spatial predicate that `fluent` means, None where physics ignores it."""

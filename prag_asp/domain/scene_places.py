@@ -15,7 +15,7 @@ Place = tuple[float, float, float]
 """x and y in metres, yaw in radians."""
 
 PAIR, TRIPLE = 2, 3
-BODILESS = ("robot", "table")
+PLACELESS = ("robot", "table")
 TOUCHING = 0.0015
 """Fixed bodies may reach this far into each other, in metres, as all bodies may."""
 
@@ -55,13 +55,16 @@ def read_fixed(report: Report, value: Mapping[str, Any], shapes: Mapping[str, Sh
         fine = isinstance(place, list) and len(place) in (PAIR, TRIPLE) and all(map(is_number, place))
         if not report.known_entity(key, entity):
             continue
-        if entity not in shapes or shapes[entity].kind in BODILESS:
-            report.add(key, f"needs an entity with the shape of an object; {entity} has none")
+        if entity not in shapes or shapes[entity].kind in PLACELESS:
+            report.add(key, f"needs an entity with the shape of an object or a zone; {entity} has none")
         elif not fine:
             report.add(key, f"needs x and y in metres, and a yaw in degrees if you like; got {place!r}")
         else:
             yaw = math.radians(place[2]) if len(place) == TRIPLE else 0.0
             fixed[entity] = (float(place[0]), float(place[1]), yaw)
+    for entity, shape in shapes.items():
+        if shape.kind == "zone" and entity not in value:
+            report.add(f"scene.fixed.{entity}", "missing: a zone needs a place, x and y in metres")
     return fixed
 
 
@@ -73,6 +76,6 @@ def place_problems(table: Table, shapes: Mapping[str, Shape], fixed: Mapping[str
         if any(abs(at_x - x) > size_x / 2 or abs(at_y - y) > size_y / 2 for at_x, at_y in outer):
             text = f"{entity} is not wholly on the table; move it or enlarge the table"
             yield Problem(f"scene.fixed.{entity}", text)
-    for one, two in combinations(fixed, 2):
+    for one, two in combinations([entity for entity in fixed if shapes[entity].kind != "zone"], 2):
         if not apart(Footprint(shapes[one], fixed[one]), Footprint(shapes[two], fixed[two]), TOUCHING):
             yield Problem(f"scene.fixed.{two}", f"{two} overlaps {one}, which is fixed too; move one of them")

@@ -17,6 +17,7 @@ SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
     "cupboard": ("size", "wall"),
     "table": (),
     "robot": (),
+    "zone": ("size",),
 }
 MIN_WALL = 0.003
 TRIPLE = 3
@@ -77,6 +78,9 @@ def _between(low: Size, high: Size) -> list[Size]:
 def _sizes(report: Report, key: str, kind: str, value: Mapping[str, Any]) -> tuple[Size, Size]:
     """Return the sides of the smallest and of the largest bounding box of a shape in metres."""
     names = SHAPE_KEYS[kind]
+    if kind == "zone":
+        sides = report.lengths(f"{key}.size", value.get("size"), 2) or NOTHING
+        return (sides[0], sides[1], 0.0), (sides[0], sides[1], 0.0)
     if "size" in names:
         return _box(report, f"{key}.size", value.get("size"))
     radius = _length(report, f"{key}.radius", value.get("radius")) if "radius" in names else (0.0, 0.0)

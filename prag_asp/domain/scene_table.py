@@ -11,15 +11,16 @@ from typing import Any
 
 from prag_asp.domain.scene_colors import read_colors
 from prag_asp.domain.scene_materials import read_materials
-from prag_asp.domain.scene_model import FURNITURE, IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
-from prag_asp.domain.scene_places import BODILESS, place_problems, read_fixed, read_table, read_workspace
+from prag_asp.domain.scene_model import BODILESS, FURNITURE, IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
+from prag_asp.domain.scene_places import place_problems, read_fixed, read_table, read_workspace
 from prag_asp.domain.scene_report import Report, is_number, suggest
+from prag_asp.domain.scene_robots import ROBOTS, read_robots
 from prag_asp.domain.scene_shapes import read_shapes
 
-ROBOTS = ("panda", "kuka")
 FRAMES = ("robot", "viewer")
 SCENE_KEYS = (
     "robot",
+    "robots",
     "frame",
     "workspace",
     "table",
@@ -38,12 +39,11 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
     report.unknown("scene", table, SCENE_KEYS)
     sizes = read_shapes(report, report.section(table, "shapes"))
     shapes = {entity: several[-1] for entity, several in sizes.items()}
-    robots = [entity for entity, shape in shapes.items() if shape.kind == "robot"]
-    if len(robots) > 1:
-        report.add("scene.shapes", f"one robot is supported; got {', '.join(robots)}")
+    robot = report.choice(table, "robot", ROBOTS)
     scene = Scene(
         shapes=shapes,
-        robot=report.choice(table, "robot", ROBOTS),
+        robot=robot,
+        robots=read_robots(report, report.section(table, "robots"), shapes, robot),
         frame=report.choice(table, "frame", FRAMES),
         workspace=read_workspace(report, report.section(table, "workspace")),
         table=read_table(report, report.section(table, "table")),

@@ -11,7 +11,8 @@ from prag_asp.physics.facts import Effect, Fact
 from prag_asp.physics.geometry import compose, invert
 from prag_asp.physics.handling import turn
 from prag_asp.physics.kinematics import tool_pose
-from prag_asp.physics.moving import arm_waypoint, raise_arm, require_free
+from prag_asp.physics.meeting import move_over, take_over
+from prag_asp.physics.moving import arm_waypoint, raise_arm, require_free, turn_to
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.search import NO_GRASP, RELATION, Exhausted, Failure, Search, Snapshot
@@ -27,31 +28,45 @@ def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) ->
         Failure: this attempt found none.
         Exhausted: earlier attempts were all that there are.
     """
-    if attempt > 0 and not (effect.moved or effect.turns) and effect.grasps is None and effect.visits is None:
+    if attempt > 0 and not (effect.moved or effect.turns or effect.grasps or effect.visits or effect.over):
         raise Exhausted
-    start = snapshot
+    snapshot = start = turn_to(search, snapshot, effect.robot)
     for entity in effect.moved:
         if entity not in (effect.holds, effect.grasps, effect.releases):
             snapshot = relocate(search, snapshot, effect, entity)
     waypoints: list[Waypoint] = []
     if snapshot.above is not None and not _stays_down(snapshot, effect):
         snapshot = raise_arm(search, snapshot, waypoints)
+    snapshot = _act(search, snapshot, effect, attempt, waypoints)
+    if not waypoints:
+        waypoints.append(arm_waypoint("stay", snapshot))
+    _verify(search, start, snapshot, effect.fresh, effect.after)
+    return snapshot, tuple(waypoints)
+
+
+def _act(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+    """Return a snapshot after what an action does with the gripper, and add its waypoints.
+
+    Raises:
+        Failure: this attempt found none.
+    """
     for furniture in effect.turns:
         snapshot = turn(search, snapshot, furniture, effect.after, attempt, waypoints)
-    if effect.grasps is not None:
+    if effect.giver is not None:
+        snapshot = take_over(search, _grasp(search, snapshot, effect, attempt, waypoints), effect.giver, waypoints)
+    elif effect.grasps is not None:
         snapshot = _grasp(search, snapshot, effect, attempt, waypoints)
     elif effect.releases is not None:
         snapshot = release(search, snapshot, effect, waypoints)
     elif effect.holds is not None and effect.holds in effect.moved:
         snapshot = carry(search, snapshot, effect.holds, effect, waypoints)
+    elif effect.over is not None:
+        snapshot = move_over(search, snapshot, effect.over, attempt, waypoints)
     elif effect.visits is not None and snapshot.held is None:
         snapshot = _visit(search, snapshot, effect.visits, attempt, waypoints)
     elif effect.closes and snapshot.held is None:
         snapshot = replace(snapshot, situation=snapshot.situation.with_tool(snapshot.situation.tool, 0.0))
-    if not waypoints:
-        waypoints.append(arm_waypoint("stay", snapshot))
-    _verify(search, start, snapshot, effect.fresh, effect.after)
-    return snapshot, tuple(waypoints)
+    return snapshot
 
 
 def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) -> Snapshot:
@@ -88,7 +103,7 @@ def _stays_down(snapshot: Snapshot, effect: Effect) -> bool:
     target = effect.grasps or effect.visits
     if target is not None:
         return PREDICATES["at"].holds(snapshot.situation, ("", target))
-    return not effect.leaves and not (effect.holds is not None and effect.holds in effect.moved)
+    return not effect.leaves and effect.over is None and not (effect.holds is not None and effect.holds in effect.moved)
 
 
 def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
@@ -100,7 +115,8 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoi
     opening = search.robot.opening
     wanted = Configuration(snapshot.situation, opening, entity)
     at, above = descend(search, tool, wanted, wanted)
-    waypoints += [Waypoint("approach", above, opening), Waypoint("at", at, opening)]
+    acting = snapshot.situation.acting
+    waypoints += [Waypoint("approach", above, opening, robot=acting), Waypoint("at", at, opening, robot=acting)]
     situation = snapshot.situation.with_tool(tool_pose(search.robot, at), opening)
     return Snapshot(situation, at, above=above)
 

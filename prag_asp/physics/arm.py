@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
+from prag_asp.domain.scene import Shape
 from prag_asp.physics.collisions import ArmCollision, arm_collision
-from prag_asp.physics.geometry import Pose, multiply, raised, width_along, yaw_of, yaw_quaternion
+from prag_asp.physics.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.physics.kinematics import inverse
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.search import (
@@ -25,6 +27,9 @@ LIFT = 0.10
 
 TOP_GRIP = 0.01
 """How far below the top of an object the highest grip is, in metres."""
+
+LONG, FROM_END = 0.08, 0.03
+"""Of several robots each grips a box that is at least twice as long so far from its end, in metres."""
 
 CLEARANCE = 0.006
 LARGEST_STEP = 1.2
@@ -53,7 +58,8 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     half = situation.half(entity)[2]
     bottom = z - half + search.robot.fingertip + 0.002
     height = max(z, z + half - search.robot.finger_depth, bottom)
-    heading = math.atan2(y, x)
+    base_x, base_y, _ = search.robot.base.position
+    heading = math.atan2(y - base_y, x - base_x)
     round_body = shape.kind in ("sphere", "cylinder")
     first = heading if round_body else yaw_of(pose.quaternion)
     turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
@@ -67,10 +73,23 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
             found.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
     if not found:
         raise Failure(NO_GRASP)
+    if situation.others and shape.kind == "box" and max(shape.half[:2]) >= LONG:
+        found = [at_end for grasp in found for at_end in _at_ends(shape, pose, grasp)]
     rise = z + half - TOP_GRIP - height
     if rise > 0.0 and shape.kind != "sphere":
         found += [(raised(tool, rise), width) for tool, width in found]
     return found
+
+
+def _at_ends(shape: Shape, pose: Pose, grasp: tuple[Pose, float]) -> Iterator[tuple[Pose, float]]:
+    """Yield a grasp of a long box shifted to either end, so that another robot finds the other end free."""
+    tool, width = grasp
+    along = 0 if shape.half[0] > shape.half[1] else 1
+    shift = shape.half[along] - FROM_END
+    for side in (shift, -shift):
+        x, y, z = rotate(pose.quaternion, (side, 0.0, 0.0) if along == 0 else (0.0, side, 0.0))
+        cx, cy, cz = tool.position
+        yield Pose((cx + x, cy + y, cz + z), tool.quaternion), width
 
 
 def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | None = None) -> Joints:

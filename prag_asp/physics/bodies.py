@@ -8,12 +8,15 @@ from prag_asp.domain.scene import FURNITURE, Material, Scene, Shape
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.furniture import make_furniture
-from prag_asp.physics.geometry import Vector
+from prag_asp.physics.geometry import Vector, yaw_quaternion
 from prag_asp.physics.primitives import Part, boxes, make_shapes
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.solids import container_boxes, volume
 
 PARKING = (20.0, 20.0, 5.0)
+GREY = "#808080"
+PATCH = 0.001
+"""How far the colour of a zone stands out of the table, in metres."""
 
 
 def parking_place(i: int) -> Vector:
@@ -30,6 +33,18 @@ def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
     return _make([Part(pybullet.GEOM_BOX, half=half)], material, 0.0, at, client, table.color if visual else None)
 
 
+def show_zone(client: int, scene: Scene, entity: str) -> None:
+    """Show where a zone is: a patch of colour on the table that nothing touches."""
+    (x, y, yaw), half, color = scene.fixed[entity], scene.shapes[entity].half, scene.colors.get(entity, GREY)
+    patch = pybullet.createVisualShape(
+        pybullet.GEOM_BOX,
+        halfExtents=(half[0], half[1], PATCH),
+        rgbaColor=_rgba(color),
+        physicsClientId=client,
+    )
+    pybullet.createMultiBody(0.0, -1, patch, (x, y, 0.0), yaw_quaternion(yaw), physicsClientId=client)
+
+
 def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False) -> int:
     """Make the body of an object; one that is fixed in the scene has no mass.
 
@@ -39,7 +54,7 @@ def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: boo
     Raises:
         SceneError: PyBullet refuses its shape.
     """
-    color = scene.colors.get(entity, "#808080") if visual else None
+    color = scene.colors.get(entity, GREY) if visual else None
     shape, material = scene.shapes[entity], scene.material(entity)
     if shape.kind in FURNITURE:
         return make_furniture(client, shape, material, at, color)
@@ -89,3 +104,8 @@ def _make(
         physicsClientId=client,
     )
     return int(body)
+
+
+def _rgba(color: str) -> list[float]:
+    """Return the parts of a colour like ``#e4572e``, each at most 1, and that nothing shines through."""
+    return [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]

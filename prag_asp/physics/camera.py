@@ -41,8 +41,7 @@ class PicturesMissingError(PragError):
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int]) -> Image.Image:
     """Return one state as a picture of `size` pixels; the simulator must have been opened with `visual`."""
     image_type = pillow()
-    simulator.place(moment.poses, moment.openings)
-    simulator.pose_arm(moment.joints, moment.width)
+    simulator.show(moment)
     pixels = _render(simulator, (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING))
     image: Image.Image = image_type.fromarray(pixels).resize(size, image_type.Resampling.LANCZOS)
     return image

@@ -47,8 +47,8 @@ def release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list[
         verify_objects(search, placed, changed(snapshot, poses), None)
         at, above = _lower(search, snapshot, entity, poses)
         waypoints += [
-            Waypoint("approach", above, situation.width, entity),
-            Waypoint("at", at, situation.width, entity),
+            Waypoint("approach", above, situation.width, entity, robot=situation.acting),
+            Waypoint("at", at, situation.width, entity, robot=situation.acting),
         ]
     opened = situation.with_poses(poses).with_tool(tool_pose(search.robot, at), opening)
     after = Snapshot(opened, at, above=above)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from prag_asp.physics.geometry import Vector
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.simulator import COLLISION, Simulator
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Situation, Standing
 
 Box = tuple[Vector, Vector]
 BASE_LINK = -1
@@ -55,8 +55,12 @@ def colliding(
 def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
-    """Return what the arm collides with, None where it is free; its fingers may touch `touched`."""
+    """Return what the arm collides with, None where it is free; its fingers may touch `touched`.
+
+    Where other arms stand around, neither the objects nor this arm may meet them.
+    """
     simulator.place(situation.poses, situation.openings)
+    simulator.turn_to(situation.acting)
     simulator.pose_arm(joints, width)
     robot = simulator.robot
     links = simulator.link_boxes()
@@ -75,6 +79,29 @@ def arm_collision(
                 return ArmCollision(entity, link > robot.flange_link)
     if simulator.self_overlap() < COLLISION:
         return ArmCollision("itself", False)
+    for name, standing in situation.others.items():
+        hit = _meets_standing(simulator, situation, name, standing)
+        if hit is not None:
+            return hit
+    return None
+
+
+def _meets_standing(simulator: Simulator, situation: Situation, name: str, standing: Standing) -> ArmCollision | None:
+    """Return that the arm that acts, or an object, collides with an arm that stands still; None where none does."""
+    other = simulator.arms[name]
+    other.pose(standing.joints, standing.width)
+    boxes = other.link_boxes()
+    for entity in situation.poses:
+        body = situation.body(entity)
+        if not _touches_one((body.low, body.high), boxes):
+            continue
+        for link, gap in other.contacts(simulator.body(entity)):
+            if gap < COLLISION and not (entity == standing.held and link in other.robot.finger_links):
+                return ArmCollision(name, False)
+    if any(_touches_one(box, boxes) for box in simulator.link_boxes()):
+        for link, gap in simulator.arm_contacts(other.body):
+            if gap < COLLISION:
+                return ArmCollision(name, link > simulator.robot.flange_link)
     return None
 
 

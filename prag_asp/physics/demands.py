@@ -10,13 +10,13 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
 
-from prag_asp.domain.scene import FURNITURE, Scene, Shape
+from prag_asp.domain.scene import BODILESS, FURNITURE, Scene, Shape
 from prag_asp.physics.differences import ORIGIN, Gap, Node, between
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.geometry import cavity, extents, yaw_quaternion
 from prag_asp.physics.predicates import gripper, inside, on_top
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, direction
-from prag_asp.physics.robot import ROBOTS
+from prag_asp.physics.robot import robot_of
 
 Z = 2
 Demand = tuple[int, Gap]
@@ -76,6 +76,8 @@ def _on_top(scene: Scene, arguments: tuple[str, ...]) -> Iterator[Demand]:
     """Yield that a body stands on another, its centre above it."""
     entity, support = arguments
     shape = scene.shapes[support]
+    if shape.kind == "zone":
+        return
     if shape.kind == "table":
         for axis in (0, 1):
             middle, half = scene.table.centre[axis], scene.table.size[axis] / 2
@@ -116,9 +118,10 @@ def _above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -
 
 def _reachable(scene: Scene, arguments: tuple[str, ...]) -> Iterator[Demand]:
     """Yield that a body is within the square around the ring of the gripper's reach, and not too high."""
-    robot, entity = ROBOTS[scene.robot], arguments[1]
+    robot, entity = robot_of(scene, arguments[0]), arguments[1]
     for axis in (0, 1):
-        yield from _along(axis, between(_centre(entity), ORIGIN, -robot.reach[1], robot.reach[1]))
+        base, reach = robot.base.position[axis], robot.reach[1]
+        yield from _along(axis, between(_centre(entity), ORIGIN, base - reach, base + reach))
     yield Z, Gap(_bottom(entity), ORIGIN, min(scene.shapes[entity].half) - robot.reach_height)
 
 
@@ -147,9 +150,9 @@ DEMANDS: Mapping[str, Callable[[Scene, tuple[str, ...]], Iterator[Demand]]] = {
 
 
 def bodies(fact: Fact, scene: Scene) -> tuple[str, ...]:
-    """Return the bodies that a fact speaks of: not the robot, not the table, no rotation."""
+    """Return the bodies that a fact speaks of: no robot, not the table, no zone, no rotation."""
     known = ((entity, scene.shapes.get(entity)) for entity in fact.arguments)
-    return tuple(entity for entity, shape in known if shape is not None and shape.kind not in ("robot", "table"))
+    return tuple(entity for entity, shape in known if shape is not None and shape.kind not in BODILESS)
 
 
 def all_demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:

@@ -15,7 +15,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.kinematics import tool_pose
-from prag_asp.physics.robot import ROBOTS
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 
 Floats = NDArray[np.float32]
@@ -116,7 +116,7 @@ def situation_of(scene: Scene, objects: Sequence[str], arm: Floats, poses: Float
     """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7)."""
     *joints, width = arm.tolist()
     placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
-    return Situation(scene, placed, tool_pose(ROBOTS[scene.robot], tuple(joints)), width)
+    return Situation(scene, placed, tool_pose(robot_of(scene), tuple(joints)), width)
 
 
 def pose_of(row: list[float]) -> Pose:

@@ -8,13 +8,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from prag_asp.domain.scene import Scene
+from prag_asp.errors import SceneError
 from prag_asp.physics.bodies import make_body, make_table
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.geometry import Pose
-from prag_asp.physics.robot import ROBOTS, Joints
+from prag_asp.physics.robot import Joints, robot_of
 from prag_asp.physics.robot.file import write_robot
 from prag_asp.physics.silence import STDOUT, silenced
-from prag_asp.physics.simulator import load_robot, open_client, read_pose, start_world
+from prag_asp.physics.simulated_arm import load_robot
+from prag_asp.physics.simulator import open_client, read_pose, start_world
 from prag_asp.physics.verdict import Moment
 
 TIME_STEP = 1 / 120
@@ -42,7 +44,7 @@ class Dynamics:
     def __init__(self, scene: Scene, client: int, urdf: Path):
         self.scene = scene
         self.client = client
-        self.robot = ROBOTS[scene.robot]
+        self.robot = robot_of(scene)
         self._urdf = urdf
         self._driven = [*self.robot.arm_links, *self.robot.finger_joints]
         self._bodies: dict[str, int] = {}
@@ -123,7 +125,7 @@ class Dynamics:
         """Load the robot, its fingers coupled, as the one motor of the real hand does, and with rubber pads."""
         client = self.client
         with silenced(STDOUT):
-            arm = load_robot(client, self._urdf)
+            arm = load_robot(client, self._urdf, self.robot.base)
         left, right = self.robot.finger_joints
         ends = ([1, 0, 0], [0, 0, 0], [0, 0, 0])
         gear = pybullet.createConstraint(arm, left, arm, right, pybullet.JOINT_GEAR, *ends, physicsClientId=client)
@@ -140,7 +142,9 @@ def open_dynamics(scene: Scene) -> Iterator[Dynamics]:
     """Open a world with forces, and close it afterwards.
 
     Raises:
-        SceneError: the robot of the scene cannot be loaded.
+        SceneError: the robot of the scene cannot be loaded, or there are several.
     """
+    if len(scene.mounts) > 1:
+        raise SceneError(f"demonstrations are performed by one robot; this scene has {', '.join(scene.mounts)}")
     with TemporaryDirectory(prefix="prag_asp_") as folder, open_client() as client:
-        yield Dynamics(scene, client, write_robot(ROBOTS[scene.robot], Path(folder)))
+        yield Dynamics(scene, client, write_robot(robot_of(scene), Path(folder)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import Scene
+from prag_asp.domain.scene import BODILESS, Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
@@ -38,11 +38,12 @@ class Fact(NamedTuple):
 class Effect:
     """What one action does to the bodies.
 
-    `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to. `holds` is
-    the object held before and after. `leaves` is set where the gripper goes away from its object, `lifts`
-    where a grasped object leaves what it stands on, `stays` where the gripper remains at a released object.
-    `moved` are objects that the action makes the subject of a relation, `turns` the furniture that it opens or closes.
-    `after` are the facts of the state
+    `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to, `over` what it
+    moves to be over. `holds` is the object held before and after. Where there are several robots the gripper is that
+    of `robot`, and `giver` the one that lets a grasped object go. `leaves` is set where the gripper goes away from its
+    object, `lifts` where a grasped object leaves what it stands on, `stays` where the gripper remains at a released
+    object. `moved` are objects that the action makes the subject of a relation, `turns` the furniture that it opens or
+    closes. `after` are the facts of the state
     `number` that it leads to, `fresh` those of them that the state before does not know.
     """
 
@@ -60,15 +61,21 @@ class Effect:
     closes: bool
     after: tuple[Fact, ...]
     fresh: tuple[Fact, ...]
+    over: str | None = None
+    robot: str = ""
+    giver: str | None = None
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A task as physics sees it: the bodies that take part, the facts of the first state, the effects."""
+    """A task as physics sees it: the bodies that take part, the facts of the first state, the effects.
+
+    `held` says what each robot that holds something holds in the first state; a single robot has no name.
+    """
 
     objects: tuple[str, ...]
     initial: tuple[Fact, ...]
-    held: str | None
+    held: Mapping[str, str]
     effects: tuple[Effect, ...]
 
     @property
@@ -94,12 +101,17 @@ def problem(task: Task, scene: Scene) -> Problem:
     """
     known: dict[tuple[Atom, bool], Fact | None] = {}
     states = [_facts(scene, state, known) for state in (task.initial, *task.states)]
-    start = held = _only(states[0], "holding")
-    effects: list[Effect] = []
+    start = {robot: thing for robot in scene.mounts if (thing := _only(of_robot(scene, states[0], robot), "holding"))}
+    held, effects = dict(start), list[Effect]()
     for k, action in enumerate(task.actions):
         subgoal = _facts(scene, task.subgoals[k], known)
-        effect = _effect(action, k + 1, subgoal, states[k], states[k + 1], held)
-        held = effect.grasps or (None if effect.releases else held)
+        effect = _effect(scene, action, k + 1, subgoal, states[k], states[k + 1], held)
+        if effect.releases is not None:
+            held.pop(effect.robot, None)
+        if effect.giver is not None:
+            held.pop(effect.giver, None)
+        if effect.grasps is not None:
+            held[effect.robot] = effect.grasps
         effects.append(effect)
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
     objects = tuple(entity for entity in [*task.entities, *sorted(named)] if _is_object(scene, entity))
@@ -135,15 +147,42 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
     return Fact(predicate_of(scene, name), (*atom.arguments, *around), value)
 
 
+def of_robot(scene: Scene, state: Iterable[Fact], robot: str) -> list[Fact]:
+    """Return what a state says of a robot's gripper, and what it says of no gripper."""
+    return [fact for fact in state if not scene.robots or not fact.predicate.of_gripper or fact.arguments[0] == robot]
+
+
+def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str:
+    """Return the robot that an action moves: the one that gets hold of something, or else whose gripper does most."""
+    if not scene.robots:
+        return ""
+    grippers = [fact for fact in subgoal if fact.predicate.of_gripper]
+    ranked = sorted(grippers, key=lambda fact: (not fact.value, fact.predicate.name != "holding"))
+    return ranked[0].arguments[0] if ranked else ""
+
+
+def _giver(subgoal: Iterable[Fact], robot: str, thing: str | None, all_held: Mapping[str, str]) -> str | None:
+    """Return the other robot that lets a thing go that one takes, None where none does."""
+    for fact in subgoal:
+        other = fact.arguments[0]
+        lets_go = fact.predicate.name == "holding" and not fact.value and fact.arguments[1] == thing
+        if lets_go and other != robot and all_held.get(other) == thing:
+            return other
+    return None
+
+
 def _effect(
+    scene: Scene,
     action: Atom,
     number: int,
-    subgoal: tuple[Fact, ...],
+    whole: tuple[Fact, ...],
     before: tuple[Fact, ...],
     after: tuple[Fact, ...],
-    held: str | None,
+    all_held: Mapping[str, str],
 ) -> Effect:
-    """Return what an action does, read off its subgoal and the states around it."""
+    """Return what an action does, read off its whole subgoal and the states around it."""
+    robot = _acting(scene, whole)
+    held, subgoal = all_held.get(robot), of_robot(scene, whole, robot)
     grasps = _only(subgoal, "holding")
     releases = held if _known(subgoal, "holding", held) is False else None
     visits = _only(subgoal, "at")
@@ -160,12 +199,15 @@ def _effect(
         leaves=any(fact.predicate.name == "at" and not fact.value for fact in subgoal) and visits is None,
         lifts=grasps is not None
         and any(f.predicate.name in SUPPORTING and not f.value and f.arguments[0] == grasps for f in subgoal),
-        stays=releases is not None and _known(after, "at", releases) is True,
+        stays=releases is not None and _known(of_robot(scene, after, robot), "at", releases) is True,
         moved=tuple(dict.fromkeys(moved)),
         turns=tuple(dict.fromkeys(fact.arguments[0] for fact in subgoal if _turns(fact, known_before))),
         closes=_closes(subgoal),
         after=after,
         fresh=tuple(fact for fact in after if fact not in known_before),
+        over=_only(subgoal, "over"),
+        robot=robot,
+        giver=_giver(whole, robot, grasps, all_held) if scene.robots else None,
     )
 
 
@@ -198,5 +240,5 @@ def _known(state: Iterable[Fact], name: str, entity: str | None) -> bool | None:
 
 
 def _is_object(scene: Scene, entity: str) -> bool:
-    """Tell whether an entity is a body of its own: it has a shape, and is neither robot nor table."""
-    return entity in scene.shapes and scene.shapes[entity].kind not in ("robot", "table")
+    """Tell whether an entity is a body of its own: it has a shape, and is no robot, table or zone."""
+    return entity in scene.shapes and scene.shapes[entity].kind not in BODILESS

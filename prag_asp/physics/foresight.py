@@ -76,7 +76,7 @@ def _comes_to_table(scene: Scene, effect: Effect, fact: Fact, entity: str) -> bo
         for each in effect.after
         if each.value and each.predicate.name in SUPPORTING and each.arguments[0] == other
     ]
-    return other in effect.moved and all(scene.shapes[support].kind == "table" for support in supports)
+    return other in effect.moved and all(scene.shapes[support].kind in ("table", "zone") for support in supports)
 
 
 def _radius(shape: Shape, wide: bool) -> float:

@@ -137,22 +137,23 @@ def _pulled(search: Search, snapshot: Snapshot, pull: Pull, low: Joints) -> tupl
         Failure: the arm does not get to the handle, along its way, or up again.
     """
     situation, opening, furniture = snapshot.situation, search.robot.opening, pull.furniture
+    acting = situation.acting
     _require_free(search, situation, low, opening, furniture)
     waypoints = [
-        Waypoint("approach", _above(search, situation, low, furniture), opening),
-        Waypoint("at", low, opening),
-        Waypoint("at", low, POST_WIDTH, furniture, pull.openings[0]),
+        Waypoint("approach", _above(search, situation, low, furniture), opening, robot=acting),
+        Waypoint("at", low, opening, robot=acting),
+        Waypoint("at", low, POST_WIDTH, furniture, pull.openings[0], acting),
     ]
     joints = low
     for joints, at in _along(search, situation, pull, low):
-        waypoints.append(Waypoint("pull", joints, POST_WIDTH, furniture, at))
+        waypoints.append(Waypoint("pull", joints, POST_WIDTH, furniture, at, acting))
     moved = opened(situation, furniture, pull.openings[-1], search.objects)
     if unsupported(moved, search.objects, None) is not None:
         raise Failure(UNSUPPORTED)
     _require_free(search, moved, joints, opening, furniture)
     above = _above(search, moved, joints, furniture)
     after = Snapshot(moved.with_tool(tool_pose(search.robot, above), opening), above)
-    return after, [*waypoints, Waypoint("at", joints, opening), arm_waypoint("retreat", after)]
+    return after, [*waypoints, Waypoint("at", joints, opening, robot=acting), arm_waypoint("retreat", after)]
 
 
 def _along(search: Search, situation: Situation, pull: Pull, joints: Joints) -> Iterator[tuple[Joints, float]]:

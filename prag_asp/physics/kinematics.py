@@ -13,8 +13,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose, Quaternion, compose, matrix, yaw_quaternion
+from prag_asp.physics.geometry import Pose, Quaternion, compose, invert, matrix, yaw_quaternion
 from prag_asp.physics.robot import Joints, Robot
+from prag_asp.physics.robot.model import ORIGIN
 
 ACCURACY = 1e-5
 APART = 0.4
@@ -27,14 +28,15 @@ Rows = tuple[tuple[float, ...], ...]
 
 @lru_cache(maxsize=1 << 8)
 def tool_matrix(robot: Robot, joints: Joints) -> Rows:
-    """Return the pose of a robot's tool as the rows of a homogeneous matrix."""
+    """Return the pose of a robot's tool in the frame of its base, as the rows of a homogeneous matrix."""
     return tuple(map(tuple, robot.solver.forward(joints).tolist()))
 
 
 def tool_pose(robot: Robot, joints: Joints) -> Pose:
     """Return the pose of a robot's tool."""
     rows = tool_matrix(robot, joints)
-    return Pose((rows[0][3], rows[1][3], rows[2][3]), _quaternion(rows))
+    pose = Pose((rows[0][3], rows[1][3], rows[2][3]), _quaternion(rows))
+    return pose if robot.base is ORIGIN else compose(robot.base, pose)
 
 
 def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Joints]:
@@ -43,6 +45,7 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
     They are near `near`, or near the robot's posture turned towards the target. Each is within the limits,
     and forward kinematics puts it within 0.01 mm of the target. Nothing is yielded where nothing is found.
     """
+    tool = _from_base(robot, tool)
     target = matrix(tool)
     flange = matrix(compose(tool, _from_tool(robot)))
     goal = target.tolist()
@@ -76,7 +79,7 @@ def adjusted(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
 
     Damped least squares, which changes the posture no more than it has to, unlike a sweep.
     """
-    forward, target, joints = robot.solver.forward, matrix(tool), np.array(near)
+    forward, target, joints = robot.solver.forward, matrix(_from_base(robot, tool)), np.array(near)
     for _ in range(ADJUSTMENTS):
         here = forward(joints)
         error = _twist(here, target)
@@ -122,6 +125,11 @@ def _facing(robot: Robot, tool: Pose) -> Joints:
     """Return the robot's posture turned towards a target."""
     heading = math.atan2(tool.position[1], tool.position[0])
     return (heading, *robot.posture[1:])
+
+
+def _from_base(robot: Robot, tool: Pose) -> Pose:
+    """Return a pose of the world in the frame of a robot's base."""
+    return tool if robot.base is ORIGIN else compose(invert(robot.base), tool)
 
 
 def _from_tool(robot: Robot) -> Pose:

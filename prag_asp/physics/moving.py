@@ -16,6 +16,13 @@ from prag_asp.physics.support import STEADY, riders, unsupported
 from prag_asp.physics.verdict import Waypoint
 
 
+def turn_to(search: Search, snapshot: Snapshot, robot: str) -> Snapshot:
+    """Let another robot be the one that acts; with no name it stays the same one."""
+    turned = snapshot.turned_to(robot)
+    search.simulator.turn_to(turned.situation.acting)
+    return turned
+
+
 def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> Snapshot:
     """Move a lowered gripper straight up, with what it holds."""
     assert snapshot.above is not None
@@ -65,7 +72,8 @@ def require_free(search: Search, snapshot: Snapshot, touched: str | None = None)
 
 def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
     """Return the configuration of a snapshot as a waypoint."""
-    return Waypoint(name, snapshot.joints, snapshot.situation.width, snapshot.held)
+    situation = snapshot.situation
+    return Waypoint(name, snapshot.joints, situation.width, snapshot.held, robot=situation.acting)
 
 
 def verify_objects(search: Search, situation: Situation, moved: Iterable[str], held: str | None) -> None:

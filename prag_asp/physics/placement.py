@@ -40,7 +40,7 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
     for fact in facts:
         if fact.value and fact.predicate.name in BEARING and fact.arguments[0] == entity:
             support = fact.arguments[1]
-            return TABLE if situation.is_table(support) else support
+            return TABLE if situation.is_surface(support) else support
     return None
 
 
@@ -196,14 +196,14 @@ def _volume(
 ) -> Volume:
     """Return where an object, turned as it will be, can be put down on a support, or above, as the facts want it.
 
-    What is put on the table has to be within reach, unless it is known not to be.
+    What is put on the table has to be within reach, unless it is known not to be or there are several robots.
     """
     out_of_reach = any(fact.predicate.name == "reachable" and not fact.value for fact in about)
     volume = _surface(situation, entity, support, quaternion, out_of_reach)
     if height > 0.0:
         (ax, ay, az), (bx, by, bz) = volume.low, volume.high
         volume = volume._replace(low=(ax, ay, az + height), high=(bx, by, bz + height))
-    if support == TABLE and not out_of_reach:
+    if support == TABLE and not out_of_reach and not situation.others:
         volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
     for fact in about:
         on_it = fact.predicate.name in SUPPORTING and fact.arguments == (entity, support)

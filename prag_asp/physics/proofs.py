@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import FURNITURE, Scene, Shape
+from prag_asp.domain.scene import BODILESS, FURNITURE, Scene, Shape
 from prag_asp.physics.demands import Demand, all_demands, bodies
 from prag_asp.physics.differences import ORIGIN, ROUNDING, Gap, Node, impossible_row, lowest
 from prag_asp.physics.facts import Fact, Problem
@@ -22,7 +22,7 @@ from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap, yaw_quaterni
 from prag_asp.physics.mechanism import mechanism
 from prag_asp.physics.predicates import rotated
 from prag_asp.physics.predicates.beside import DIRECTIONS
-from prag_asp.physics.robot import ROBOTS
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 
 AXES = ("x", "y", "z")
@@ -159,7 +159,7 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     if not fact.value:
         return
     if name == "holding":
-        entity, opening = fact.arguments[1], ROBOTS[scene.robot].opening
+        entity, opening = fact.arguments[1], robot_of(scene, fact.arguments[0]).opening
         narrowest = min(scene.shapes[entity].size)
         if narrowest > opening:
             yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
@@ -241,15 +241,17 @@ def _room_reasons(true: Iterable[Fact], axis: int, gaps: Sequence[Gap]) -> Itera
 
 def _reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Gap]]) -> Iterator[str]:
     """Yield why a body is too near or too far for the gripper wherever the facts let it be."""
-    wanted = [fact.arguments[1] for fact in true if fact.predicate.name == "reachable"]
+    wanted = [fact.arguments for fact in true if fact.predicate.name == "reachable"]
     if not any(fact.predicate.name in SUPPORTS and fact.arguments[1] in scene.fixed for fact in true):
         return
     least = [lowest(gaps[axis], ORIGIN) for axis in (0, 1)]
     most = [lowest((Gap(high, low, length) for low, high, length in gaps[axis]), ORIGIN) for axis in (0, 1)]
-    nearest, farthest = ROBOTS[scene.robot].reach
-    for entity in wanted:
-        node = (entity, "centre")
-        sides = [(least[axis][node], -most[axis][node]) for axis in (0, 1)]  # all are within the gripper's square
+    for name, entity in wanted:
+        robot, node = robot_of(scene, name), (entity, "centre")
+        nearest, farthest = robot.reach
+        base = robot.base.position
+        # All are within the square around the ring.
+        sides = [(least[axis][node] - base[axis], -most[axis][node] - base[axis]) for axis in (0, 1)]
         near = math.hypot(*(max(low, -high, 0.0) for low, high in sides))
         far = math.hypot(*(max(-low, high) for low, high in sides))
         if near > farthest + ROUNDING or far < nearest - ROUNDING:
@@ -267,6 +269,6 @@ def _still(scene: Scene) -> Situation:
     poses = {
         entity: Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
         for entity, (x, y, yaw) in scene.fixed.items()
-        if scene.shapes[entity].kind not in FURNITURE
+        if scene.shapes[entity].kind not in (*FURNITURE, *BODILESS)
     }
     return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)

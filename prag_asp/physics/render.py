@@ -197,8 +197,8 @@ def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str] | None) -
 
 
 def _action_words(action: Atom, scene: Scene) -> str:
-    """Return an action in plain words: its name and its arguments but the robot."""
-    robots = {entity for entity, shape in scene.shapes.items() if shape.kind == "robot"}
+    """Return an action in plain words: its name and its arguments but a single robot."""
+    robots = {entity for entity, shape in scene.shapes.items() if shape.kind == "robot" and len(scene.mounts) == 1}
     return " ".join(words(part) for part in (action.name, *action.arguments) if part not in robots)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,9 +11,9 @@ from prag_asp.physics.foresight import Foresight
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.simulator import Simulator
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.spans import Spans
-from prag_asp.physics.verdict import Moment
+from prag_asp.physics.verdict import ArmState, Moment
 
 EMPTY_VOLUME = "no room where the relations want the object"
 RELATION = "a relation of the state does not hold"
@@ -72,7 +72,7 @@ class Search:
 
     @property
     def robot(self) -> Robot:
-        """The robot of the simulator."""
+        """The robot that acts in the simulator."""
         return self.simulator.robot
 
     def uniform(self, low: float, high: float) -> float:
@@ -96,11 +96,28 @@ class Snapshot:
 
     def moment(self) -> Moment:
         """Return the snapshot as a moment of a witness."""
+        situation = self.situation
+        others = {name: ArmState(arm.joints, arm.width, arm.held, arm.grasp) for name, arm in situation.others.items()}
         return Moment(
-            dict(self.situation.poses),
+            dict(situation.poses),
             self.joints,
-            self.situation.width,
+            situation.width,
             self.held,
             self.grasp,
-            dict(self.situation.openings),
+            dict(situation.openings),
+            situation.acting,
+            others,
         )
+
+    def turned_to(self, robot: str) -> Snapshot:
+        """Return the snapshot with another robot as the one that acts; with no name it stays the same one."""
+        situation = self.situation
+        if robot in ("", situation.acting):
+            return self
+        others = dict(situation.others)
+        other = others.pop(robot)
+        others[situation.acting] = Standing(
+            self.joints, situation.tool, situation.width, self.held, self.grasp, self.above
+        )
+        turned = replace(situation, tool=other.tool, width=other.width, acting=robot, others=others)
+        return Snapshot(turned, other.joints, other.held, other.grasp, other.above)

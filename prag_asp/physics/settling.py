@@ -17,10 +17,10 @@ from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.furniture import read_opening, set_opening
 from prag_asp.physics.geometry import Pose, turn_between
 from prag_asp.physics.kinematics import tool_pose
-from prag_asp.physics.robot import ROBOTS
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search import UNSETTLED, UNSTABLE
 from prag_asp.physics.simulator import open_client, read_pose, start_world
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.verdict import Moment, Witness
 from prag_asp.space.task import Task
 
@@ -43,7 +43,6 @@ class Settling:
 
     def __init__(self, scene: Scene, client: int):
         self._scene = scene
-        self._robot = ROBOTS[scene.robot]
         self._client = client
 
     def failure(self, seen: Problem, witness: Witness) -> str | None:
@@ -61,9 +60,7 @@ class Settling:
                 if settled is None:
                     return UNSTABLE
                 poses, openings = settled
-                situation = Situation(
-                    scene, poses, tool_pose(self._robot, moment.joints), moment.width, openings=openings
-                )
+                situation = _situation(scene, moment, poses, openings)
                 if not all(fact.satisfied(situation) for fact in facts):
                     return UNSETTLED
             previous = moment
@@ -86,15 +83,14 @@ class Settling:
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
         for entity, opening in moment.openings.items():
             set_opening(client, bodies[entity], opening)
-        if moment.held is not None:
-            pybullet.changeDynamics(bodies[moment.held], -1, mass=0.0, physicsClientId=client)
+        for entity in moment.all_held:
+            pybullet.changeDynamics(bodies[entity], -1, mass=0.0, physicsClientId=client)
         for _ in range(STEPS):
             pybullet.stepSimulation(physicsClientId=client)
         settled = {entity: read_pose(client, body) for entity, body in bodies.items()}
         speeds = [pybullet.getBaseVelocity(body, physicsClientId=client)[0] for body in bodies.values()]
-        if moment.held is not None:
-            own = mass(scene, moment.held)
-            pybullet.changeDynamics(bodies[moment.held], -1, mass=own, physicsClientId=client)
+        for entity in moment.all_held:
+            pybullet.changeDynamics(bodies[entity], -1, mass=mass(scene, entity), physicsClientId=client)
         if any(math.hypot(*speed) > LARGEST_SPEED for speed in speeds):
             return None
         openings = {entity: read_opening(client, bodies[entity]) for entity in moment.openings}
@@ -120,10 +116,20 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
         return settling.failure(problem(task, scene), witness)
 
 
+def _situation(scene: Scene, moment: Moment, poses: Mapping[str, Pose], openings: Mapping[str, float]) -> Situation:
+    """Return what is to be seen where the arms are as at a moment, and the objects at some poses."""
+    others = {
+        name: Standing(arm.joints, tool_pose(robot_of(scene, name), arm.joints), arm.width, arm.held, arm.grasp)
+        for name, arm in moment.others.items()
+    }
+    tool = tool_pose(robot_of(scene, moment.robot), moment.joints)
+    return Situation(scene, poses, tool, moment.width, openings=openings, acting=moment.robot, others=others)
+
+
 def _as_stable(before: Moment, after: Moment) -> bool:
     """Tell whether objects that are stable at a moment are so at the next: nothing has moved or been let go."""
     same = before.poses == after.poses and before.openings == after.openings
-    return same and before.held in (None, after.held)
+    return same and before.all_held <= after.all_held
 
 
 def _stayed(before: Pose, after: Pose) -> bool:

@@ -1,4 +1,4 @@
-"""A PyBullet world with the robot, the table and one body for each object of the scene.
+"""A PyBullet world with the robots, the table and one body for each object of the scene.
 
 Bodies are made once and reused: making and removing them leaks. Those that a task does not use are parked,
 each at its own place. PyBullet is silent about unknown bodies and about poses that are not finite, so both
@@ -8,25 +8,23 @@ are checked here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
-from prag_asp.domain.scene import Scene
+from prag_asp.domain.scene import BODILESS, Scene
 from prag_asp.errors import SceneError
-from prag_asp.physics.bodies import make_body, make_table, parking_place
+from prag_asp.physics.bodies import make_body, make_table, parking_place, show_zone
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.furniture import set_opening
-from prag_asp.physics.geometry import Pose, Vector, finite
-from prag_asp.physics.robot import ROBOTS, Joints, Robot
-from prag_asp.physics.robot.file import wheel_file, write_robot
+from prag_asp.physics.geometry import Pose, finite
+from prag_asp.physics.robot import Joints, Robot, robot_of
 from prag_asp.physics.silence import STDOUT, silenced
+from prag_asp.physics.simulated_arm import Corners, SimulatedArm
+from prag_asp.physics.verdict import Moment
 
 COLLISION = -0.0015
 """Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
 
-REMEMBERED = 64
 NOTHING_OPEN: Mapping[str, float] = {}
 CONTACT_BREAKING = 0.002
 """Metres; with PyBullet's 20 mm, points of contact keep normals from before a held object was turned.
@@ -41,27 +39,24 @@ class Simulator:
     def __init__(self, scene: Scene, client: int, visual: bool):
         self.scene = scene
         self.client = client
-        self.robot: Robot = ROBOTS[scene.robot]
         start_world(client)
-        self.arm = _load_with_hand(client, self.robot, visual)
+        self.arms = {name: SimulatedArm(client, robot_of(scene, name), visual) for name in scene.mounts}
+        self._acting = next(iter(self.arms.values()))
         self.table = make_table(client, scene, visual=visual)
         self._pool = {
             (entity, each): make_body(
                 client, scene.with_shapes({entity: each}), entity, parking_place(0), visual=visual
             )
             for entity, shape in scene.shapes.items()
-            if shape.kind not in ("robot", "table")
+            if shape.kind not in BODILESS
             for each in scene.ranges.get(entity, (shape,))
         }
+        for entity, shape in scene.shapes.items() if visual else ():
+            if shape.kind == "zone":
+                show_zone(client, scene, entity)
         self.bodies = self._chosen()
         self._poses: dict[str, Pose] = {}
         self._openings: dict[str, float] = {}
-        self._trunk, self._wrist = (sorted(set(links)) for links in zip(*self.robot.self_pairs, strict=True))
-        self._link_boxes: list[tuple[Vector, Vector]] = []
-        self._arm_at: tuple[Joints, float] | None = None
-        self._joints_at: Joints = ()
-        self._self_overlaps: dict[Joints, float] = {}
-        self._joints = [*self.robot.arm_links, *self.robot.finger_joints]
         for i, body in enumerate(self._pool.values()):
             self._put(body, Pose(parking_place(i)))
 
@@ -99,19 +94,33 @@ class Simulator:
         for entity in [entity for entity in self._poses if entity not in poses]:
             self._park(entity)
 
+    @property
+    def robot(self) -> Robot:
+        """The robot that acts."""
+        return self._acting.robot
+
+    @property
+    def arm(self) -> int:
+        """The id of the body of the arm that acts."""
+        return self._acting.body
+
+    def turn_to(self, robot: str) -> None:
+        """Let another robot be the one that acts."""
+        self._acting = self.arms[robot]
+
     def pose_arm(self, joints: Joints, width: float) -> None:
-        """Put the arm at seven joint angles in radians, the gripper at an opening in metres.
+        """Put the arm that acts at seven joint angles in radians, its gripper at an opening in metres.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
         """
-        if self._arm_at == (joints, width):
-            return
-        if len(joints) != len(self.robot.lower) or not all(map(math.isfinite, (*joints, width))):
-            raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
-        values = [[angle] for angle in (*joints, width / 2, width / 2)]
-        pybullet.resetJointStatesMultiDof(self.arm, self._joints, values, physicsClientId=self.client)
-        self._arm_at, self._joints_at, self._link_boxes = (joints, width), joints, []
+        self._acting.pose(joints, width)
+
+    def show(self, moment: Moment) -> None:
+        """Put everything where it is at a moment."""
+        self.place(moment.poses, moment.openings)
+        for name, (joints, width, *_) in moment.arms().items():
+            self.arms[name].pose(joints, width)
 
     def overlap(self, one: int, two: int) -> float:
         """Return the distance of two bodies that touch in metres: negative in each other, 0 where apart."""
@@ -119,41 +128,20 @@ class Simulator:
         return min((point[8] for point in points), default=0.0)
 
     def arm_contacts(self, body: int) -> list[tuple[int, float]]:
-        """Return the links of the arm that touch a body, with the distance in metres."""
-        points = pybullet.getClosestPoints(self.arm, body, 0.0, physicsClientId=self.client)
-        return [(point[3], point[8]) for point in points]
+        """Return the links of the arm that acts which touch a body, with the distance in metres."""
+        return self._acting.contacts(body)
 
     def self_overlap(self) -> float:
-        """Return the smallest distance of two links of the arm that touch in metres, 0 where none do."""
-        known = self._self_overlaps.get(self._joints_at)
-        if known is not None:
-            return known
-        boxes = dict(zip(self.robot.links, self.link_boxes(), strict=True))
-        smallest = 0.0
-        trunk = _around([boxes[link] for link in self._trunk])
-        near = {link for link in self._wrist if boxes_touch(boxes[link], trunk)}
-        for low, high in self.robot.self_pairs:
-            if high not in near or not boxes_touch(boxes[low], boxes[high]):
-                continue
-            points = pybullet.getClosestPoints(
-                self.arm, self.arm, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
-            )
-            smallest = min(smallest, min((point[8] for point in points), default=0.0))
-        if len(self._self_overlaps) >= REMEMBERED:
-            self._self_overlaps.clear()
-        self._self_overlaps[self._joints_at] = smallest
-        return smallest
+        """Return the smallest distance of two links of the arm that acts which touch in metres, 0 where none do."""
+        return self._acting.self_overlap()
 
-    def link_boxes(self) -> list[tuple[Vector, Vector]]:
-        """Return the lowest and the highest corner of the bounding box of each link of the arm, in metres."""
-        if not self._link_boxes:
-            read, arm, client = pybullet.getAABB, self.arm, self.client
-            self._link_boxes = [read(arm, link, client) for link in self.robot.links]
-        return self._link_boxes
+    def link_boxes(self) -> list[Corners]:
+        """Return the bounding box of each link of the arm that acts."""
+        return self._acting.link_boxes()
 
     def flange(self) -> Pose:
-        """Return the pose of the flange as the simulator's own kinematics has it."""
-        return read_flange(self.client, self.arm, self.robot)
+        """Return the pose of the flange of the arm that acts as the simulator's own kinematics has it."""
+        return self._acting.flange()
 
     def read(self, entity: str) -> Pose:
         """Return where the simulator has an object.
@@ -201,45 +189,6 @@ class Simulator:
         return {entity: self._pool[entity, shapes[entity]] for entity in objects}
 
 
-def boxes_touch(one: tuple[Vector, Vector], two: tuple[Vector, Vector]) -> bool:
-    """Tell whether two bounding boxes, each its lowest and its highest corner, have a point in common."""
-    (ax, ay, az), (bx, by, bz) = one
-    (cx, cy, cz), (dx, dy, dz) = two
-    return ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz
-
-
-def _around(boxes: Sequence[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
-    """Return the bounding box of bounding boxes, each its lowest and its highest corner."""
-    lows, highs = zip(*boxes, strict=True)
-    (ax, ay, az), (bx, by, bz) = (map(min, zip(*lows, strict=True)), map(max, zip(*highs, strict=True)))
-    return (ax, ay, az), (bx, by, bz)
-
-
-def load_robot(client: int, path: Path, *, visual: bool = False) -> int:
-    """Load an arm from a file.
-
-    Raises:
-        SceneError: PyBullet cannot load it.
-    """
-    flags = 0 if visual else pybullet.URDF_IGNORE_VISUAL_SHAPES
-    try:
-        return int(pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client))
-    except pybullet.error as error:
-        raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
-
-
-def _load_with_hand(client: int, robot: Robot, visual: bool) -> int:
-    """Load an arm with its gripper at the origin.
-
-    Raises:
-        SceneError: PyBullet cannot load it.
-    """
-    if robot.hand is None:
-        return load_robot(client, wheel_file(robot), visual=visual)
-    with TemporaryDirectory(prefix="prag_asp_") as folder:
-        return load_robot(client, write_robot(robot, Path(folder)), visual=visual)
-
-
 def start_world(client: int) -> None:
     """Make the world of a client empty, with gravity, and repeatable."""
     pybullet.resetSimulation(physicsClientId=client)
@@ -253,17 +202,6 @@ def read_pose(client: int, body: int) -> Pose:
     """Return where a body is."""
     position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Pose(tuple(position), tuple(quaternion))
-
-
-def read_flange(client: int, arm: int, robot: Robot) -> Pose:
-    """Return the pose of an arm's flange as the simulator's own kinematics has it.
-
-    Its quaternion is off unit length by up to 1e-7, for the URDF's angles are rounded; it is made one.
-    """
-    state = pybullet.getLinkState(arm, robot.flange_link, computeForwardKinematics=True, physicsClientId=client)
-    length = math.hypot(*state[5])
-    x, y, z, w = (part / length for part in state[5])
-    return Pose(tuple(state[4]), (x, y, z, w))
 
 
 @contextmanager

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from prag_asp.domain.scene import FURNITURE, Scene, Shape
 from prag_asp.errors import SceneError
-from prag_asp.physics.geometry import Pose, Vector, extents, raised
+from prag_asp.physics.geometry import Pose, Vector, extents, raised, yaw_quaternion
 from prag_asp.physics.mechanism import around, cavity_pose, part_pose
+from prag_asp.physics.robot import Joints, Robot, robot_of
 
 TABLE_THICKNESS = 0.04
 
@@ -24,13 +25,29 @@ class Body(NamedTuple):
     centre: Vector
 
 
+class Standing(NamedTuple):
+    """An arm that stands still while another one acts: its joints, its tool, how far it is open, what it holds.
+
+    `grasp` is the pose of the `held` object in the frame of the tool, `above` the configuration straight above the
+    gripper's place, kept while the gripper is down at an object.
+    """
+
+    joints: Joints
+    tool: Pose
+    width: float
+    held: str | None = None
+    grasp: Pose | None = None
+    above: Joints | None = None
+
+
 @dataclass(frozen=True)
 class Situation:
     """The poses of the objects, the pose of the point between the finger tips, the opening of the gripper in metres.
 
     `openings` say how far furniture is open, in metres or radians, where it is.
 
-    `measured` remembers the boxes of poses already seen; situations made from one another share it.
+    `measured` remembers the boxes of poses already seen; situations made from one another share it. Where there are
+    several robots the tool and the opening are those of the `acting` one, and the `others` stand still.
     """
 
     scene: Scene
@@ -39,6 +56,17 @@ class Situation:
     width: float
     measured: dict[str, Body] = field(default_factory=dict, repr=False, compare=False)
     openings: Mapping[str, float] = field(default_factory=dict)
+    acting: str = ""
+    others: Mapping[str, Standing] = field(default_factory=dict)
+
+    def hand(self, robot: str) -> tuple[Pose, float]:
+        """Return the tool and the opening of a robot; those of the acting one where no other has that name."""
+        other = self.others.get(robot)
+        return (self.tool, self.width) if other is None else (other.tool, other.width)
+
+    def robot(self, name: str) -> Robot:
+        """Return a robot by its name, the acting one where there is none of that name."""
+        return robot_of(self.scene, name if name in self.others else self.acting)
 
     def shape(self, entity: str) -> Shape:
         """Return the shape of an entity.
@@ -55,8 +83,12 @@ class Situation:
         """Tell whether an entity is the table."""
         return self.shape(entity).kind == "table"
 
+    def is_surface(self, entity: str) -> bool:
+        """Tell whether an entity is the table, or a zone, which is a part of its top."""
+        return self.shape(entity).kind in ("table", "zone")
+
     def pose(self, entity: str) -> Pose:
-        """Return the pose of an object; the table's is the centre of its top.
+        """Return the pose of an object or a zone; the table's is the centre of its top.
 
         Raises:
             SceneError: the entity has no shape, or does not take part in this situation.
@@ -67,10 +99,13 @@ class Situation:
         if self.is_table(entity):
             x, y = self.scene.table.centre
             return Pose((x, y, 0.0))
+        if self.shape(entity).kind == "zone":
+            x, y, yaw = self.scene.fixed[entity]
+            return Pose((x, y, 0.0), yaw_quaternion(yaw))
         raise SceneError(f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}")
 
     def body(self, entity: str) -> Body:
-        """Return the pose and the bounding box of an object, or of the table's top.
+        """Return the pose and the bounding box of an object, a zone, or the table's top.
 
         Raises:
             SceneError: the entity has no shape, or does not take part in this situation.
@@ -79,6 +114,8 @@ class Situation:
         pose = self.poses.get(entity)
         if known is not None and known[0] is pose:
             return known
+        if pose is None and self.shape(entity).kind == "zone":
+            pose = self.pose(entity)
         if pose is None:
             return _box(self.pose(entity), (self.scene.table.size[0] / 2, self.scene.table.size[1] / 2, 0.0))
         shape = self.scene.shapes[entity]
@@ -123,17 +160,19 @@ class Situation:
 
     def with_poses(self, poses: Mapping[str, Pose]) -> Situation:
         """Return the situation with other poses of the objects."""
-        return Situation(self.scene, poses, self.tool, self.width, self.measured, self.openings)
+        return Situation(
+            self.scene, poses, self.tool, self.width, self.measured, self.openings, self.acting, self.others
+        )
 
     def with_tool(self, tool: Pose, width: float) -> Situation:
         """Return the situation with the gripper elsewhere or open otherwise."""
-        return Situation(self.scene, self.poses, tool, width, self.measured, self.openings)
+        return Situation(self.scene, self.poses, tool, width, self.measured, self.openings, self.acting, self.others)
 
     def with_opening(self, entity: str, opening: float) -> Situation:
         """Return the situation with furniture open otherwise; what is in it stays where it is."""
         measured = {other: body for other, body in self.measured.items() if other != entity}
         openings = {**self.openings, entity: opening}
-        return Situation(self.scene, self.poses, self.tool, self.width, measured, openings)
+        return Situation(self.scene, self.poses, self.tool, self.width, measured, openings, self.acting, self.others)
 
 
 def _box(pose: Pose, half: Vector) -> Body:

@@ -9,14 +9,17 @@ from dataclasses import replace
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.actions import take_place
 from prag_asp.physics.arm import Configuration, collide
-from prag_asp.physics.facts import BEARING, Fact, Problem
+from prag_asp.physics.facts import BEARING, Fact, Problem, of_robot
 from prag_asp.physics.geometry import Pose, yaw_quaternion
 from prag_asp.physics.handling import draw_openings
 from prag_asp.physics.kinematics import tool_pose
-from prag_asp.physics.moving import verify_objects
+from prag_asp.physics.meeting import move_over
+from prag_asp.physics.moving import raise_arm, turn_to, verify_objects
 from prag_asp.physics.placement import any_support, draw_pose, known_support
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Situation, Standing
 
 BACKTRACKS = 12
 """How often a first state goes back to an object that was put down before, instead of beginning anew."""
@@ -28,22 +31,67 @@ def draw_start(search: Search, problem: Problem) -> Snapshot:
     Raises:
         Failure: this attempt found none.
     """
-    home = search.robot.home
-    still = Situation(search.scene, fixed_poses(search, problem), tool_pose(search.robot, home), search.robot.opening)
+    snapshot = _at_home(search, fixed_poses(search, problem))
+    still = snapshot.situation
     for furniture, opening in draw_openings(search, still, problem.initial).items():
         still = still.with_opening(furniture, opening)
     situation = _arranged(search, problem, still)
     verify_objects(search, situation, problem.objects, None)
-    snapshot = Snapshot(situation, home)
-    place = problem.held or _visited(problem.initial)
-    if place is not None:
-        snapshot = take_place(search, snapshot, place, closed=problem.held is not None)
-    elif collide(search, home, Configuration(situation, situation.width, None)) is not None:
-        raise Failure(ARM_COLLIDES)
-    elif any(fact.predicate.name == "gripper_open" and not fact.value for fact in problem.initial):
-        snapshot = replace(snapshot, situation=situation.with_tool(situation.tool, 0.0))
+    snapshot = replace(snapshot, situation=situation)
+    for robot in search.scene.mounts:
+        snapshot = _bring(search, turn_to(search, snapshot, robot), problem)
     if not all(fact.satisfied(snapshot.situation) for fact in problem.initial):
         raise Failure(RELATION)
+    return snapshot
+
+
+def _at_home(search: Search, poses: Mapping[str, Pose]) -> Snapshot:
+    """Return a snapshot in which every arm waits, the gripper open; the first one is to act."""
+    robots = {name: robot_of(search.scene, name) for name in search.scene.mounts}
+    first, *others = robots
+    waiting = {
+        name: Standing(robots[name].home, tool_pose(robots[name], robots[name].home), robots[name].opening)
+        for name in others
+    }
+    search.simulator.turn_to(first)
+    home, opening = robots[first].home, robots[first].opening
+    tool = tool_pose(robots[first], home)
+    return Snapshot(Situation(search.scene, poses, tool, opening, acting=first, others=waiting), home)
+
+
+def _about(problem: Problem, entity: str, situation: Situation) -> tuple[Fact, ...]:
+    """Return what an object's place has to agree with: the facts of the first state.
+
+    An object that one of several robots holds is first put down below its gripper, to be taken from there.
+    """
+    holder = next((robot for robot, thing in problem.held.items() if thing == entity), None)
+    if holder is None or not situation.others:
+        return problem.initial
+    own = of_robot(situation.scene, problem.initial, holder)
+    below = [fact.arguments[1] for fact in own if fact.value and fact.predicate.name == "over"]
+    lies = [Fact(PREDICATES["on_top"], (entity, place), True) for place in below if situation.is_surface(place)]
+    return (*(fact for fact in problem.initial if entity not in fact.arguments), *lies)
+
+
+def _bring(search: Search, snapshot: Snapshot, problem: Problem) -> Snapshot:
+    """Bring the arm that acts to where the facts of the first state have it.
+
+    Raises:
+        Failure: it does not get there.
+    """
+    situation = snapshot.situation
+    own = of_robot(search.scene, problem.initial, situation.acting)
+    held, over = problem.held.get(situation.acting), _place(own, "over")
+    place = held or _place(own, "at")
+    if place is not None:
+        snapshot = take_place(search, snapshot, place, closed=held is not None)
+        return raise_arm(search, snapshot, []) if held is not None and situation.others else snapshot
+    if over is not None:
+        snapshot = move_over(search, snapshot, over, 0, [])
+    elif collide(search, snapshot.joints, Configuration(situation, situation.width, None)) is not None:
+        raise Failure(ARM_COLLIDES)
+    if any(fact.predicate.name == "gripper_open" and not fact.value for fact in own):
+        return replace(snapshot, situation=snapshot.situation.with_tool(snapshot.situation.tool, 0.0))
     return snapshot
 
 
@@ -122,6 +170,6 @@ def order_of(problem: Problem, scene: Scene) -> list[str]:
     return ordered
 
 
-def _visited(facts: tuple[Fact, ...]) -> str | None:
-    """Return the object that the gripper is known to be at."""
-    return next((fact.arguments[1] for fact in facts if fact.value and fact.predicate.name == "at"), None)
+def _place(facts: Iterable[Fact], name: str) -> str | None:
+    """Return what the gripper is known to be at or over."""
+    return next((fact.arguments[1] for fact in facts if fact.value and fact.predicate.name == name), None)

@@ -77,7 +77,8 @@ def unsupported(situation: Situation, entities: Iterable[str], held: str | None,
     With a `margin` in metres, so does one that is as near to tipping over. Of a small base half is enough.
     """
     bodies = list(entities)
-    loose = [body for body in bodies if body != held and body not in situation.scene.fixed]
+    still = {held, *(arm.held for arm in situation.others.values()), *situation.scene.fixed}
+    loose = [body for body in bodies if body not in still]
     high = [body for body in loose if not _low_on_table(situation, body)]
     tops = list(_tops(situation, bodies)) if high else []
     resting = {body: _contacts(situation, body, tops) for body in high}

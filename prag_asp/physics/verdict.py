@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 from prag_asp.domain.scene import Size
 from prag_asp.errors import QueryError
@@ -51,13 +51,23 @@ class Budget:
         return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier}
 
 
+class ArmState(NamedTuple):
+    """An arm at a moment: joint angles in radians, the opening in metres, what it holds and how."""
+
+    joints: Joints
+    width: float
+    held: str | None = None
+    grasp: Pose | None = None
+
+
 @dataclass(frozen=True)
 class Moment:
     """One state of a witness.
 
     `poses` are those of all objects, `joints` the seven joint angles in radians, `width` the opening in
     metres, `grasp` the pose of the `held` object in the frame of the tool, `openings` how far furniture is open, in
-    metres or radians.
+    metres or radians. Where there are several robots the arm is that of `robot`, which has acted, and the `others`
+    stand still.
     """
 
     poses: Mapping[str, Pose]
@@ -66,16 +76,24 @@ class Moment:
     held: str | None = None
     grasp: Pose | None = None
     openings: Mapping[str, float] = field(default_factory=dict)
+    robot: str = ""
+    others: Mapping[str, ArmState] = field(default_factory=dict)
+
+    def arms(self) -> dict[str, ArmState]:
+        """Return all arms by the names of their robots."""
+        return {self.robot: ArmState(self.joints, self.width, self.held, self.grasp), **self.others}
+
+    @property
+    def all_held(self) -> frozenset[str]:
+        """Every object that an arm holds."""
+        return frozenset(arm.held for arm in self.arms().values() if arm.held is not None)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the moment as JSON-able data, without `openings` where there is no furniture."""
-        data: dict[str, Any] = {
-            "poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()},
-            "joints": list(self.joints),
-            "width": self.width,
-            "held": self.held,
-            "grasp": None if self.grasp is None else _pose_json(self.grasp),
-        }
+        """Return the moment as JSON-able data."""
+        data: dict[str, Any] = {"poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()}}
+        data |= _arm_json(ArmState(self.joints, self.width, self.held, self.grasp))
+        if self.robot:
+            data |= {"robot": self.robot, "others": {name: _arm_json(arm) for name, arm in self.others.items()}}
         if self.openings:
             data["openings"] = dict(self.openings)
         return data
@@ -85,8 +103,9 @@ class Moment:
 class Waypoint:
     """A configuration that the arm passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, pull, retreat or stay. `held` is what the gripper holds
-    there; where that is the handle of furniture, `opening` is how far it is open, in metres or radians.
+    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay. `held` is what the
+    gripper holds there; where that is the handle of furniture, `opening` is how far it is open, in metres or radians.
+    `robot` is the arm's where there are several.
     """
 
     name: str
@@ -94,11 +113,14 @@ class Waypoint:
     width: float
     held: str | None = None
     opening: float | None = None
+    robot: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Return the waypoint as JSON-able data, without `opening` where it holds no furniture."""
         data = {"name": self.name, "joints": list(self.joints), "width": self.width, "held": self.held}
-        return data if self.opening is None else {**data, "opening": self.opening}
+        if self.opening is not None:
+            data["opening"] = self.opening
+        return {**data, "robot": self.robot} if self.robot else data
 
 
 @dataclass(frozen=True)
@@ -221,12 +243,23 @@ def _moment(data: Mapping[str, Any]) -> Moment:
     """Return the moment that `Moment.to_json` wrote."""
     return Moment(
         poses={str(entity): _pose(pose) for entity, pose in data["poses"].items()},
-        joints=tuple(map(float, data["joints"])),
-        width=float(data["width"]),
-        held=data["held"],
-        grasp=None if data["grasp"] is None else _pose(data["grasp"]),
+        robot=str(data.get("robot", "")),
+        others={str(name): _arm(arm) for name, arm in data.get("others", {}).items()},
+        **_arm(data)._asdict(),
         openings={str(entity): float(opening) for entity, opening in data.get("openings", {}).items()},
     )
+
+
+def _arm_json(arm: ArmState) -> dict[str, Any]:
+    """Return an arm as JSON-able data."""
+    grasp = None if arm.grasp is None else _pose_json(arm.grasp)
+    return {"joints": list(arm.joints), "width": arm.width, "held": arm.held, "grasp": grasp}
+
+
+def _arm(data: Mapping[str, Any]) -> ArmState:
+    """Return the arm that `_arm_json` wrote."""
+    grasp = None if data["grasp"] is None else _pose(data["grasp"])
+    return ArmState(tuple(map(float, data["joints"])), float(data["width"]), data["held"], grasp)
 
 
 def _waypoint(data: Mapping[str, Any]) -> Waypoint:
@@ -238,4 +271,5 @@ def _waypoint(data: Mapping[str, Any]) -> Waypoint:
         float(data["width"]),
         data["held"],
         None if opening is None else float(opening),
+        str(data.get("robot", "")),
     )

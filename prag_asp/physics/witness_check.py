@@ -13,9 +13,9 @@ from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.geometry import Pose, compose, finite, invert, turn_between, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.simulator import Simulator, open_simulator
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.support import riders, unsupported
-from prag_asp.physics.verdict import Moment, Waypoint, Witness
+from prag_asp.physics.verdict import ArmState, Moment, Waypoint, Witness
 from prag_asp.physics.witness_handling import carried_along, handling_problems, opening_problems, openings_at
 from prag_asp.space.task import Task
 
@@ -87,16 +87,23 @@ def _broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iter
     for entity in moment.poses:
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
-    yield from _broken_arm(moment.joints, moment.width, simulator)
-    if (moment.held is None) != (moment.grasp is None):
-        yield "a held object and its grasp go together"
-    elif moment.held is not None and (moment.held not in moment.poses or not finite(moment.grasp or Pose((0, 0, 0)))):
-        yield f"the grasp of {moment.held} is not a finite position and rotation"
+    if sorted(moment.arms()) != sorted(simulator.arms):
+        yield f"it has the arms {', '.join(moment.arms())}; the scene has {', '.join(simulator.arms)}"
+        return
+    for name, arm in moment.arms().items():
+        yield from _broken_arm(name, arm.joints, arm.width, simulator)
+        if (arm.held is None) != (arm.grasp is None):
+            yield "a held object and its grasp go together"
+        elif arm.held is not None and (arm.held not in moment.poses or not finite(arm.grasp or Pose((0, 0, 0)))):
+            yield f"the grasp of {arm.held} is not a finite position and rotation"
 
 
-def _broken_arm(joints: tuple[float, ...], width: float, simulator: Simulator) -> Iterator[str]:
-    """Yield joint angles and openings that the robot cannot take."""
-    robot = simulator.robot
+def _broken_arm(name: str, joints: tuple[float, ...], width: float, simulator: Simulator) -> Iterator[str]:
+    """Yield joint angles and openings that a robot cannot take."""
+    if name not in simulator.arms:
+        yield f"there is no robot {name}"
+        return
+    robot = simulator.arms[name].robot
     if len(joints) != len(robot.lower) or not all(map(math.isfinite, (*joints, width))):
         yield "the arm needs seven finite joint angles and a finite opening"
     elif not robot.within_limits(joints, LIMIT_TOLERANCE):
@@ -108,9 +115,8 @@ def _broken_arm(joints: tuple[float, ...], width: float, simulator: Simulator) -
 def _state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator) -> Iterator[str]:
     """Yield wrong facts of a state, collisions, falling objects and a held object out of the hand."""
     simulator.place(moment.poses, moment.openings)
-    simulator.pose_arm(moment.joints, moment.width)
     poses = {entity: simulator.read(entity) for entity in moment.poses}
-    situation = Situation(simulator.scene, poses, tool_in(simulator), moment.width, openings=moment.openings)
+    situation = _situation(simulator, poses, moment.openings, moment.arms(), moment.robot)
     for fact in seen.states[k]:
         if not fact.satisfied(situation):
             yield f"it does not hold that {fact.sentence()}"
@@ -120,14 +126,33 @@ def _state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator)
     falling = unsupported(situation, list(poses), moment.held)
     if falling is not None:
         yield f"{falling} would fall"
-    touched = moment.held or _at(situation)
-    hit = arm_collision(simulator, situation, moment.joints, moment.width, touched)
-    if hit is not None:
-        yield f"the arm collides with {hit.other}"
-    if moment.held is not None and moment.grasp is not None:
-        expected = compose(situation.tool, moment.grasp)
-        if not _near(expected, poses[moment.held]):
-            yield f"{moment.held} is not where the gripper holds it"
+    for name, arm in moment.arms().items():
+        own = _situation(simulator, poses, moment.openings, moment.arms(), name)
+        hit = arm_collision(simulator, own, arm.joints, arm.width, arm.held or _at(own))
+        if hit is not None:
+            yield f"the arm collides with {hit.other}"
+        if arm.held is not None and arm.grasp is not None:
+            expected = compose(own.tool, arm.grasp)
+            if not _near(expected, poses[arm.held]):
+                yield f"{arm.held} is not where the gripper holds it"
+
+
+def _situation(
+    simulator: Simulator,
+    poses: Mapping[str, Pose],
+    openings: Mapping[str, float],
+    arms: Mapping[str, ArmState],
+    acting: str,
+) -> Situation:
+    """Return a situation by the simulator's own forward kinematics of all arms; the one that acts comes last."""
+    others = {}
+    for name in sorted(arms, key=lambda name: name == acting):
+        joints, width, held, grasp = arms[name]
+        simulator.turn_to(name)
+        simulator.pose_arm(joints, width)
+        others[name] = Standing(joints, tool_in(simulator), width, held, grasp)
+    own = others.pop(acting)
+    return Situation(simulator.scene, poses, own.tool, own.width, openings=openings, acting=acting, others=others)
 
 
 def _motion_problems(
@@ -139,45 +164,54 @@ def _motion_problems(
         return
     heights: list[Pose] = []
     for waypoint in motion:
-        broken = list(_broken_arm(waypoint.joints, waypoint.width, simulator))
+        broken = list(_broken_arm(waypoint.robot, waypoint.joints, waypoint.width, simulator))
         if broken:
             yield from (f"{waypoint.name}: {text}" for text in broken)
             return
+        simulator.turn_to(waypoint.robot)
         simulator.pose_arm(waypoint.joints, waypoint.width)
         heights.append(tool_in(simulator))
     for i in range(len(motion) - 1):
         if (motion[i].name, motion[i + 1].name) == ("approach", "at") and not _straight_above(*heights[i : i + 2]):
             yield f"its approach is not {LIFT * 100:.0f} cm straight above the object"
-    last = motion[-1]
-    if (last.joints, last.width, last.held) != (after.joints, after.width, after.held):
-        yield "its last waypoint is not the arm of the next state"
     wrong = list(handling_problems(motion, heights, before, after, simulator.scene))
     yield from wrong
-    for i, waypoint in enumerate(() if wrong else motion[:-1]):
-        openings = openings_at(motion, i, before)
-        hit = _waypoint_collision(waypoint, before, after, openings, simulator)
-        if hit is not None:
-            yield f"{waypoint.name}: {hit}"
+    arms = before.arms()
+    for i, waypoint in enumerate(() if wrong else motion):
+        grasp = arms[waypoint.robot].grasp if waypoint.held == arms[waypoint.robot].held else None
+        if waypoint.held is not None and grasp is None:
+            grasp = after.arms()[waypoint.robot].grasp
+        arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width, waypoint.held, grasp)
+        if i < len(motion) - 1:
+            hit = _waypoint_collision(arms, waypoint.robot, (before, after), openings_at(motion, i, before), simulator)
+            if hit is not None:
+                yield f"{waypoint.name}: {hit}"
+    for name, arm in () if wrong else after.arms().items():
+        if arms[name][:3] != arm[:3]:
+            yield "its last waypoint is not the arm of the next state"
 
 
 def _waypoint_collision(
-    waypoint: Waypoint, before: Moment, after: Moment, openings: Mapping[str, float], simulator: Simulator
+    arms: Mapping[str, ArmState],
+    robot: str,
+    around: tuple[Moment, Moment],
+    openings: Mapping[str, float],
+    simulator: Simulator,
 ) -> str | None:
     """Return what collides at a waypoint, the arm or furniture, objects where they are then; None where all is free."""
+    before, after = around
     poses = carried_along(before.poses, before.openings, openings, simulator.scene)
-    simulator.pose_arm(waypoint.joints, waypoint.width)
-    tool = tool_in(simulator)
-    grasp = before.grasp if waypoint.held == before.held else after.grasp
-    if waypoint.held is not None and grasp is not None:
-        poses = _carried(poses, waypoint.held, compose(tool, grasp), simulator.scene)
-    elif before.held is not None:
+    situation = _situation(simulator, poses, openings, arms, robot)
+    joints, width, held, grasp = arms[robot]
+    if held is not None and grasp is not None:
+        poses = _carried(poses, held, compose(situation.tool, grasp), simulator.scene)
+    elif before.arms()[robot].held is not None:
         poses = dict(after.poses)
-    situation = Situation(simulator.scene, poses, tool, waypoint.width, openings=openings)
+    situation = situation.with_poses(poses)
     pair = colliding(simulator, situation, list(openings), list(poses))
     if pair is not None:
         return f"{pair[0]} collides with {pair[1]}"
-    touched = waypoint.held or _at(situation)
-    hit = arm_collision(simulator, situation, waypoint.joints, waypoint.width, touched)
+    hit = arm_collision(simulator, situation, joints, width, held or _at(situation))
     return None if hit is None else f"the arm collides with {hit.other}"
 
 

@@ -42,6 +42,7 @@ ARGUMENTS = {
     "holding": ("panda", "cube"),
     "at": ("panda", "can"),
     "gripper_open": ("panda",),
+    "over": ("panda", "brick"),
     "located": ("can", "crate"),
     "rotated": ("brick", "quarter"),
     "near": ("cube", "brick"),

@@ -16,8 +16,8 @@ from tests.simulation import Act, Simulation, Word
 ARMS = {"left": "right", "right": "left"}
 SIDE = {"left": "left_side", "right": "right_side"}
 ZONES = ("left_side", "middle", "right_side")
-CUBES = ("cube_1", "cube_2")
-OBJECTS = (*CUBES, "can_1")
+BARS = ("bar_1", "bar_2")
+OBJECTS = (*BARS, "plank_1")
 
 
 class Scene(NamedTuple):
@@ -97,4 +97,4 @@ def two_arms() -> Simulation:
 
 @pytest.mark.parametrize("level", ["plan", "task", "skeleton", "flat.plan", "flat.task", "flat.skeleton"])
 def test_the_known_counts_are_those_of_the_simulation(level: str) -> None:
-    check_known_counts(shipped_domains()["two_arms"], two_arms(), level, CUBES)
+    check_known_counts(shipped_domains()["two_arms"], two_arms(), level, BARS)

@@ -11,7 +11,7 @@ from prag_asp.physics.predicates.aligned import ALIGNED
 from prag_asp.physics.predicates.beside import BESIDE
 from prag_asp.physics.predicates.between import BETWEEN
 from prag_asp.physics.predicates.boxes import composed
-from prag_asp.physics.predicates.gripper import AT, GRIPPER_OPEN, HOLDING, REACHABLE
+from prag_asp.physics.predicates.gripper import AT, GRIPPER_OPEN, HOLDING, OVER, REACHABLE
 from prag_asp.physics.predicates.inside import INSIDE, LOCATED
 from prag_asp.physics.predicates.near import FAR_FROM, NEAR_TO
 from prag_asp.physics.predicates.on_top import ON_TOP
@@ -25,8 +25,8 @@ from prag_asp.physics.predicates.volume import Ring, Side, Volume, Yaws
 PREDICATES: Mapping[str, Predicate] = {
     predicate.name: predicate
     for predicate in (
-        ON_TOP, INSIDE, *BESIDE, REACHABLE, HOLDING, AT, GRIPPER_OPEN, LOCATED, ROTATED, NEAR_TO, FAR_FROM, BETWEEN,
-        ALIGNED, UPRIGHT, IS_OPEN, IS_CLOSED,
+        ON_TOP, INSIDE, *BESIDE, REACHABLE, HOLDING, AT, GRIPPER_OPEN, OVER, LOCATED, ROTATED, NEAR_TO, FAR_FROM,
+        BETWEEN, ALIGNED, UPRIGHT, IS_OPEN, IS_CLOSED,
     )
 }  # fmt: skip
 """Every spatial predicate that all scenes have, by its name."""

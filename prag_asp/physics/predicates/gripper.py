@@ -1,43 +1,50 @@
-"""``at``, ``holding``, ``gripper_open`` and ``reachable``: how the gripper stands to an object."""
+"""``at``, ``holding``, ``gripper_open``, ``over`` and ``reachable``: how a robot's gripper stands to an object."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Quaternion, rotate, width_along
+from prag_asp.physics.geometry import Quaternion, heading, rotate, to_local, width_along
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
-from prag_asp.physics.predicates.volume import Ring, Volume
-from prag_asp.physics.robot import ROBOTS, Robot
+from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
 
 CENTRE_TOLERANCE = 0.015
 BELOW = 0.005
 MARGIN = 0.001
+OVER_MARGIN = 0.003
+EDGE = 0.01
 REACH_MARGIN = 0.003
 OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
 
 
-def grip_width(situation: Situation, entity: str) -> float:
-    """Return how far the gripper is open when it holds an object with the tool turned as it is, in metres."""
-    opening = rotate(situation.tool.quaternion, (0.0, 1.0, 0.0))
+def grip_width(situation: Situation, entity: str, robot: str = "") -> float:
+    """Return how far a gripper is open when it holds an object with the tool turned as it is, in metres."""
+    opening = rotate(situation.hand(robot)[0].quaternion, (0.0, 1.0, 0.0))
     return width_along(situation.shape(entity), situation.pose(entity).quaternion, opening)
-
-
-def _robot(situation: Situation) -> Robot:
-    """Return the robot of the scene."""
-    return ROBOTS[situation.scene.robot]
 
 
 def _at_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the tool misses the middle of the object."""
-    entity = arguments[1]
-    x, y, z = situation.tool.position
+    robot, entity = arguments
+    yield from _height_violations(situation, robot, entity)
+    yield _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
+
+
+def _height_violations(situation: Situation, robot: str, entity: str) -> Iterator[float]:
+    """Yield by how many metres the tool is above or below the object."""
+    z = situation.hand(robot)[0].position[2]
     yield z - situation.top(entity)
     yield situation.bottom(entity) - BELOW - z
+
+
+def _off_centre(situation: Situation, robot: str, entity: str) -> float:
+    """Return how far the tool is from the middle of the object, seen from above, in metres."""
+    x, y, _ = situation.hand(robot)[0].position
     cx, cy, _ = situation.pose(entity).position
-    yield math.hypot(x - cx, y - cy) - CENTRE_TOLERANCE
+    return math.hypot(x - cx, y - cy)
 
 
 def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -50,34 +57,45 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 
 
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool misses the object, and the opening its width."""
-    yield from _at_violations(situation, arguments)
-    yield abs(situation.width - grip_width(situation, arguments[1])) - GRIP_TOLERANCE
+    """Yield by how many metres the tool misses the object, and the opening its width.
+
+    A box can be held anywhere but at its edges, for instance a long one at its end.
+    """
+    robot, entity = arguments
+    yield from _height_violations(situation, robot, entity)
+    shape = situation.shape(entity)
+    if shape.kind == "box":
+        x, y, _ = situation.hand(robot)[0].position
+        places = to_local(situation.pose(entity), x, y)
+        yield from (abs(at) - max(CENTRE_TOLERANCE, half - EDGE) for at, half in zip(places, shape.half, strict=False))
+    else:
+        yield _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
+    yield abs(situation.hand(robot)[1] - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return a disc around the axis of the object for the tool, and the opening that grips the object."""
-    width = grip_width(situation, arguments[1])
+    width = grip_width(situation, arguments[1], arguments[0])
     tight = GRIP_TOLERANCE - MARGIN
     return _at_volume(situation, arguments, quaternion).meet(Volume(width=(width - tight, width + tight)))
 
 
 def _open_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the gripper is short of open."""
-    yield _robot(situation).opening - OPEN_TOLERANCE - situation.width
+    yield situation.robot(arguments[0]).opening - OPEN_TOLERANCE - situation.hand(arguments[0])[1]
 
 
 def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the openings that count as open."""
-    opening = _robot(situation).opening
+    opening = situation.robot(arguments[0]).opening
     return Volume(width=(opening - OPEN_TOLERANCE, opening))
 
 
 def _reachable_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres an object is too near, too far or too high for a grasp from above."""
-    robot = _robot(situation)
+    robot = situation.robot(arguments[0])
     x, y, z = situation.pose(arguments[1]).position
-    radius = math.hypot(x, y)
+    radius = math.hypot(x - robot.base.position[0], y - robot.base.position[1])
     yield robot.reach[0] - radius
     yield radius - robot.reach[1]
     yield z - robot.reach_height
@@ -85,11 +103,34 @@ def _reachable_violations(situation: Situation, arguments: Arguments) -> Iterato
 
 def _reachable_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the ring that the gripper reaches from above."""
-    robot = _robot(situation)
+    robot = situation.robot(arguments[0])
+    x, y, _ = robot.base.position
     inner, outer = robot.reach[0] + REACH_MARGIN, robot.reach[1] - REACH_MARGIN
     height = robot.reach_height - MARGIN
-    ring = Ring(0.0, 0.0, inner, outer)
-    return Volume((-outer, -outer, -math.inf), (outer, outer, height), rings=(ring,))
+    return Volume((x - outer, y - outer, -math.inf), (x + outer, y + outer, height), rings=(Ring(x, y, inner, outer),))
+
+
+def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the tool is below the top of a zone or an object, or beside it."""
+    robot, entity = arguments
+    x, y, z = situation.hand(robot)[0].position
+    yield situation.top(entity) - z
+    places = to_local(situation.pose(entity), x, y)
+    yield from (abs(at) - half for at, half in zip(places, situation.shape(entity).half, strict=False))
+
+
+def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the room over a zone or an object for the tool."""
+    pose, half = situation.pose(arguments[1]), situation.shape(arguments[1]).half
+    x, y, _ = pose.position
+    cosine, sine = heading(pose.quaternion)
+    dx, dy = (max(0.0, side - OVER_MARGIN) for side in half[:2])
+    reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy
+    return Volume(
+        (x - reach_x, y - reach_y, situation.top(arguments[1]) + MARGIN),
+        (x + reach_x, y + reach_y, math.inf),
+        sides=turned_box((pose.position, (cosine, sine)), (dx, dy)),
+    )
 
 
 AT = Predicate(
@@ -112,6 +153,13 @@ GRIPPER_OPEN = Predicate(
     violations=_open_violations,
     volume=_open_volume,
     sentence=states("the gripper {is} open"),
+    of_gripper=True,
+)
+OVER = Predicate(
+    name="over",
+    violations=_over_violations,
+    volume=_over_volume,
+    sentence=states("the {0} gripper {is} over {1}"),
     of_gripper=True,
 )
 REACHABLE = Predicate(

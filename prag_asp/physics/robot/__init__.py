@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
 
+from prag_asp.domain.scene import Mount, Scene
+from prag_asp.physics.geometry import Pose, yaw_quaternion
 from prag_asp.physics.robot.kuka import KUKA
 from prag_asp.physics.robot.model import Hand, Joints, Robot, Solver
 from prag_asp.physics.robot.panda import PANDA
@@ -11,4 +15,19 @@ from prag_asp.physics.robot.panda import PANDA
 ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
 """Every robot by the name that it has in a scene."""
 
-__all__ = ["KUKA", "PANDA", "ROBOTS", "Hand", "Joints", "Robot", "Solver"]
+
+def robot_of(scene: Scene, name: str = "") -> Robot:
+    """Return a robot of a scene by the name of its entity; the first one where there is none of that name."""
+    if not scene.robots:
+        return ROBOTS[scene.robot]
+    return _mounted(scene.robots.get(name) or next(iter(scene.robots.values())))
+
+
+@cache
+def _mounted(mount: Mount) -> Robot:
+    """Return a robot that stands somewhere."""
+    base = Pose((mount.x, mount.y, 0.0), yaw_quaternion(mount.yaw))
+    return ROBOTS[mount.kind] if base == Pose((0.0, 0.0, 0.0)) else replace(ROBOTS[mount.kind], base=base)
+
+
+__all__ = ["KUKA", "PANDA", "ROBOTS", "Hand", "Joints", "Robot", "Solver", "robot_of"]

@@ -20,6 +20,9 @@ Box = tuple[Vector, Vector]
 """The centre and the sizes of a box in metres."""
 
 
+ORIGIN = Pose((0.0, 0.0, 0.0))
+
+
 class Solver(Protocol):
     """The kinematics of an arm in closed form; of its seven freedoms one angle is left to choose.
 
@@ -69,7 +72,7 @@ class Robot:
     extend past the tool. An object is within `reach`, a ring around the base seen from above, where the gripper gets
     to it and above it from straight above however it is turned, up to `reach_height`. `finger_names` are the links
     of the fingers, each with the side on which it is; `finger_boxes` make up the left one, in its frame. `hand`
-    is there where the gripper is our own.
+    is there where the gripper is our own. `base` is where the robot stands.
     """
 
     urdf: str
@@ -96,6 +99,7 @@ class Robot:
     finger_names: tuple[tuple[str, float], ...]
     finger_boxes: tuple[Box, ...]
     hand: Hand | None = None
+    base: Pose = ORIGIN
 
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
         """Tell whether every joint is within its limits, widened by `tolerance` radians."""
