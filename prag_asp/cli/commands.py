@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from contextlib import closing
 from itertools import islice
-from typing import Any
+from pathlib import Path
+from typing import IO, Any
 
 import click
 
@@ -201,21 +202,33 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
     """
     from prag_asp.dataset.jsonl import read_lines
 
-    with click.open_file(file, encoding="utf-8", errors="replace") as lines:
-        records = list(read_lines(lines, file))
-    if not records:
-        raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
-    from prag_asp.cli.physics import check_again
+    with click.open_file(file, encoding="utf-8", errors="replace") as lines, progress() as tell:
+        total = _tasks_in(lines)
+        if total == 0:
+            raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+        from prag_asp.cli.recheck import check_again
+        from prag_asp.cli.tally import Tally
 
-    passed = 0
-    with progress() as tell:
-        results = check_again(records, asked, seed=seed, checking=checking, witness_only=witness_only)
-        for number, (status, reason) in zip(range(1, len(records) + 1), results, strict=True):
-            passed += status == "feasible"
-            click.echo(f"{number}\t{status}\t{reason}".rstrip())
-            tell(f"{number} of {len(records)} tasks")
-    click.echo(f"{passed} of {len(records)} tasks passed", err=True)
-    if passed < len(records):
+        budget = checking.limits()
+        tally = Tally("tasks", f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}")
+        outcomes = check_again(
+            read_lines(lines, file),
+            asked,
+            folder=Path(file).parent,
+            seed=seed,
+            checking=checking,
+            witness_only=witness_only,
+        )
+        try:
+            with closing(outcomes):
+                for status, reason, causes, _ in outcomes:
+                    tally.count(status, reason, causes)
+                    click.echo(f"{tally.seen}\t{status}\t{reason}".rstrip())
+                    tell(str(tally), tally.seen, total)
+        finally:
+            if tally.seen:
+                tally.show()
+    if tally.passed < tally.seen:
         raise click.exceptions.Exit(FAILED)
 
 
@@ -224,6 +237,15 @@ cli.add_command(learn)
 cli.add_command(task)
 cli.add_command(split)
 cli.add_command(stats)
+
+
+def _tasks_in(lines: IO[str]) -> int | None:
+    """Return how many lines of a file hold something, None where it can be read only once."""
+    if not lines.seekable():
+        return None
+    number = sum(1 for line in lines if line.strip())
+    lines.seek(0)
+    return number
 
 
 def _split(prefix: str | None) -> list[str]:

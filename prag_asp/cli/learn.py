@@ -16,7 +16,7 @@ from prag_asp.cli.terminal import progress, writer
 from prag_asp.errors import DomainError
 
 if TYPE_CHECKING:
-    from prag_asp.cli.physics import Tally
+    from prag_asp.cli.tally import Tally
     from prag_asp.domain.load import Domain
     from prag_asp.domain.scene import Scene
     from prag_asp.space.task_space import TaskSpace
@@ -90,20 +90,21 @@ def _figures(
     for level in get_args(Level):
         yield f"{level}s", str(before.count(level)), str(after.count(level))
     tallies = [_tally(space, scene, wanted, seed, checking, tell) for space in (before, after)]
-    yield "drawn", *(str(tally.drawn) for tally in tallies)
-    yield "passed", *(f"{tally.passed} ({100 * tally.passed / max(tally.drawn, 1):.1f} %)" for tally in tallies)
+    yield "drawn", *(str(tally.seen) for tally in tallies)
+    yield "passed", *(f"{tally.passed} ({100 * tally.passed / max(tally.seen, 1):.1f} %)" for tally in tallies)
     yield "proved infeasible", *(str(tally.proved) for tally in tallies)
-    yield "budget", *(tally.budget or "-" for tally in tallies)
+    budget = str(checking.limits())
+    yield "budget", budget, budget
 
 
 def _tally(
     space: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking, tell: Callable[[str], None]
 ) -> Tally:
     """Return how many of some uniformly drawn tasks pass physics."""
-    from prag_asp.cli.physics import Tally
+    from prag_asp.cli.tally import Tally
     from prag_asp.physics import validate_tasks
 
-    tally = Tally()
+    tally = Tally("drawn", f"budget {checking.limits()}")
     if wanted == 0 or space.count() == 0:
         return tally
     tasks = islice(space.draw(seed=seed, weights={}), wanted)

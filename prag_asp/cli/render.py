@@ -11,7 +11,7 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, asks
-from prag_asp.cli.terminal import bar
+from prag_asp.cli.terminal import progress
 from prag_asp.errors import OutputError, QueryError
 
 if TYPE_CHECKING:
@@ -87,17 +87,17 @@ def render(
     pixels = SIZES[form] if size is None else _pixels(size)
     drawing = _Drawing(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
     targets = _targets(Path(output), chosen, form)
-    with bar("pictures", len(chosen)) as reached:
+    with progress() as show:
         for done, number in enumerate(chosen):
             record = records[number - 1]
             domain = replace(asked, name=asked.name or record.task.domain).domain()
 
             def tell(share: float, done: int = done) -> None:
-                reached(done + share)
+                show("pictures", done + share, len(chosen))
 
             drawing.draw(record, number, domain, targets[number], tell)
             click.echo(targets[number])
-            reached(done + 1)
+            tell(1.0)
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import gc
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any, TextIO
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Any, Protocol, TextIO
 
 import click
 
 from prag_asp.errors import LimitReached, OutputError, PragError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
 
 FAILED, BAD_INPUT, LIMITED, INTERRUPTED = 1, 2, 3, 130
 COLLECT = (100_000, 50, 100)
@@ -91,50 +94,48 @@ def _writing(output: str | None) -> Iterator[None]:
         raise OutputError(f"{output or 'stdout'}: cannot be written: {error.strerror}; free some space") from None
 
 
+class Tell(Protocol):
+    """Is told how far things are, in words and, where it is known, as a number of a total."""
+
+    def __call__(self, words: str, done: float = 0, total: int | None = None) -> None:
+        """Show it."""
+
+
 @contextmanager
-def progress() -> Iterator[Callable[[str], None]]:
+def progress() -> Iterator[Tell]:
     """Yield a function that is told how far things are; a terminal sees it once two seconds have passed."""
     if not sys.stderr.isatty():
-        yield lambda words: None
+        yield lambda words, done=0, total=None: None
         return
     from time import monotonic
 
-    from rich.console import Console
-    from rich.status import Status
-
-    status = Status("", console=Console(stderr=True))
     begun = monotonic()
-    started = False
+    shown: list[tuple[Progress, TaskID]] = []
+    with ExitStack() as bars:
 
-    def tell(words: str) -> None:
-        nonlocal started
-        if not started and monotonic() - begun > PATIENCE:
-            status.start()
-            started = True
-        if started:
-            status.update(words.splitlines()[0])
+        def tell(words: str, done: float = 0, total: int | None = None) -> None:
+            first = not shown
+            if first:
+                if monotonic() - begun <= PATIENCE:
+                    return
+                bar = bars.enter_context(_bar())
+                shown.append((bar, bar.add_task("", total=None)))
+            bar, number = shown[0]
+            bar.update(number, description=words.splitlines()[0], completed=done, total=total, refresh=first)
 
-    try:
         yield tell
-    finally:
-        status.stop()
 
 
-@contextmanager
-def bar(what: str, total: int) -> Iterator[Callable[[float], None]]:
-    """Yield a function that is told how many of `total` are done; a terminal sees a bar once two seconds have passed.
-
-    A part of one counts as a share.
-    """
-    if not sys.stderr.isatty():
-        yield lambda done: None
-        return
-    from time import monotonic
-
+def _bar() -> Progress:
+    """Return a line on stderr that is gone in the end: a spinner, words, and a bar where there is a total."""
     from rich.console import Console
-    from rich.progress import Progress
+    from rich.progress import BarColumn, Progress, SpinnerColumn, Task, TextColumn, TimeRemainingColumn
 
-    begun = monotonic()
-    with Progress(console=Console(stderr=True), transient=True) as shown:
-        task = shown.add_task(what, total=total, visible=False)
-        yield lambda done: shown.update(task, completed=done, visible=monotonic() - begun > PATIENCE)
+    class Whole(BarColumn):
+        """A bar that is left out where no total is known."""
+
+        def render(self, task: Task) -> Any:
+            return "" if task.total is None else super().render(task)
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), Whole(), TimeRemainingColumn())
+    return Progress(*columns, console=Console(stderr=True), transient=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
@@ -26,7 +27,7 @@ LEVEL_TOLERANCE = 1e-3
 
 
 def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
-    """Return what is wrong with a witness of a task, nothing where it passes.
+    """Return what is wrong with a witness of a task, nothing where it passes; `open_witness_check` checks many.
 
     Every state is loaded into a fresh simulator: all numbers are finite, joints within their limits, the
     facts that are known to hold do and the others do not, nothing collides or falls, the simulator's own
@@ -35,6 +36,19 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
     Raises:
         SceneError: the task speaks about something for which the scene has no shape.
     """
+    with open_witness_check(scene) as check:
+        return check(task, witness)
+
+
+@contextmanager
+def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[str]]]:
+    """Yield a function like `check_witness` for tasks of one scene, which checks them all in one simulator."""
+    with open_simulator(scene) as simulator:
+        yield lambda task, witness: _checked(task, witness, scene, simulator)
+
+
+def _checked(task: Task, witness: Witness, scene: Scene, simulator: Simulator) -> list[str]:
+    """Return what is wrong with a witness of a task."""
     seen = problem(task, scene)
     if len(witness.moments) != len(seen.states) or len(witness.motions) != len(seen.effects):
         return [
@@ -45,11 +59,10 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
     if unsized:
         return [f"the witness has no size of {', '.join(unsized)}"]
     try:
-        sized = scene.with_sizes(witness.sizes)
+        simulator.use(scene.with_sizes(witness.sizes))
     except SceneError as error:
         return [str(error)]
-    with open_simulator(sized) as simulator:
-        return list(_problems(seen, witness, simulator))
+    return list(_problems(seen, witness, simulator))
 
 
 def tool_in(simulator: Simulator) -> Pose:

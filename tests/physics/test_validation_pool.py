@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 import multiprocessing
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.domain.scene import Shape
 from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics import Budget, WorkerError, validate_tasks
@@ -31,9 +33,28 @@ def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tab
     tasks = list(islice(random_tasks("tabletop", 4, 3), 24))
     alone = list(validate_tasks(tasks, tabletop, seed=7, workers=1))
     together = list(validate_tasks(tasks, tabletop, seed=7, workers=2))
-    assert [v.to_json() for v in alone] == [v.to_json() for v in together]
+    assert _lines(tasks, alone) == _lines(tasks, together)
     assert [v.index for v in alone] == list(range(24))
+    assert sum(v.feasible for v in alone) > 20
     assert not _workers()
+
+
+def _lines(tasks, verdicts):
+    """Return the bytes that a file of these tasks has, witnesses and all."""
+    found = [verdict.to_json() for verdict in verdicts]
+    records = [Record(task, told, told.pop("witness")) for task, told in zip(tasks, found, strict=True)]
+    return "\n".join(map(write_line, records)).encode()
+
+
+@pytest.mark.parametrize("name", ["tabletop", "prag"])
+def test_the_order_of_the_tasks_does_not_change_a_byte(name, request):
+    scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
+    tasks = list(islice(random_tasks(name, 4, 9), 20))
+    in_order = list(validate_tasks(tasks, scene, seed=5))
+    # The session's validator has seen many other tasks before.
+    for order in (range(19, -1, -1), random.Random(1).sample(range(20), 20)):
+        found = {index: validator.validate(tasks[index], seed=5, index=index) for index in order}
+        assert _lines(tasks, [found[index] for index in range(20)]) == _lines(tasks, in_order)
 
 
 def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop):
@@ -54,12 +75,14 @@ def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop):
 
 def test_a_killed_worker_costs_nothing_but_time(tabletop):
     tasks = list(islice(random_tasks("tabletop", 3, 5), 30))
-    expected = [v.to_json() for v in validate_tasks(tasks, tabletop, seed=2)]
+    expected = _lines(tasks, validate_tasks(tasks, tabletop, seed=2))
     verdicts = validate_tasks(tasks, tabletop, seed=2, workers=2)
-    found = [next(verdicts).to_json()]
+    found = [next(verdicts)]
     os.kill(_workers()[0], signal.SIGKILL)
-    found += [verdict.to_json() for verdict in verdicts]
-    assert found == expected
+    found += islice(verdicts, 14)
+    os.kill(_workers()[-1], signal.SIGKILL)
+    found += verdicts
+    assert _lines(tasks, found) == expected
 
 
 def test_workers_that_always_die_end_in_a_clear_error(tabletop, monkeypatch):
