@@ -1,0 +1,286 @@
+"""Two arms in one scene: how they stand, hand things over, and keep out of each other's way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from prag_asp.domain.load import load_domain
+from prag_asp.domain.scene import Mount, Scene, Shape, parse_scene
+from prag_asp.errors import SceneError
+from prag_asp.physics import Budget, Validator, Verdict, Witness, check_witness, open_validator, settle
+from prag_asp.physics.bullet import pybullet, pybullet_data
+from prag_asp.physics.facts import problem
+from prag_asp.physics.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
+from prag_asp.physics.kinematics import adjusted, inverse, tool_pose
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.robot import robot_of
+from prag_asp.physics.search import Snapshot
+from prag_asp.physics.simulator import open_client, open_simulator
+from prag_asp.physics.situation import Situation, Standing
+from prag_asp.physics.verdict import ArmState
+from prag_asp.physics.witness_check import tool_in
+from prag_asp.space.task import Task
+from prag_asp.space.task_space import TaskSpace
+from tests.physics.random_tasks import shipped_scene
+
+HANDOVER = (
+    "pick(left,bar_1,left_side)",
+    "move(left,middle)",
+    "move(right,middle)",
+    "give(left,right,bar_1)",
+    "move(left,left_side)",
+    "move(right,right_side)",
+    "place(right,bar_1,right_side)",
+)
+GIVE = HANDOVER.index("give(left,right,bar_1)")
+DOWN = (1.0, 0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return shipped_scene("two_arms")
+
+
+@pytest.fixture(scope="module")
+def validator(scene: Scene) -> Iterator[Validator]:
+    with open_validator(scene) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def handover() -> Task:
+    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).narrate([HANDOVER])
+    return task
+
+
+@pytest.fixture(scope="module")
+def witness(validator: Validator, handover: Task) -> Witness:
+    found = validator.validate(handover, seed=1).witness
+    assert found is not None
+    return found
+
+
+def _near(one: Pose, two: Pose, tolerance: float = 1e-5) -> bool:
+    near = math.dist(one.position, two.position) < tolerance
+    return near and turn_between(one.quaternion, two.quaternion) < 10 * tolerance
+
+
+mounts = st.builds(Mount, st.sampled_from(["panda", "kuka"]), *[st.floats(-1, 1)] * 2, st.floats(-3, 3))
+
+
+@settings(deadline=None, max_examples=30)
+@given(mount=mounts, heading=st.floats(-1.5, 1.5), yaw=st.floats(-3, 3))
+def test_a_robot_reaches_the_same_from_wherever_it_stands(mount, heading, yaw):
+    here = robot_of(Scene({}, robots={"arm": mount}), "arm")
+    origin = robot_of(Scene({}, robot=mount.kind))
+    tool = Pose((0.55 * math.cos(heading), 0.55 * math.sin(heading), 0.1), multiply(yaw_quaternion(yaw), DOWN))
+    base = Pose((mount.x, mount.y, 0.0), yaw_quaternion(mount.yaw))
+    joints = next(inverse(here, compose(base, tool)))
+    assert _near(tool_pose(origin, joints), tool)
+    assert _near(tool_pose(here, joints), compose(base, tool))
+    beside = compose(base, Pose((tool.position[0], tool.position[1] + 0.003, 0.1), tool.quaternion))
+    found = adjusted(here, beside, joints)
+    assert found is not None and _near(tool_pose(here, found), beside, 2e-5)
+
+
+def test_the_simulator_has_each_robot_where_the_scene_says(scene):
+    with open_simulator(scene) as simulator:
+        for name, arm in simulator.arms.items():
+            arm.pose(arm.robot.home, 0.02)
+            simulator.turn_to(name)
+            assert _near(tool_in(simulator), tool_pose(arm.robot, arm.robot.home))
+            _, x, y, _ = scene.robots[name]
+            assert arm.robot.base.position == (x, y, 0.0)
+
+
+def test_an_object_changes_hands_in_the_air(scene, handover, witness):
+    before, after = witness.moments[GIVE], witness.moments[GIVE + 1]
+    assert before.arms()["left"].held == "bar_1" and before.arms()["right"].held is None
+    assert after.arms()["left"].held is None and after.arms()["right"].held == "bar_1"
+    assert before.poses["bar_1"] == after.poses["bar_1"]
+    assert before.poses["bar_1"].position[2] > 0.1
+    both = [waypoint for waypoint in witness.motions[GIVE] if waypoint.held == "bar_1"]
+    assert [waypoint.robot for waypoint in both] == ["right"]
+    giving = tool_pose(robot_of(scene, "left"), before.arms()["left"].joints)
+    taking = tool_pose(robot_of(scene, "right"), both[0].joints)
+    length = scene.shapes["bar_1"].size[0]
+    assert 0.12 < math.dist(giving.position[:2], taking.position[:2]) < length
+    opened = [waypoint for waypoint in witness.motions[GIVE] if waypoint.robot == "left"]
+    assert all(waypoint.width == robot_of(scene, "left").opening for waypoint in opened)
+
+
+def test_witnesses_of_two_arms_pass_the_check_and_settle(scene, handover, witness):
+    assert check_witness(handover, witness, scene) == []
+    assert settle(handover, witness, scene) is None
+
+
+def _two_pandas(scene: Scene, client: int) -> dict[str, Callable[[ArmState], int]]:
+    """Load two arms without the simulator of the validator; each function puts one somewhere and returns its body."""
+    path = Path(pybullet_data.getDataPath()) / "franka_panda" / "panda.urdf"
+
+    def placed(body: int, arm: ArmState) -> int:
+        for joint, angle in zip((*range(7), 9, 10), (*arm.joints, arm.width / 2, arm.width / 2), strict=True):
+            pybullet.resetJointState(body, joint, angle, physicsClientId=client)
+        return body
+
+    found = {}
+    for name, (_, x, y, yaw) in scene.robots.items():
+        at = pybullet.getQuaternionFromEuler((0.0, 0.0, yaw))
+        body = pybullet.loadURDF(str(path), (x, y, 0.0), at, useFixedBase=True, physicsClientId=client)
+        found[name] = partial(placed, body)
+    return found
+
+
+def test_the_arms_never_meet_in_any_state_or_waypoint(scene, validator):
+    tasks = TaskSpace(load_domain("two_arms"), 7).sample(5, seed=2, weights={"give": 50})
+    assert any("give" in task.skeleton for task in tasks)
+    with open_client() as client:
+        place = _two_pandas(scene, client)
+        for index, task in enumerate(tasks):
+            witness = validator.validate(task, seed=8, index=index).witness
+            assert witness is not None
+            arms = witness.moments[0].arms()
+            for moment, motion in zip(witness.moments[1:], witness.motions, strict=True):
+                for waypoint in motion:
+                    arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width)
+                    one, two = (place[name](arm) for name, arm in arms.items())
+                    points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=client)
+                    assert min((point[8] for point in points), default=0.0) >= -0.0015
+                assert {name: arm[:2] for name, arm in arms.items()} == {
+                    name: arm[:2] for name, arm in moment.arms().items()
+                }
+
+
+def test_random_tasks_of_two_arms_are_feasible(scene, validator):
+    for length in (2, 8):
+        tasks = TaskSpace(load_domain("two_arms"), length).sample(3, seed=length)
+        for index, task in enumerate(tasks):
+            verdict = validator.validate(task, seed=3, index=index, budget=Budget(tier="settling"))
+            assert verdict.witness is not None, verdict.causes
+            assert check_witness(task, verdict.witness, scene) == []
+
+
+def test_arms_that_stand_in_each_other_are_reported(scene, handover, witness):
+    moment = witness.moments[2]
+    # The right arm reaches for the tool of the left one.
+    tool = tool_pose(robot_of(scene, "left"), moment.arms()["left"].joints)
+    there = next(inverse(robot_of(scene, "right"), tool))
+    arms = {**moment.arms(), "right": ArmState(there, 0.08)}
+    own = arms.pop(moment.robot)
+    broken = replace(moment, joints=own.joints, width=own.width, held=own.held, grasp=own.grasp, others=arms)
+    moments = (*witness.moments[:2], broken, *witness.moments[3:])
+    found = check_witness(handover, replace(witness, moments=moments), scene)
+    assert any("state 2: the arm collides with" in text for text in found)
+    assert any("its last waypoint is not the arm of the next state" in text for text in found)
+
+
+def test_an_arm_that_moves_unseen_or_is_missing_is_reported(scene, handover, witness):
+    first = witness.moments[0]
+    [(name, other)] = first.others.items()
+    moved = replace(first, others={name: other._replace(joints=(other.joints[0] + 0.1, *other.joints[1:]))})
+    assert check_witness(handover, replace(witness, moments=(moved, *witness.moments[1:])), scene)
+    alone = replace(first, others={})
+    found = check_witness(handover, replace(witness, moments=(alone, *witness.moments[1:])), scene)
+    assert any(text.startswith("state 0: it has the arms") for text in found)
+    stranger = tuple(replace(waypoint, robot="middle_arm") for waypoint in witness.motions[0])
+    found = check_witness(handover, replace(witness, motions=(stranger, *witness.motions[1:])), scene)
+    assert any("there is no robot middle_arm" in text for text in found)
+
+
+def test_witnesses_of_two_arms_come_back_from_json(validator, handover, witness):
+    assert Witness.from_json(witness.to_json()) == witness
+    verdict = validator.validate(handover, seed=1)
+    assert Verdict.from_json(verdict.to_json()) == verdict
+    assert verdict.witness == witness
+
+
+def test_a_cube_is_too_short_for_two_hands(scene, handover):
+    shapes = {**scene.shapes, "bar_1": Shape("box", (0.05, 0.05, 0.05))}
+    with open_validator(replace(scene, shapes=shapes)) as validator:
+        verdict = validator.validate(handover, seed=1, budget=Budget(2, 6))
+    assert verdict.status == "not_found"
+
+
+def test_two_arms_perform_nothing_yet(validator, handover):
+    with pytest.raises(SceneError, match="demonstrations are performed by one robot; this scene has left, right"):
+        validator.validate(handover, seed=1, budget=Budget(tier="demonstration"))
+
+
+def test_which_arm_an_action_moves_is_read_off_its_facts(scene, handover):
+    seen = problem(handover, scene)
+    assert [effect.robot for effect in seen.effects] == ["left", "left", "right", "right", "left", "right", "right"]
+    assert [effect.giver for effect in seen.effects] == [None, None, None, "left", None, None, None]
+    assert [effect.over for effect in seen.effects if effect.over] == ["middle", "middle", "left_side", "right_side"]
+    assert seen.effects[GIVE].grasps == "bar_1" and seen.effects[-1].releases == "bar_1"
+
+
+def test_turning_to_the_other_arm_and_back_changes_nothing(scene):
+    robot = robot_of(scene, "left")
+    other = Standing(robot.home, Pose((0.4, -0.3, 0.2), DOWN), 0.03, "bar_1", Pose((0.0, 0.0, 0.1)))
+    situation = Situation(scene, {}, Pose((0.4, 0.3, 0.3), DOWN), 0.08, acting="left", others={"right": other})
+    snapshot = Snapshot(situation, robot.posture, above=robot.home)
+    turned = snapshot.turned_to("right")
+    assert (turned.held, turned.situation.tool, turned.situation.width) == ("bar_1", other.tool, 0.03)
+    assert turned.situation.hand("left") == (situation.tool, 0.08)
+    assert turned.turned_to("left") == snapshot == snapshot.turned_to("") == snapshot.turned_to("left")
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "z", "expected"),
+    [
+        (0.48, 0.42, 0.2, 0.0),
+        (0.64, 0.59, 0.01, 0.0),
+        (0.67, 0.42, 0.2, 0.02),
+        (0.48, 0.20, 0.2, 0.04),
+        (0.48, 0.42, -0.03, 0.03),
+    ],
+)
+def test_a_gripper_is_over_a_zone_where_its_tool_is(scene, x, y, z, expected):
+    situation = Situation(scene, {}, Pose((x, y, z), DOWN), 0.08, acting="left", others={})
+    assert PREDICATES["over"].distance(situation, ("left", "left_side")) == pytest.approx(expected, abs=1e-9)
+
+
+ENTITIES = {"left": "arm", "right": "arm", "cube_1": "cube", "shelf": "zone"}
+CUBE = {"kind": "box", "size": [0.05, 0.05, 0.05]}
+ROBOTS = {"left": {"base": [0.0, 0.4, 0]}, "right": {"kind": "kuka", "base": [0.0, -0.4, 90]}}
+TABLE = {
+    "shapes": {"arm": {"kind": "robot"}, "cube": CUBE, "zone": {"kind": "zone", "size": [0.2, 0.3]}},
+    "robots": ROBOTS,
+    "fixed": {"shelf": [0.5, 0.0]},
+}
+CLASSES = {"arm": (), "cube": (), "zone": ()}
+
+
+def test_robots_and_zones_are_read():
+    read = parse_scene(TABLE, CLASSES, ENTITIES)
+    assert read.robots == {"left": Mount("panda", 0.0, 0.4, 0.0), "right": Mount("kuka", 0.0, -0.4, math.pi / 2)}
+    assert read.shapes["shelf"] == Shape("zone", (0.2, 0.3, 0.0)) and read.fixed["shelf"] == (0.5, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("robots", {}, "scene.robots.left: missing: write { base = [x, y, yaw] }, in metres and degrees"),
+        ("robots", {"left": ROBOTS["left"]}, "scene.robots.right: missing"),
+        ("robots", {**ROBOTS, "cube_1": {}}, "scene.robots.cube_1: needs an entity with the shape of a robot"),
+        ("robots", {**ROBOTS, "left": 3}, "scene.robots.left: needs a table like"),
+        ("robots", {**ROBOTS, "left": {"bass": []}}, "scene.robots.left.bass: unknown key; did you mean base?"),
+        ("robots", {**ROBOTS, "left": {"kind": "robby"}}, "scene.robots.left.kind: needs one of panda, kuka"),
+        ("robots", {**ROBOTS, "left": {"base": [0, 1]}}, "scene.robots.left.base: needs x and y in metres and a yaw"),
+        ("robots", {**ROBOTS, "left": {"base": [0, 9, 0]}}, "scene.robots.left.base: stands more than 2 m"),
+        ("robots", {**ROBOTS, "left": {"base": [0, -0.3, 0]}}, "scene.robots.right.base: is 0.1 m from that of left"),
+        ("fixed", {}, "scene.fixed.shelf: missing: a zone needs a place"),
+    ],
+)
+def test_a_malformed_table_of_robots_is_refused_with_its_key(key, value, message):
+    with pytest.raises(SceneError) as caught:
+        parse_scene({**TABLE, key: value}, CLASSES, ENTITIES)
+    assert str(caught.value).startswith(message)
