@@ -23,7 +23,10 @@ class Side(NamedTuple):
 
 
 class Ring(NamedTuple):
-    """What lies between two distances from a point, seen from above, or from a rectangle along the axes; metres."""
+    """What lies between two distances from a point, seen from above, or from a rectangle along the axes; metres.
+
+    Both half sides of the rectangle are given, or neither.
+    """
 
     x: float
     y: float
@@ -138,8 +141,10 @@ class Volume(NamedTuple):
 
     def in_rings(self, x: float, y: float) -> bool:
         """Tell whether a place lies in all rings."""
-        for ring in self.rings:  # noqa: SIM110 (all() is slower here)
-            if not ring.inner <= ring.distance(x, y) <= ring.outer:
+        for ring in self.rings:
+            centre_x, centre_y, inner, outer, half_x, _ = ring
+            distance = ring.distance(x, y) if half_x else math.hypot(x - centre_x, y - centre_y)
+            if not inner <= distance <= outer:
                 return False
         return True
 
