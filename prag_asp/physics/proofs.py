@@ -37,8 +37,7 @@ def _reasons(facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, still
     true = [fact for fact in facts if fact.value]
     for fact in fresh:
         if fact.value:
-            if len(set(fact.arguments)) < len(fact.arguments):
-                yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
+            yield from _self_reasons(fact)
             yield from _size_reasons(fact, scene)
     yield from _gap_reasons(true)
     yield from _gripper_reasons(true)
@@ -47,6 +46,12 @@ def _reasons(facts: tuple[Fact, ...], fresh: Iterable[Fact], scene: Scene, still
     yield from _fixed_reasons(fresh, scene, still)
     if any(fact.value and fact.predicate.name in ORDERING for fact in fresh):
         yield from _room_reasons(true, scene)
+
+
+def _self_reasons(fact: Fact) -> Iterator[str]:
+    """Yield that nothing is in a relation to itself."""
+    if len(set(fact.arguments)) < len(fact.arguments):
+        yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
 
 
 def _gap_reasons(true: list[Fact]) -> Iterator[str]:
