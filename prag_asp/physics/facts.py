@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import PREDICATE_ROLES, Scene
+from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
-from prag_asp.physics.predicates import PREDICATES, Predicate, predicate_of
+from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
 from prag_asp.space.task import State, Task
 
@@ -121,8 +121,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
     name = scene.meaning(atom)
     if name is None:
         return None
-    own = scene.own.get(name)
-    roles = PREDICATE_ROLES[name] if own is None else own.roles
+    roles = scene.roles(name)
     if len(roles) != len(atom.arguments):
         raise SceneError(f"{atom} has {len(atom.arguments)} arguments, but {name} takes {', '.join(roles)}")
     for role, entity in zip(roles, atom.arguments, strict=True):
@@ -132,9 +131,8 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
             raise SceneError(f"{atom} speaks about {entity}, which has no entry under [scene.{table}]")
     if not value and len(set(atom.arguments)) < len(atom.arguments):
         return None  # nothing is in a relation to itself
-    if own is None:
-        return Fact(PREDICATES[name], atom.arguments, value)
-    around = () if own.around is None else (own.around,)
+    own = scene.own.get(name)
+    around = () if own is None or own.around is None else (own.around,)
     return Fact(predicate_of(scene, name), (*atom.arguments, *around), value)
 
 
