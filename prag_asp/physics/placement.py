@@ -206,8 +206,8 @@ def _volume(
     if support == TABLE and not out_of_reach and not situation.others:
         volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
     for fact in about:
-        on_it = fact.predicate.name in SUPPORTING and fact.arguments == (entity, support)
-        if shapes_volume(fact, entity) and not on_it:
+        on_it = fact.arguments == (entity, support) and fact.predicate.name in SUPPORTING
+        if not on_it and shapes_volume(fact, entity):
             volume = volume.meet(allowed(situation, fact, entity, quaternion))
     return volume
 

@@ -23,7 +23,10 @@ class Side(NamedTuple):
 
 
 class Ring(NamedTuple):
-    """What lies between two distances from a point, seen from above, or from a rectangle along the axes; metres."""
+    """What lies between two distances from a point, seen from above, or from a rectangle along the axes; metres.
+
+    Both half sides of the rectangle are given, or neither.
+    """
 
     x: float
     y: float
@@ -34,6 +37,8 @@ class Ring(NamedTuple):
 
     def distance(self, x: float, y: float) -> float:
         """Return how far a place is from the point or the rectangle in metres."""
+        if self.half_x == 0.0:
+            return math.hypot(x - self.x, y - self.y)
         return math.hypot(max(0.0, abs(x - self.x) - self.half_x), max(0.0, abs(y - self.y) - self.half_y))
 
 
