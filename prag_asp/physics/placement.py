@@ -23,6 +23,8 @@ TABLE_ROOM = 0.1
 NEAR = 0.15
 JITTER = 0.05
 EDGE = 0.02
+AIM = 0.6
+"""What share of a tolerance of the heading is drawn from: what is put down may turn a little."""
 CONTAINING = ("on_top", "inside")
 
 Neighbour = tuple[float, float, float, float]
@@ -157,7 +159,7 @@ def all_satisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose
 
 
 def yaw_range(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[float, float] | None:
-    """Return the yaws that facts allow an object: a centre and a half width in radians; None where any will do.
+    """Return the yaws to draw from for an object, a centre and a half width in radians; None where any will do.
 
     Raises:
         Failure: no yaw is left.
@@ -168,7 +170,7 @@ def yaw_range(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple
             volume = volume.meet(fact.predicate.volume(situation, fact.arguments, IDENTITY))
     if volume.empty:
         raise Failure(EMPTY_VOLUME)
-    return volume.yaw
+    return None if volume.yaw is None else (volume.yaw[0], AIM * volume.yaw[1])
 
 
 def _shapes_volume(fact: Fact, entity: str) -> bool:
