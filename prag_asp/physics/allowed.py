@@ -10,6 +10,9 @@ from prag_asp.physics.predicates import Volume, Yaws, predicate_of
 from prag_asp.physics.search import EMPTY_VOLUME, Failure, Search
 from prag_asp.physics.situation import Situation
 
+AIM = 0.6
+"""What share of a tolerance of the heading is drawn from: what is put down may turn a little."""
+
 
 def relevant(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
     """Return the facts about an object whose other bodies have their places; the gripper's are left out."""
@@ -56,7 +59,7 @@ def draw_yaws(search: Search, ranges: tuple[Yaws, ...]) -> Iterator[float]:
     """Draw a yaw in radians of each of some ranges, of any of them first."""
     first = 0 if len(ranges) == 1 else int(search.rng.integers(len(ranges)))
     for chosen in (*ranges[first:], *ranges[:first]):
-        yield chosen.centre + search.uniform(-chosen.half, chosen.half)
+        yield chosen.centre + search.uniform(-AIM * chosen.half, AIM * chosen.half)
 
 
 def all_satisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> bool:

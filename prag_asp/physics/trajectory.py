@@ -10,34 +10,36 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.robot import Joints
 
-ACCELERATION, LOADED_ACCELERATION = 10.0, 6.0
-"""The highest of a joint in radians a second squared, with an empty gripper and with what should not swing in it."""
+ACCELERATION, LOADED_ACCELERATION = 10.0, 4.0
+"""The highest of a joint in radians a second squared, with an empty gripper and with what should not slip in it.
 
-SHORTEST = 0.2
-ROUNDING = 0.12
-"""Seconds over which the corners of a path are rounded."""
+With 6 for a loaded gripper a box tilts between the pads: one task in twenty fails. With 4 it is one in a hundred.
+"""
 
-PEAK_SPEED, PEAK_ACCELERATION = 1.875, 5.774
-"""Of a motion of minimal jerk over unit length in unit time."""
+ROUNDING = 0.1
+"""Seconds over which the corners of a path are rounded, and over which speed is gathered gently."""
 
 
 def timed(path: Sequence[Joints], time_step: float, acceleration: float, speed: float) -> NDArray[np.float64]:
     """Return the joint angles of every time step along a path, shape (steps, 7), the first one left out.
 
     `acceleration` and `speed` are the highest of a joint, in radians a second (squared).
-
-    The motion begins and ends at rest; along the path it has minimal jerk (Flash and Hogan 1985).
+    The motion begins and ends at rest: it gathers speed, cruises and brakes, averaged over `ROUNDING`.
     """
     points = np.array(path)
     lengths = np.abs(np.diff(points, axis=0)).max(axis=1)
     reached = np.concatenate([[0.0], np.cumsum(lengths)])
     length = float(reached[-1])
-    seconds = max(SHORTEST, PEAK_SPEED * length / speed, math.sqrt(PEAK_ACCELERATION * length / acceleration))
-    steps = int(np.ceil(seconds / time_step))
-    share = np.arange(1, steps + 1) / steps
-    at = length * share**3 * (10 - 15 * share + 6 * share**2)
+    speed = min(speed, math.sqrt(acceleration * length))
+    ramp = speed / acceleration
+    seconds = length / speed + ramp if length > 0.0 else 0.0
+    steps = math.ceil(seconds / time_step)
+    times = np.arange(1, steps + 1) * (seconds / steps) if steps else np.zeros(0)
+    gathered = acceleration / 2 * np.minimum(times, ramp) ** 2
+    braked = acceleration / 2 * np.maximum(times - (seconds - ramp), 0.0) ** 2
+    at = gathered + speed * np.maximum(times - ramp, 0.0) - braked
     angles = np.column_stack([np.interp(at, reached, column) for column in points.T])
-    return _rounded(angles, points, int(ROUNDING / time_step)) if len(path) > 2 else angles
+    return _rounded(angles, points, round(ROUNDING / time_step))
 
 
 def _rounded(angles: NDArray[np.float64], points: NDArray[np.float64], window: int) -> NDArray[np.float64]:
