@@ -6,10 +6,22 @@ This module loads no simulator, so that the linter can use it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene_model import FURNITURE, HOLLOW, IGNORED, PREDICATE_ROLES, Material, Scene, Shape, Size, Table
+from prag_asp.domain.scene_model import (
+    FURNITURE,
+    HOLLOW,
+    IGNORED,
+    PREDICATE_ROLES,
+    Material,
+    Scene,
+    Shape,
+    Size,
+    Solid,
+    Table,
+)
 from prag_asp.domain.scene_places import BODILESS
 from prag_asp.domain.scene_report import Problem, Report, ancestors
 from prag_asp.domain.scene_shapes import SHAPE_KEYS
@@ -31,6 +43,7 @@ __all__ = [
     "Scene",
     "Shape",
     "Size",
+    "Solid",
     "Table",
     "ancestors",
     "load_scene",
@@ -48,18 +61,23 @@ def load_scene(domain: Domain) -> Scene:
     if not domain.settings.scene:
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
     entities = {str(entity): name for entity, name in domain.facts.entities.items()}
-    return parse_scene(domain.settings.scene, domain.facts.parents, entities)
+    return parse_scene(domain.settings.scene, domain.facts.parents, entities, domain.folder)
 
 
-def parse_scene(table: Mapping[str, Any], classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]) -> Scene:
+def parse_scene(
+    table: Mapping[str, Any],
+    classes: Mapping[str, Sequence[str]],
+    entities: Mapping[str, str],
+    folder: Path = Path(),
+) -> Scene:
     """Return the scene that the ``[scene]`` table describes, shapes looked up for every entity.
 
-    `classes` maps each class to its parents, `entities` each entity to its class.
+    `classes` maps each class to its parents, `entities` each entity to its class; paths begin at `folder`.
 
     Raises:
         SceneError: the first problem of the table, with its key.
     """
-    report = Report(classes, entities)
+    report = Report(classes, entities, folder)
     scene = read_scene(report, table)
     problems = report.problems or _without_objects(scene)
     if problems:
@@ -72,9 +90,10 @@ def scene_problems(
     classes: Mapping[str, Sequence[str]],
     entities: Mapping[str, str],
     fluents: Iterable[Atom] = (),
+    folder: Path = Path(),
 ) -> list[Problem]:
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
-    report = Report(classes, entities)
+    report = Report(classes, entities, folder)
     scene = read_scene(report, table)
     problems = list(report.problems)
     seen: set[tuple[str, str]] = set()

@@ -116,7 +116,7 @@ def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     entities = {str(entity): name for entity, name in facts.entities.items()}
     fluents = [Atom(fluent.name, tuple(map(str, fluent.arguments))) for fluent in facts.fluents]
     reported: set[str] = set()
-    for key, text in scene_problems(settings.scene, facts.parents, entities, fluents):
+    for key, text in scene_problems(settings.scene, facts.parents, entities, fluents, settings.path.parent):
         if not any(f"{each}.".startswith(f"{key}.") for each in reported):
             reported.add(key)
             yield Problem(
