@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from pathlib import Path
 from string import Formatter
 from typing import Any
 
@@ -35,21 +34,17 @@ EXAMPLE = '"{0} {is} in the corner of {1}"'
 ENDLESS = (-math.inf, math.inf)
 
 
-def read_own(report: Report, value: object, folder: Path | None) -> dict[str, Own]:
-    """Return the predicates of a ``[scene.own]`` table by their names, those with mistakes left out.
-
-    `folder` is that of the domain, where its Python files are.
-    """
-    return _OwnReader(report, folder).read(value)
+def read_own(report: Report, value: object) -> dict[str, Own]:
+    """Return the predicates of a ``[scene.own]`` table by their names, those with mistakes left out."""
+    return _OwnReader(report).read(value)
 
 
 class _OwnReader:
     """Reads a ``[scene.own]`` table, and reports what is wrong with it instead of stopping."""
 
-    def __init__(self, report: Report, folder: Path | None) -> None:
+    def __init__(self, report: Report) -> None:
         self.report = report
         self.add = report.add
-        self.folder = folder
 
     def read(self, value: object) -> dict[str, Own]:
         """Return the predicates by their names, those with mistakes left out."""
@@ -165,12 +160,10 @@ class _OwnReader:
 
     def file(self, key: str, value: object) -> str:
         """Return the path of a Python file within the folder of the domain."""
-        if self.folder is None:
-            self.add(key, "is a file of the domain, whose folder is not known; give it as `folder`")
-        elif not isinstance(value, str) or not value.endswith(".py"):
+        if not isinstance(value, str) or not value.endswith(".py"):
             self.add(key, f'needs the name of a Python file of the domain, such as "predicates.py"; got {value!r}')
         else:
-            folder = self.folder.resolve()
+            folder = self.report.folder.resolve()
             path = (folder / value).resolve()
             if not path.is_relative_to(folder):
                 self.add(key, f"{value} lies outside of the folder of the domain; move it there")

@@ -25,6 +25,7 @@ from prag_asp.domain.scene_model import (
     Scene,
     Shape,
     Size,
+    Solid,
     Table,
 )
 from prag_asp.domain.scene_report import Problem, Report, ancestors
@@ -51,6 +52,7 @@ __all__ = [
     "Scene",
     "Shape",
     "Size",
+    "Solid",
     "Table",
     "ancestors",
     "load_scene",
@@ -78,19 +80,19 @@ def parse_scene(
     classes: Mapping[str, Sequence[str]],
     entities: Mapping[str, str],
     *,
-    folder: Path | None = None,
+    folder: Path = Path(),
     trust: bool = False,
 ) -> Scene:
     """Return the scene that the ``[scene]`` table describes, shapes looked up for every entity.
 
-    `classes` maps each class to its parents, `entities` each entity to its class. `folder` is that of the domain,
-    where its Python files are; physics runs them only with `trust`.
+    `classes` maps each class to its parents, `entities` each entity to its class. Paths begin at `folder`, that of the
+    domain; physics runs the Python files there only with `trust`.
 
     Raises:
         SceneError: the first problem of the table, with its key.
     """
-    report = Report(classes, entities)
-    scene = read_scene(report, table, read_own(report, table.get("own", {}), folder))
+    report = Report(classes, entities, folder)
+    scene = read_scene(report, table, read_own(report, table.get("own", {})))
     problems = report.problems or _without_objects(scene)
     if problems:
         raise SceneError(str(problems[0]))
@@ -103,11 +105,11 @@ def scene_problems(
     entities: Mapping[str, str],
     fluents: Iterable[Atom] = (),
     *,
-    folder: Path | None = None,
+    folder: Path = Path(),
 ) -> list[Problem]:
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
-    report = Report(classes, entities)
-    scene = read_scene(report, table, read_own(report, table.get("own", {}), folder))
+    report = Report(classes, entities, folder)
+    scene = read_scene(report, table, read_own(report, table.get("own", {})))
     problems = list(report.problems)
     seen: set[tuple[str, str]] = set()
     for fluent in fluents:

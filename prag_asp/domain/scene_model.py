@@ -56,12 +56,31 @@ Size = tuple[float, float, float]
 SAME_SIZE = 1e-6
 
 
+class Solid(NamedTuple):
+    """A solid of a body from a URDF: box, cylinder, sphere or mesh, its middle relative to that of the body's box.
+
+    `size` is the sides of a box, the diameter twice and the height of a cylinder, the diameter of a ball in metres, or
+    the scale of a mesh; `turn` is roll, pitch and yaw in radians; `mesh` is a file.
+    """
+
+    kind: str
+    size: Size
+    at: Size
+    turn: Size
+    mesh: str = ""
+
+
 class Shape(NamedTuple):
-    """A body: its kind (of `SHAPE_KEYS`), the size of its bounding box and a container's wall in metres."""
+    """A body: its kind (of `SHAPE_KEYS`), the size of its bounding box and a container's wall in metres.
+
+    One from a URDF has `solids` and its own `weight` in kilograms.
+    """
 
     kind: str
     size: Size = (0.0, 0.0, 0.0)
     wall: float = 0.0
+    solids: tuple[Solid, ...] = ()
+    weight: float = 0.0
 
     @property
     def half(self) -> tuple[float, float, float]:

@@ -6,6 +6,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 MAX_LENGTH = 2.0
@@ -46,9 +47,10 @@ def is_number(value: object) -> bool:
 
 
 class Report:
-    """The problems of a ``[scene]`` table, and the classes and entities that it may speak about."""
+    """The problems of a ``[scene]`` table, the classes and entities that it may speak about, the domain's folder."""
 
-    def __init__(self, classes: Mapping[str, Sequence[str]], entities: Mapping[str, str]):
+    def __init__(self, classes: Mapping[str, Sequence[str]], entities: Mapping[str, str], folder: Path = Path()):
+        self.folder = folder
         self.classes = {**dict.fromkeys(entities.values(), ()), **classes}
         self.entities = entities
         self.problems: list[Problem] = []

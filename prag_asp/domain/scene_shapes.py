@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from prag_asp.domain.scene_model import FURNITURE, HOLLOW, Shape, Size
-from prag_asp.domain.scene_report import Report, is_number, suggest
+from prag_asp.domain.scene_report import MAX_LENGTH, Report, is_number, suggest
+from prag_asp.domain.urdf import read_urdf
+from prag_asp.errors import SceneError
 
 SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
     "box": ("size",),
@@ -15,6 +17,7 @@ SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
     "container": ("size", "wall"),
     "drawer": ("size", "wall"),
     "cupboard": ("size", "wall"),
+    "urdf": ("path",),
     "table": (),
     "robot": (),
     "zone": ("size",),
@@ -56,6 +59,8 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
         return ()
     before = len(report.problems)
     report.unknown(key, value, ("kind", *SHAPE_KEYS[kind]))
+    if kind == "urdf":
+        return _urdf(report, f"{key}.path", value.get("path"))
     low, high = _sizes(report, key, kind, value)
     wall = _wall(report, key, value, low) if kind in HOLLOW else 0.0
     if kind in FURNITURE and (low != high or not all(side >= least for side, least in zip(low, LEAST, strict=True))):
@@ -64,6 +69,22 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
     if len(report.problems) > before:
         return ()
     return tuple(Shape(kind, size, wall) for size in _between(low, high))
+
+
+def _urdf(report: Report, key: str, path: object) -> tuple[Shape, ...]:
+    """Return the shape of a URDF, given by its path from the folder of the domain."""
+    if not isinstance(path, str) or not path:
+        report.add(key, f'needs the path of a URDF in the folder of the domain, like "models/mug.urdf"; got {path!r}')
+        return ()
+    try:
+        shape = read_urdf(report.folder / path, report.folder)
+    except SceneError as error:
+        report.add(key, str(error))
+        return ()
+    if max(shape.size) > MAX_LENGTH:
+        report.add(key, f"is {max(shape.size):g} m long; give its lengths in metres (at most {MAX_LENGTH:g})")
+        return ()
+    return (shape,)
 
 
 def _between(low: Size, high: Size) -> list[Size]:

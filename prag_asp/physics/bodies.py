@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from prag_asp.domain.scene import FURNITURE, Material, Scene, Shape
+from prag_asp.domain.scene import FURNITURE, Material, Scene, Shape, Solid
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.furniture import make_furniture
 from prag_asp.physics.geometry import Vector, yaw_quaternion
 from prag_asp.physics.primitives import Part, boxes, make_shapes
 from prag_asp.physics.situation import TABLE_THICKNESS
-from prag_asp.physics.solids import container_boxes, volume
+from prag_asp.physics.solids import container_boxes, weight
 
 PARKING = (20.0, 20.0, 5.0)
 GREY = "#808080"
@@ -63,7 +63,7 @@ def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: boo
 
 def mass(scene: Scene, entity: str) -> float:
     """Return the mass of an object in kilograms, 0 for one that is fixed."""
-    return 0.0 if entity in scene.fixed else scene.material(entity).density * volume(scene.shapes[entity])
+    return 0.0 if entity in scene.fixed else weight(scene, entity)
 
 
 def _parts(shape: Shape) -> list[Part]:
@@ -72,15 +72,30 @@ def _parts(shape: Shape) -> list[Part]:
         return [Part(pybullet.GEOM_SPHERE, radius=shape.half[0])]
     if shape.kind == "cylinder":
         return [Part(pybullet.GEOM_CYLINDER, radius=shape.half[0], height=shape.size[2])]
+    if shape.kind == "urdf":
+        return [_solid(solid) for solid in shape.solids]
     if shape.kind == "container":
         return boxes(container_boxes(shape))
     return [Part(pybullet.GEOM_BOX, half=shape.half)]
 
 
+def _solid(solid: Solid) -> Part:
+    """Return a solid of a URDF as a primitive."""
+    turn = tuple(pybullet.getQuaternionFromEuler(solid.turn))
+    x, y, z = solid.size
+    if solid.mesh:
+        return Part(pybullet.GEOM_MESH, at=solid.at, turn=turn, mesh=solid.mesh, scale=solid.size)
+    if solid.kind == "box":
+        return Part(pybullet.GEOM_BOX, half=(x / 2, y / 2, z / 2), at=solid.at, turn=turn)
+    if solid.kind == "sphere":
+        return Part(pybullet.GEOM_SPHERE, radius=x / 2, at=solid.at, turn=turn)
+    return Part(pybullet.GEOM_CYLINDER, radius=x / 2, height=z, at=solid.at, turn=turn)
+
+
 def _make(
     parts: Sequence[Part],
     material: Material,
-    weight: float,
+    mass: float,
     at: Vector,
     client: int,
     color: str | None,
@@ -92,10 +107,10 @@ def _make(
         SceneError: PyBullet refuses a shape.
     """
     solid, looks = make_shapes(parts, client, color)
-    body = pybullet.createMultiBody(weight, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
+    body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
     if body < 0:
         raise SceneError(f"PyBullet refuses a body of {list(parts)}")
-    rolls = parts[0].kind == pybullet.GEOM_SPHERE
+    rolls = len(parts) == 1 and parts[0].kind == pybullet.GEOM_SPHERE
     pybullet.changeDynamics(
         body,
         -1,

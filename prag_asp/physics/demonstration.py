@@ -20,18 +20,19 @@ from prag_asp.physics.situation import Situation
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
-ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "contacts", "forces", "ends")
+ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
+TEXTS = ("bodies", "objects", "furniture", "cause", "detail")
 FRAMES_A_SECOND = 20
-TEXTS = ("bodies", "objects", "cause", "detail")
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstration:
-    """A recording at 20 Hz of the robot performing a task: T frames, O objects, C contacts.
+    """A recording at 20 Hz of the robot performing a task: T frames, O objects, F of them furniture, C contacts.
 
     `times` (T,) in seconds; `joints` (T, 7) in radians; `widths` (T,) how far the gripper is open in metres;
     `commands` (T, 8) the joint angles and the opening that the motors drive to; `sizes` (O, 3) the sides in metres of
-    the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a quaternion x, y, z, w;
+    the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a quaternion x, y, z, w; `openings`
+    (T, F) how far `furniture` is open in metres or radians;
     `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the normal force
     between them in newtons. `ends` holds for each state of the
     task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
@@ -46,9 +47,11 @@ class Demonstration:
     commands: Floats
     sizes: Floats
     poses: Floats
+    openings: Floats
     contacts: Integers
     forces: Floats
     ends: Integers
+    furniture: tuple[str, ...] = ()
     cause: str = ""
     detail: str = ""
 
@@ -82,7 +85,11 @@ class Demonstration:
         """
         scene = self.sized(scene)
         arm = np.append(self.joints[frame], self.widths[frame])
-        return situation_of(scene, self.objects, arm, self.poses[frame])
+        return situation_of(scene, self.objects, arm, self.poses[frame], self.opened(frame))
+
+    def opened(self, frame: int) -> dict[str, float]:
+        """Return how far furniture is open in a frame, in metres or radians."""
+        return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
     def save(self, path: Path) -> None:
         """Write the recording as a compressed .npz file, the same bytes for the same recording.
@@ -112,11 +119,16 @@ class Demonstration:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from error
 
 
-def situation_of(scene: Scene, objects: Sequence[str], arm: Floats, poses: Floats) -> Situation:
-    """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7)."""
+def situation_of(
+    scene: Scene, objects: Sequence[str], arm: Floats, poses: Floats, openings: Mapping[str, float]
+) -> Situation:
+    """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7).
+
+    `openings` say how far furniture is open, in metres or radians.
+    """
     *joints, width = arm.tolist()
     placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
-    return Situation(scene, placed, tool_pose(robot_of(scene), tuple(joints)), width)
+    return Situation(scene, placed, tool_pose(robot_of(scene), tuple(joints)), width, openings=openings)
 
 
 def pose_of(row: list[float]) -> Pose:
@@ -139,6 +151,7 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         "commands": (frames, 8),
         "sizes": (len(content["objects"]), 3),
         "poses": (frames, len(content["objects"]), 7),
+        "openings": (frames, len(content["furniture"])),
         "contacts": (touches, 3),
         "forces": (touches,),
         "ends": (len(content["ends"]),),
@@ -155,6 +168,8 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         commands=content["commands"].astype(np.float32),
         sizes=content["sizes"].astype(np.float32),
         poses=content["poses"].astype(np.float32),
+        openings=content["openings"].astype(np.float32),
+        furniture=tuple(map(str, content["furniture"].tolist())),
         contacts=content["contacts"].astype(np.int32),
         forces=content["forces"].astype(np.float32),
         ends=content["ends"].astype(np.int32),

@@ -11,6 +11,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.bodies import make_body, make_table
 from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.furniture import JOINT, read_opening, set_opening
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints, robot_of
 from prag_asp.physics.robot.file import write_robot
@@ -50,6 +51,7 @@ class Dynamics:
         self._urdf = urdf
         self._driven = [*self.robot.arm_links, *self.robot.finger_joints]
         self._bodies: dict[str, int] = {}
+        self._furniture: dict[str, int] = {}
         self._arm = self._table = -1
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
@@ -66,6 +68,9 @@ class Dynamics:
         self._bodies = {
             entity: make_body(self.client, self.scene, entity, moment.poses[entity].position) for entity in objects
         }
+        self._furniture = {entity: self._bodies[entity] for entity in moment.openings}
+        for entity, opening in moment.openings.items():
+            set_opening(self.client, self._bodies[entity], opening)
         for entity, body in self._bodies.items():
             pybullet.changeDynamics(
                 body,
@@ -112,13 +117,18 @@ class Dynamics:
         """Return where the objects are."""
         return {entity: read_pose(self.client, body) for entity, body in self._bodies.items()}
 
+    def openings(self) -> dict[str, float]:
+        """Return how far furniture is open, in metres or radians."""
+        return {entity: read_opening(self.client, body) for entity, body in self._furniture.items()}
+
     def contacts(self) -> Mapping[tuple[int, int], float]:
         """Return the normal force in newtons between bodies that press on each other.
 
         Bodies are numbered: `PARTS` first, then the objects in the order in which the world was begun with.
         """
         parts = {(self._table, -1): PARTS.index("table")}
-        parts |= {(body, -1): len(PARTS) + i for i, body in enumerate(self._bodies.values())}
+        links = ((body, i) for i, body in enumerate(self._bodies.values()))
+        parts |= {(body, link): len(PARTS) + i for body, i in links for link in (-1, JOINT)}
         parts |= {(self._arm, link): 1 + i for i, link in enumerate(self.robot.finger_links)}
         forces: dict[tuple[int, int], float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self.client):

@@ -84,8 +84,8 @@ def turn(
     if snapshot.held is not None:
         raise Failure(NO_GRASP)
     situation = snapshot.situation
-    grips = _grips(situation, furniture)
     goal = draw_opening(search, situation, furniture, facts)
+    grips = _grips(situation, furniture, (situation.opening(furniture) + goal) / 2)
     pull = Pull(furniture, _between(situation, furniture, goal), grips[attempt % len(grips)])
     cause = NO_KINEMATICS_AT
     start = compose(situation.part(furniture), pull.grip)
@@ -111,11 +111,11 @@ def opened(situation: Situation, furniture: str, opening: float, objects: Iterab
     return after.with_poses({**situation.poses, **moved})
 
 
-def _grips(situation: Situation, furniture: str) -> list[Pose]:
-    """Return tool poses that grip the handle, in the frame of the moving part, the easiest first."""
+def _grips(situation: Situation, furniture: str, halfway: float) -> list[Pose]:
+    """Return tool poses that grip the handle, in the frame of the moving part, the easiest halfway first."""
     made = mechanism(situation.shape(furniture))
     turns = (0.0, math.pi) if made.slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
-    part = situation.part(furniture)
+    part = part_pose(situation.shape(furniture), situation.pose(furniture), halfway)
     x, y, _ = compose(part, Pose(made.handle)).position
     heading = math.atan2(y, x) - yaw_of(part.quaternion)
     nearest = sorted(turns, key=lambda angle: abs(wrap(angle - heading)))

@@ -31,11 +31,11 @@ from prag_asp.physics.geometry import (
 from prag_asp.physics.kinematics import adjusted, tool_pose
 from prag_asp.physics.recording import FRAME_STEPS, Recorder
 from prag_asp.physics.robot import Joints
-from prag_asp.physics.route import Load, free_path, straight, vertical
+from prag_asp.physics.route import Load, free_path, pulled, straight, vertical
 from prag_asp.physics.search import LOST, NO_PATH, NOT_REACHED
 from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.trajectory import timed
+from prag_asp.physics.trajectory import LOADED_ACCELERATION, timed
 from prag_asp.physics.verdict import Moment, Waypoint, Witness
 from prag_asp.space.task import Task
 
@@ -161,6 +161,9 @@ class _Performance:
             _Stopped: there is no free path.
         """
         situation = self._situation()
+        if waypoint.opening is not None:
+            self._pull(waypoint, situation)
+            return
         load = self._load(situation)
         upright = vertical(self._planner.robot, self._planned, waypoint.joints)
         if upright:
@@ -179,6 +182,14 @@ class _Performance:
         self._drive(angles)
         self._joints, self._planned = goal, waypoint.joints
 
+    def _pull(self, waypoint: Waypoint, situation: Situation) -> None:
+        """Move the arm along the slide or the arc of the handle that it holds, up to a waypoint."""
+        assert waypoint.held is not None and waypoint.opening is not None
+        grip = compose(invert(situation.part(waypoint.held)), self._tool(self._joints))
+        path = pulled(self._planner.robot, situation, grip, waypoint, self._joints)
+        self._drive(timed(path, TIME_STEP, LOADED_ACCELERATION, self._planner.robot.speed))
+        self._joints, self._planned = path[-1], waypoint.joints
+
     def _load(self, situation: Situation) -> Load:
         """Return what the gripper carries, as it lies in it."""
         if self._held is None:
@@ -188,7 +199,8 @@ class _Performance:
     def _situation(self) -> Situation:
         """Return where everything is now."""
         joints, width = self._world.arm()
-        return Situation(self._world.scene, self._world.poses(), self._tool(joints), width)
+        openings = self._world.openings()
+        return Situation(self._world.scene, self._world.poses(), self._tool(joints), width, openings=openings)
 
     def _tool(self, joints: Joints) -> Pose:
         """Return the pose of the tool at joint angles."""
@@ -241,7 +253,8 @@ def _corrected(
         return Pose(_minus(wanted.position, rotate(quaternion, grasped.position)), quaternion)
     if target is None:
         return planned
-    there, here = before.poses[target], situation.poses[target]
+    there = Situation(situation.scene, before.poses, planned, 0.0, openings=before.openings).part(target)
+    here = situation.part(target)
     round_body = situation.shape(target).kind in ("sphere", "cylinder")
     turn = yaw_quaternion(0.0) if round_body else _turn(there, here)
     offset = rotate(turn, _minus(planned.position, there.position))

@@ -23,6 +23,7 @@ class Recorder:
         self._arms: list[list[float]] = []
         self._commands: list[Sequence[float]] = []
         self._poses: list[list[list[float]]] = []
+        self._openings: list[list[float]] = []
         self._contacts: list[tuple[int, int, int]] = []
         self._forces: list[float] = []
         self._ends: list[int] = []
@@ -37,12 +38,15 @@ class Recorder:
         self._arms.append([*joints, width])
         self._commands.append(command)
         self._poses.append(rows)
+        self._openings.append(list(self._world.openings().values()))
 
     def end_state(self) -> Situation:
         """Note that a state of the task ends with the last frame, and return what that shows, as it is recorded."""
         self._ends.append(len(self._arms) - 1)
         arm, poses = np.array(self._arms[-1], dtype=np.float32), np.array(self._poses[-1], dtype=np.float32)
-        return situation_of(self._world.scene, self._objects, arm, poses)
+        opened = np.array(self._openings[-1], dtype=np.float32).tolist()
+        openings = dict(zip(self._world.openings(), opened, strict=True))
+        return situation_of(self._world.scene, self._objects, arm, poses, openings)
 
     def finish(self, cause: str = "", detail: str = "") -> Demonstration:
         """Return the recording."""
@@ -57,6 +61,8 @@ class Recorder:
             commands=np.array(self._commands, dtype=np.float32),
             sizes=np.array([shapes[entity].size for entity in self._objects], dtype=np.float32).reshape(-1, 3),
             poses=np.array(self._poses, dtype=np.float32).reshape(frames, len(self._objects), 7),
+            furniture=tuple(self._world.openings()),
+            openings=np.array(self._openings, dtype=np.float32).reshape(frames, -1),
             contacts=np.array(self._contacts, dtype=np.int32).reshape(-1, 3),
             forces=np.array(self._forces, dtype=np.float32),
             ends=np.array(self._ends, dtype=np.int32),

@@ -173,7 +173,8 @@ def _sized(shown: Witness | Demonstration, scene: Scene) -> Scene:
 def _moment(demonstration: Demonstration, frame: int) -> Moment:
     """Return what a frame of a demonstration shows."""
     poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
-    return Moment(poses, tuple(demonstration.joints[frame].tolist()), float(demonstration.widths[frame]))
+    joints, width = tuple(demonstration.joints[frame].tolist()), float(demonstration.widths[frame])
+    return Moment(poses, joints, width, openings=demonstration.opened(frame))
 
 
 def _check_headings(task: Task, headings: Sequence[str] | None) -> None:

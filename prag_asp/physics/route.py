@@ -11,15 +11,18 @@ from numpy.typing import NDArray
 from prag_asp.physics.collisions import arm_collision, colliding
 from prag_asp.physics.geometry import Pose, compose, invert, raised, turn_between
 from prag_asp.physics.kinematics import adjusted, inverse, tool_pose
+from prag_asp.physics.mechanism import part_pose
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.simulator import Simulator
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import riders
 from prag_asp.physics.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
+from prag_asp.physics.verdict import Waypoint
 
 HEIGHTS = (0.08, 0.16, 0.24)
 STRIDE = 0.06
 RUNGS = 4
+PULL_RUNGS = 6
 STRAIGHT = 1e-3
 
 
@@ -53,6 +56,20 @@ def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
         near = tuple(a + share * (b - a) for a, b in zip(start, goal, strict=True))
         path.append(adjusted(simulator.robot, Pose((x, y, z), last.quaternion), near) or near)
     return [*path, goal]
+
+
+def pulled(robot: Robot, situation: Situation, grip: Pose, waypoint: Waypoint, start: Joints) -> list[Joints]:
+    """Return a path on which the tool follows the handle of furniture from where it is to a waypoint.
+
+    `grip` is the pose of the tool in the frame of the moving part.
+    """
+    assert waypoint.held is not None and waypoint.opening is not None
+    shape, pose, begun = situation.shape(waypoint.held), situation.pose(waypoint.held), situation.opening(waypoint.held)
+    path = [start]
+    for share in np.linspace(0.0, 1.0, PULL_RUNGS + 1)[1:].tolist():
+        part = part_pose(shape, pose, begun + share * (waypoint.opening - begun))
+        path.append(adjusted(robot, compose(part, grip), path[-1]) or waypoint.joints)
+    return path
 
 
 def free_path(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from prag_asp.domain.scene import FURNITURE, Shape
+from prag_asp.domain.scene import FURNITURE, Scene, Shape
 from prag_asp.physics.geometry import Vector
 from prag_asp.physics.mechanism import mechanism
 
@@ -23,8 +23,14 @@ def container_boxes(shape: Shape) -> list[tuple[Vector, Vector]]:
     ]
 
 
+def weight(scene: Scene, entity: str) -> float:
+    """Return what a body weighs in kilograms: what its URDF says, or by its volume and its density."""
+    shape = scene.shapes[entity]
+    return shape.weight or scene.material(entity).density * volume(shape)
+
+
 def volume(shape: Shape) -> float:
-    """Return the volume of a body's material in cubic metres."""
+    """Return the volume of a body's material in cubic metres, of one from a URDF that of its box."""
     x, y, z = shape.size
     if shape.kind == "sphere":
         return math.pi * x**3 / 6

@@ -22,7 +22,7 @@ from prag_asp.physics.geometry import (
 )
 from prag_asp.physics.predicates.inside import floor_height, hollow
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.solids import volume
+from prag_asp.physics.solids import weight
 
 CONTACT = 0.002
 BALANCE = 1e-6
@@ -167,7 +167,7 @@ def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]])
     What rests on one body alone loads it at its own centre of mass; what bridges several loads each with an
     equal share, at the middle of their contact.
     """
-    total = situation.scene.material(body).density * volume(situation.shape(body))
+    total = weight(situation.scene, body)
     x, y = (total * value for value in situation.pose(body).position[:2])
     for rider, touching in resting.items():
         for contact in touching:

@@ -12,7 +12,19 @@ from hypothesis import strategies as st
 from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.domain.scene import Shape, parse_scene, scene_problems
 from prag_asp.errors import SceneError
-from prag_asp.physics import PREDICATES, Budget, Verdict, check_witness, open_validator, settle, validate_task
+from prag_asp.physics import (
+    PREDICATES,
+    Budget,
+    Demonstration,
+    Verdict,
+    check_demonstration,
+    check_witness,
+    demonstrate,
+    film_strip,
+    open_validator,
+    settle,
+    validate_task,
+)
 from prag_asp.physics.collisions import arm_collision
 from prag_asp.physics.geometry import Pose, compose, multiply, yaw_quaternion
 from prag_asp.physics.handling import opened
@@ -28,6 +40,7 @@ SHAPES = st.sampled_from([DRAWER, CUPBOARD])
 POSES = st.builds(
     lambda x, y, yaw: Pose((x, y, 0.05), yaw_quaternion(yaw)), st.floats(-1, 1), st.floats(-1, 1), st.floats(-3, 3)
 )
+FURNITURE = ("drawer_1", "cupboard_1")
 AWAY = Pose((0.0, 0.0, 1.0))
 
 
@@ -248,6 +261,29 @@ def test_tasks_of_the_kitchen_pass_every_tier_short_of_performing(domain, kitche
         verdict = validator.validate(made, seed=3, index=i, budget=Budget(tier="settling"))
         assert verdict.feasible
         assert check_witness(made, verdict.witness, kitchen) == []
+
+
+def test_the_robot_performs_the_opening_and_closing_of_furniture(kitchen, validator, tmp_path):
+    made = task(
+        closed_start(),
+        ("open(panda,drawer_1)", state("open(drawer_1)")),
+        ("open(panda,cupboard_1)", state("open(cupboard_1)")),
+        ("close(panda,drawer_1)", state("-open(drawer_1)")),
+    )
+    demonstration = demonstrate(made, validator.validate(made, seed=4).witness, kitchen)
+    assert demonstration.success, demonstration.detail
+    assert check_demonstration(made, demonstration, kitchen) == []
+    drawer, cupboard = (demonstration.openings[:, demonstration.furniture.index(name)] for name in FURNITURE)
+    assert drawer[0] < 0.02 and drawer.max() > 0.2 and drawer[-1] < 0.02
+    assert cupboard[0] < 0.1 and cupboard[-1] > 1.4
+    apple = demonstration.poses[:, demonstration.objects.index("apple_1"), 0]
+    assert apple[0] - apple.min() == pytest.approx(drawer.max() - drawer[0], abs=0.03)  # an apple rolls a little
+    demonstration.save(tmp_path / "it.npz")
+    assert Demonstration.load(tmp_path / "it.npz") == demonstration
+    shut = replace(demonstration, openings=0 * demonstration.openings)
+    assert any("drawer 1 is open" in text for text in check_demonstration(made, shut, kitchen))
+    strips = [film_strip(made, each, kitchen, frames=2, size=(80, 60)).tobytes() for each in (demonstration, shut)]
+    assert strips[0] != strips[1]
 
 
 def test_on_the_table_means_over_nothing_hollow(kitchen):

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 from itertools import islice
 
 import pybullet
@@ -31,10 +32,16 @@ CUBE = {"kind": "box", "size": {"low": [0.03, 0.03, 0.04], "high": [0.06, 0.05, 
 CAN = {"kind": "cylinder", "radius": [0.02, 0.034], "height": 0.1}
 
 
+@cache
+def rules() -> Rules:
+    """Return the rules of tabletop."""
+    return Rules("tabletop")
+
+
 def scene_with(shapes: dict[str, object], **tables: object) -> Scene:
     """Return the scene of tabletop with other shapes and tables."""
-    rules, table = Rules("tabletop"), scene_table("tabletop")
-    return parse_scene({**table, "shapes": {**table["shapes"], **shapes}, **tables}, rules.classes, rules.entities)
+    table = scene_table("tabletop")
+    return parse_scene({**table, "shapes": {**table["shapes"], **shapes}, **tables}, rules().classes, rules().entities)
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,163 @@
+"""Read a URDF of one rigid link: what it collides with, the box around that, and its mass.
+
+Only what is needed to place and grasp a body: boxes, cylinders, balls and meshes (.obj and .stl, of which PyBullet
+takes the convex hull). Nothing here loads a simulator, so the linter can measure a body. Lengths are metres.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+from prag_asp.domain.mesh import mesh_points
+from prag_asp.domain.scene_model import Shape, Size, Solid
+from prag_asp.errors import SceneError
+
+Rows = tuple[Size, Size, Size]
+ZEROS = "0 0 0"
+SQUARE: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+HULL_MARGIN = 0.001
+"""How far PyBullet keeps other bodies off the hull of a mesh, in metres."""
+
+
+def read_urdf(path: Path, folder: Path) -> Shape:
+    """Return the shape of the body that a URDF describes; it and its meshes lie inside a folder.
+
+    Its middle is the centre of the box around all that collides, and is taken for its centre of mass.
+
+    Raises:
+        SceneError: a file is missing, outside or malformed, or describes something else than one rigid body.
+    """
+    _require_inside(path, folder)
+    try:
+        root = ElementTree.parse(path).getroot()
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    except ElementTree.ParseError as error:
+        raise SceneError(
+            f"{path}:{error.position[0]}: not XML: {error.msg.partition(':')[0]}; mend the line"
+        ) from error
+    links = root.findall("link")
+    if len(links) != 1:
+        raise SceneError(f"{path}: has {len(links)} links; give a URDF of one rigid link")
+    mass, solids = links[0].find("inertial/mass"), [_solid(each, path, folder) for each in links[0].iter("collision")]
+    if mass is None or not solids:
+        raise SceneError(f"{path}: its link has no {'<collision>' if mass is not None else '<mass>'}; add one")
+    corners = [corner for solid in solids for corner in _ends(solid)]
+    low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
+    middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
+    return Shape(
+        "urdf",
+        _minus(high, low),
+        solids=tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids),
+        weight=_lengths(mass, "value", 1, path)[0],
+    )
+
+
+def _require_inside(path: Path, folder: Path) -> None:
+    """Check that a file is there, and inside a folder.
+
+    Raises:
+        SceneError: it is not.
+    """
+    if not path.resolve().is_relative_to(folder.resolve()):
+        raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
+    if not path.is_file():
+        raise SceneError(f"{path}: there is no such file; give the path from the folder of the domain")
+
+
+def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
+    """Return the solid of one collision element.
+
+    Raises:
+        SceneError: its geometry is missing, unknown, or not of positive size.
+    """
+    origin = element.find("origin")
+    at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
+    place = (_numbers(at, 3, path, "xyz"), _numbers(turn, 3, path, "rpy"))
+    geometry = element.find("geometry")
+    shape = None if geometry is None else next(iter(geometry), None)
+    if shape is None:
+        raise SceneError(f"{path}: a <collision> has no <geometry>; give it a box, cylinder, sphere or mesh")
+    if shape.tag == "mesh":
+        file = path.parent / shape.get("filename", "").removeprefix("package://")
+        _require_inside(file, folder)
+        return Solid("mesh", _lengths(shape, "scale", 3, path, "1 1 1"), *place, str(file))
+    if shape.tag == "box":
+        return Solid("box", _lengths(shape, "size", 3, path), *place)
+    if shape.tag in ("cylinder", "sphere"):
+        diameter = 2 * _lengths(shape, "radius", 1, path)[0]
+        height = _lengths(shape, "length", 1, path)[0] if shape.tag == "cylinder" else diameter
+        return Solid(shape.tag, (diameter, diameter, height), *place)
+    raise SceneError(f"{path}: unknown geometry <{shape.tag}>; known are box, cylinder, sphere and mesh")
+
+
+def _lengths(element: ElementTree.Element, name: str, count: int, path: Path, default: str = "") -> Size:
+    """Return positive numbers of an attribute, zeros after the first `count`.
+
+    Raises:
+        SceneError: they are not.
+    """
+    values = _numbers(element.get(name, default), count, path, name)
+    if min(values[:count]) <= 0.0:
+        raise SceneError(f"{path}: <{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
+    return values
+
+
+def _numbers(text: str, count: int, path: Path, name: str) -> Size:
+    """Return finite numbers of an attribute, zeros after the first `count`.
+
+    Raises:
+        SceneError: they are not, or not as many.
+    """
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise SceneError(f"{path}: {name} is {text!r}; give {count} finite number{'s' if count > 1 else ''}")
+    return _size([*values, 0.0, 0.0][:3])
+
+
+def _ends(solid: Solid) -> Iterator[Size]:
+    """Yield points of a solid in the frame of the link that have the same bounding box as all of it."""
+    rows, margin = _rotation(solid.turn), 0.0
+    half_x, half_y, half_z = (side / 2 for side in solid.size)
+    if solid.kind == "mesh":
+        points = [_size([a * b for a, b in zip(point, solid.size, strict=True)]) for point in mesh_points(solid.mesh)]
+        margin = HULL_MARGIN
+    elif solid.kind == "box":
+        points = [(x, y, z) for x in (-half_x, half_x) for y in (-half_y, half_y) for z in (-half_z, half_z)]
+    elif solid.kind == "sphere":
+        rows = SQUARE
+        points = [(x, x, x) for x in (-half_x, half_x)]
+    else:
+        reach = [abs(row[2]) * half_z + half_x * math.sqrt(max(0.0, 1.0 - row[2] ** 2)) for row in rows]
+        rows = SQUARE
+        points = [_size(reach), _size([-side for side in reach])]
+    for point in points:
+        turned = [sum(a * b for a, b in zip(row, point, strict=True)) for row in rows]
+        for side in (-margin, margin):
+            yield _size([a + b + side for a, b in zip(turned, solid.at, strict=True)])
+
+
+def _rotation(turn: Size) -> Rows:
+    """Return the rotation matrix of roll, pitch and yaw about the fixed axes, in radians."""
+    (a, b), (c, d), (e, f) = ((math.cos(angle), math.sin(angle)) for angle in turn)
+    return (
+        (e * c, e * d * b - f * a, e * d * a + f * b),
+        (f * c, f * d * b + e * a, f * d * a - e * b),
+        (-d, c * b, c * a),
+    )
+
+
+def _minus(one: Size, two: Size) -> Size:
+    """Return the difference of two vectors."""
+    return (one[0] - two[0], one[1] - two[1], one[2] - two[2])
+
+
+def _size(values: list[float]) -> Size:
+    """Return three numbers as a tuple."""
+    return (values[0], values[1], values[2])

@@ -1,0 +1,196 @@
+from __future__ import annotations
+
+import math
+import struct
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pybullet
+import pytest
+
+from prag_asp.domain.scene import Scene, parse_scene
+from prag_asp.errors import SceneError
+from prag_asp.physics import check_witness, demonstrate, settle, validate_task, validate_tasks
+from prag_asp.physics.bodies import mass
+from prag_asp.physics.geometry import Pose
+from prag_asp.physics.simulator import open_simulator
+from tests.physics.random_tasks import Rules, scene_table
+from tests.physics.scenarios import stacking
+
+ANGLE = 0.3
+BLOCK = """<?xml version="1.0"?>
+<robot name="block">
+  <link name="body">
+    <inertial><mass value="0.15"/></inertial>
+    <collision><origin xyz="0.01 0 0.02"/><geometry><box size="0.04 0.05 0.04"/></geometry></collision>
+    <collision><origin xyz="0.01 0 0.045" rpy="1.5707963267948966 0 0"/>
+      <geometry><cylinder radius="0.01" length="0.03"/></geometry></collision>
+  </link>
+</robot>
+"""
+MESH = """<robot name="mesh"><link name="body"><inertial><mass value="0.1"/></inertial><collision>
+  <geometry><mesh filename="box{suffix}" scale="0.001 0.001 0.001"/></geometry></collision></link></robot>
+"""
+ONE_LINK = '<robot name="x"><link name="a"><inertial><mass value="1"/></inertial>{}</link></robot>'
+CORNERS = [(x, y, z) for x in (0.0, 40.0) for y in (0.0, 50.0) for z in (-20.0, 20.0)]
+
+
+@cache
+def rules() -> Rules:
+    """Return the rules of tabletop."""
+    return Rules("tabletop")
+
+
+def scene_in(folder: Path, path: str = "models/block.urdf") -> Scene:
+    """Return the scene of tabletop with cubes from a URDF of a folder."""
+    table = scene_table("tabletop")
+    shapes = {**table["shapes"], "cube": {"kind": "urdf", "path": path}}
+    return parse_scene({**table, "shapes": shapes}, rules().classes, rules().entities, folder)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "block.urdf").write_text(BLOCK)
+    return tmp_path
+
+
+def test_a_urdf_is_measured_by_what_collides_and_weighs_what_it_says(folder):
+    scene = scene_in(folder)
+    shape = scene.shapes["cube_1"]
+    assert shape.size == pytest.approx((0.04, 0.05, 0.055))
+    assert [solid.at for solid in shape.solids] == [
+        pytest.approx((0.0, 0.0, -0.0075)),
+        pytest.approx((0.0, 0.0, 0.0175)),
+    ]
+    assert mass(scene, "cube_1") == 0.15
+
+
+def test_the_simulator_has_the_solids_of_a_urdf_where_they_are(folder):
+    scene = scene_in(folder)
+    with open_simulator(scene) as simulator:
+        simulator.place({"cube_1": Pose((0.5, 0.0, 0.0275)), "cube_2": Pose((0.5, 0.0, 0.0825))})
+        one, two = simulator.body("cube_1"), simulator.body("cube_2")
+        points = pybullet.getClosestPoints(one, two, 0.01, physicsClientId=simulator.client)
+        assert min(point[8] for point in points) == pytest.approx(0.0, abs=1e-4)
+        simulator.place({"cube_1": Pose((0.5, 0.0, 0.0275)), "can_1": Pose((0.5, 0.08, 0.06))})
+        points = pybullet.getClosestPoints(one, simulator.body("can_1"), 0.1, physicsClientId=simulator.client)
+        assert min(point[8] for point in points) == pytest.approx(0.08 - 0.025 - 0.033, abs=1e-3)
+        weight = pybullet.getDynamicsInfo(one, -1, physicsClientId=simulator.client)[0]
+    assert weight == pytest.approx(0.15)
+
+
+def test_a_body_from_a_urdf_is_grasped_stacked_settled_and_performed_with(folder):
+    scene = scene_in(folder)
+    verdict = validate_task(stacking(), scene, seed=1)
+    assert check_witness(stacking(), verdict.witness, scene) == []
+    assert settle(stacking(), verdict.witness, scene) is None
+    assert demonstrate(stacking(), verdict.witness, scene).success
+    assert next(v.witness for v in validate_tasks([stacking()] * 2, scene, seed=1, workers=2)) == verdict.witness
+
+
+def test_a_turned_box_is_measured_at_its_corners(folder):
+    half_x, half_y = 0.02, 0.03
+    text = BLOCK.replace('xyz="0.01 0 0.02"', f'xyz="0 0 0.1" rpy="0 0 {ANGLE}"').replace(
+        "0.04 0.05 0.04", "0.04 0.06 0.04"
+    )
+    (folder / "models" / "block.urdf").write_text(text.replace("0.045", "0.1"))
+    size = scene_in(folder).shapes["cube_1"].size
+    expected = [
+        2 * (half_x * math.cos(ANGLE) + half_y * math.sin(ANGLE)),
+        2 * (half_x * math.sin(ANGLE) + half_y * math.cos(ANGLE)),
+    ]
+    assert size[:2] == pytest.approx(expected)
+
+
+def _obj() -> bytes:
+    faces = "".join(f"f {a} {b} {c}\n" for a in range(1, 9) for b in range(1, 9) for c in range(1, 9) if a < b < c)
+    return ("".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS) + faces).encode()
+
+
+def _triangles() -> list[tuple[tuple[float, float, float], ...]]:
+    return [(CORNERS[a], CORNERS[b], CORNERS[c]) for a in range(8) for b in range(a) for c in range(b)]
+
+
+def _binary_stl() -> bytes:
+    rows = [struct.pack("<12fH", 0, 0, 1, *(v for point in three for v in point), 0) for three in _triangles()]
+    return b"solid".ljust(80) + struct.pack("<I", len(rows)) + b"".join(rows)
+
+
+def _text_stl() -> bytes:
+    rows = [f"vertex {x} {y} {z}" for three in _triangles() for x, y, z in three]
+    return ("solid x\nfacet\nouter loop\n" + "\n".join(rows) + "\nendsolid").encode()
+
+
+@pytest.mark.parametrize(("suffix", "content"), [(".obj", _obj()), (".stl", _binary_stl()), (".stl", _text_stl())])
+def test_a_mesh_is_measured_with_the_margin_of_its_hull(tmp_path, suffix, content):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=suffix))
+    (tmp_path / f"box{suffix}").write_bytes(content)
+    scene = scene_in(tmp_path, "m.urdf")
+    assert scene.shapes["cube_1"].size == pytest.approx((0.042, 0.052, 0.042))
+    assert scene.shapes["cube_1"].solids[0].at == pytest.approx((-0.02, -0.025, 0.0))
+
+
+def test_a_mesh_stands_on_the_table_in_the_simulator_as_it_is_measured(tmp_path):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    (tmp_path / "box.obj").write_bytes(_obj())
+    scene = scene_in(tmp_path, "m.urdf")
+    with open_simulator(scene) as simulator:
+        simulator.place({"cube_1": Pose((0.5, 0.0, 0.021))})
+        points = pybullet.getClosestPoints(
+            simulator.body("cube_1"), simulator.table, 0.1, physicsClientId=simulator.client
+        )
+    assert min(point[8] for point in points) == pytest.approx(0.0, abs=1e-4)
+    verdict = validate_task(stacking(), scene, seed=1)
+    assert verdict.feasible and settle(stacking(), verdict.witness, scene) is None
+
+
+@pytest.mark.parametrize(
+    ("path", "content", "message"),
+    [
+        ("models/none.urdf", None, "there is no such file"),
+        ("../elsewhere.urdf", "<robot/>", "lies outside the domain; copy it into"),
+        ("x.urdf", "<robot><link name='a'></robot>", "x.urdf:1: not XML: mismatched tag; mend the line"),
+        ("x.urdf", "<robot><link name='a'/><link name='b'/></robot>", "has 2 links; give a URDF of one rigid link"),
+        ("x.urdf", ONE_LINK.format(""), "its link has no <collision>"),
+        ("x.urdf", "<robot><link name='a'><collision/></link></robot>", "a <collision> has no <geometry>"),
+        ("x.urdf", BLOCK.replace('<mass value="0.15"/>', ""), "its link has no <mass>"),
+        ("x.urdf", BLOCK.replace("0.15", "-1"), "<mass> has the value '-1'; give positive numbers"),
+        ("x.urdf", BLOCK.replace("0.04 0.05 0.04", "0.04 0.05"), "size is '0.04 0.05'; give 3 finite numbers"),
+        ("x.urdf", BLOCK.replace("0.01 0 0.02", "nan 0 0"), "xyz is 'nan 0 0'; give 3 finite numbers"),
+        ("x.urdf", BLOCK.replace("0.04 0.05 0.04", "4 5 4"), "m long; give its lengths in metres"),
+        ("x.urdf", BLOCK.replace("cylinder", "capsule"), "unknown geometry <capsule>"),
+        ("x.urdf", MESH.format(suffix=".obj"), "box.obj: there is no such file"),
+        ("x.urdf", MESH.format(suffix=".dae").replace("box.dae", "x.urdf"), "a mesh of unknown format"),
+        ("x.urdf", MESH.format(suffix=".obj").replace("box.obj", "../../etc/passwd"), "lies outside the domain"),
+        ("", None, "needs the path of a URDF in the folder of the domain"),
+    ],
+)
+def test_a_urdf_that_cannot_be_used_is_refused_in_one_line(tmp_path, path, content, message):
+    folder = tmp_path / "domain"
+    folder.mkdir()
+    if content is not None:
+        (folder / path).write_text(content)
+    with pytest.raises(SceneError) as caught:
+        scene_in(folder, path)
+    text = str(caught.value)
+    assert message in text and text.startswith("scene.shapes.cube.path: ") and "\n" not in text
+
+
+def test_a_broken_mesh_is_refused(tmp_path):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    for content in (b"", b"v 1 2\n", b"v 1 2 nan\n", b"v a b c\n", b"\xff\xfe"):
+        (tmp_path / "box.obj").write_bytes(content)
+        with pytest.raises(SceneError, match=r"box\.obj: not a mesh: .*; export it anew"):
+            scene_in(tmp_path, "m.urdf")
+
+
+def test_measuring_a_urdf_loads_no_simulator(folder):
+    code = (
+        "import sys; from pathlib import Path; from prag_asp.domain.urdf import read_urdf; "
+        f"read_urdf(Path({str(folder / 'models' / 'block.urdf')!r}), Path({str(folder)!r})); "
+        "assert not {'pybullet', 'numpy'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
