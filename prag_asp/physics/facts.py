@@ -187,7 +187,7 @@ def _effect(
     releases = held if _known(subgoal, "holding", held) is False else None
     visits = _only(subgoal, "at")
     holds = held if grasps is None and releases is None else None
-    moved = [_moved(fact, held) for fact in subgoal if fact.value and not fact.predicate.of_gripper]
+    moved = [_moved(fact, held) for fact in subgoal if fact.value and _moves(fact)]
     known_before = set(before)
     return Effect(
         action=action,
@@ -209,6 +209,11 @@ def _effect(
         robot=robot,
         giver=_giver(whole, robot, grasps, all_held) if scene.robots else None,
     )
+
+
+def _moves(fact: Fact) -> bool:
+    """Tell whether an object is moved to make a fact true, not a gripper or a part of furniture."""
+    return not fact.predicate.of_gripper and fact.predicate.name not in OPENING
 
 
 def _moved(fact: Fact, held: str | None) -> str:

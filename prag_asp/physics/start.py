@@ -119,10 +119,11 @@ def _arranged(search: Search, problem: Problem, still: Situation) -> Situation:
     while len(situations) <= len(order):
         entity, situation = order[len(situations) - 1], situations[-1]
         try:
-            support = known_support(situation, entity, problem.initial)
+            about = _about(problem, entity, situation)
+            support = known_support(situation, entity, about)
             if support is None:
-                support = any_support(search, situation, entity, problem.initial)
-            pose = draw_pose(search, situation, entity, support, problem.initial, 0)
+                support = any_support(search, situation, entity, about)
+            pose = draw_pose(search, situation, entity, support, about, 0)
         except Failure:
             earlier = [i for i, other in enumerate(order[: len(situations) - 1]) if other in partners.get(entity, ())]
             if not earlier or failures.total() >= BACKTRACKS:
