@@ -1,0 +1,144 @@
+"""Three ways to spawn random objects so that random relations hold; `spawning.py` compares them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from prag_asp import Task
+from prag_asp.domain.atom import Atom
+from prag_asp.domain.scene import Scene, Shape
+from prag_asp.physics.collisions import colliding
+from prag_asp.physics.facts import Fact, Problem, problem
+from prag_asp.physics.geometry import Pose, extents, yaw_quaternion
+from prag_asp.physics.predicates import PREDICATES, Volume
+from prag_asp.physics.search import Failure, Search
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.start import draw_start
+
+DIRECTIONS = ("left_of", "right_of", "in_front_of", "behind")
+SHAPES = {
+    "cube": Shape("box", (0.05, 0.05, 0.05)),
+    "brick": Shape("box", (0.12, 0.06, 0.04)),
+    "can": Shape("cylinder", (0.066, 0.066, 0.10)),
+    "ball": Shape("sphere", (0.068, 0.068, 0.068)),
+}
+COLORS = {
+    "red_cube": "#d7263d",
+    "blue_brick": "#2e86ab",
+    "yellow_can": "#f2b134",
+    "green_ball": "#3a9d5d",
+    "purple_cube": "#8e5bb5",
+    "pink_brick": "#f06fa5",
+    "teal_can": "#4bb3b8",
+    "brown_ball": "#8a5a3c",
+}
+BOX = (0.32, 0.62, -0.42, 0.42)
+"""All of it is within reach, so that no way of drawing is at a disadvantage: low x, high x, low y, high y in metres."""
+
+MOST = 8
+
+
+def wanted_scene(scene: Scene, rng: np.random.Generator, objects: int, relations: int) -> Problem:
+    """Return random relations of random objects that hold together in some arrangement."""
+    names = tuple(str(name) for name in rng.permutation(list(COLORS))[:objects])
+    while True:
+        situation = _arranged(scene, rng, names)
+        pairs = [pair if rng.random() < 0.5 else pair[::-1] for pair in combinations(names, 2)]
+        true = [Atom(name, pair) for pair in pairs for name in DIRECTIONS if PREDICATES[name].holds(situation, pair)]
+        if len(true) >= relations:
+            chosen = [true[k] for k in rng.permutation(len(true))[:relations]]
+            state = {Atom("on_top", (name, "table")): True for name in names} | dict.fromkeys(chosen, True)
+            entities = {name: kind_of(name) for name in names}
+            return problem(Task("spawning", (), entities, state, (), (), {}), scene)
+
+
+def kind_of(name: str) -> str:
+    """Return the kind of an object, such as cube for ``red_cube``."""
+    return name.partition("_")[2]
+
+
+def _arranged(scene: Scene, rng: np.random.Generator, names: Sequence[str]) -> Situation:
+    """Return objects that stand anywhere in the box, their bounding boxes apart."""
+    situation = _empty(scene)
+    while len(situation.poses) < len(names):
+        situation = _empty(scene)
+        for name in names:
+            pose = _anywhere(scene, rng, name)
+            trial = situation.with_pose(name, pose)
+            if any(_boxes_meet(trial, name, other) for other in situation.poses):
+                break
+            situation = trial
+    return situation
+
+
+def _boxes_meet(situation: Situation, one: str, two: str) -> bool:
+    """Tell whether the bounding boxes of two objects on the table overlap, seen from above."""
+    first, second = situation.body(one), situation.body(two)
+    return all(first.low[i] < second.high[i] and second.low[i] < first.high[i] for i in (0, 1))
+
+
+def _empty(scene: Scene) -> Situation:
+    """Return a table with nothing on it, the arm far above."""
+    return Situation(scene, {}, Pose((0.3, 0.0, 1.0)), 0.08)
+
+
+def _anywhere(scene: Scene, rng: np.random.Generator, name: str) -> Pose:
+    """Return a pose on the table in the box, uniformly."""
+    yaw = rng.uniform(-np.pi, np.pi)
+    x, y = rng.uniform(BOX[0], BOX[1]), rng.uniform(BOX[2], BOX[3])
+    return Pose((float(x), float(y), scene.shapes[name].half[2]), yaw_quaternion(float(yaw)))
+
+
+def right(search: Search, situation: Situation, facts: Sequence[Fact]) -> bool:
+    """Tell whether every relation passes its check, everything is in the box, and nothing collides."""
+    inside = all(
+        BOX[0] <= pose.position[0] <= BOX[1] and BOX[2] <= pose.position[1] <= BOX[3]
+        for pose in situation.poses.values()
+    )
+    if not inside or not all(fact.satisfied(situation) for fact in facts):
+        return False
+    return colliding(search.simulator, situation, search.objects, search.objects) is None
+
+
+def uniform(search: Search, wanted: Problem, tries: int) -> Situation | None:
+    """Draw all objects uniformly, until a scene is right."""
+    for _ in range(tries):
+        poses = {name: _anywhere(search.scene, search.rng, name) for name in wanted.objects}
+        situation = _empty(search.scene).with_poses(poses)
+        if right(search, situation, wanted.initial):
+            return situation
+    return None
+
+
+def by_volumes(search: Search, wanted: Problem, tries: int) -> Situation | None:
+    """Draw object by object from the volumes of what is said of it and of objects that have a place."""
+    for _ in range(tries):
+        situation = _empty(search.scene)
+        for name in wanted.objects:
+            quaternion = yaw_quaternion(search.uniform(-np.pi, np.pi))
+            height = extents(search.scene.shapes[name], quaternion)[2]
+            volume = Volume((BOX[0], BOX[2], height), (BOX[1], BOX[3], height))
+            for fact in wanted.initial:
+                if fact.arguments[0] == name and fact.arguments[1] in situation.poses:
+                    volume = volume.meet(fact.predicate.volume(situation, fact.arguments, quaternion))
+            floor = volume.floor()
+            at = None if floor is None else volume.draw(floor, search.uniform)
+            if at is None:
+                break
+            situation = situation.with_pose(name, Pose(at, quaternion))
+        if len(situation.poses) == len(wanted.objects) and right(search, situation, wanted.initial):
+            return situation
+    return None
+
+
+def by_placement(search: Search, wanted: Problem, tries: int) -> Situation | None:
+    """Draw the scene as validation draws the first state of a task."""
+    for _ in range(tries):
+        try:
+            return draw_start(search, wanted).situation
+        except Failure:
+            continue
+    return None
