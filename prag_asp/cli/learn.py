@@ -113,6 +113,7 @@ def _tally(
         for verdict in verdicts:
             tally.add(verdict)
             tell(str(tally))
+    click.echo(str(tally), err=True)
     return tally
 
 
