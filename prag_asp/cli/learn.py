@@ -114,6 +114,7 @@ def _tally(
         for verdict in verdicts:
             tally.add(verdict)
             tell(str(tally))
+    click.echo(str(tally), err=True)
     return tally
 
 

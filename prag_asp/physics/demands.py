@@ -125,14 +125,19 @@ def _reachable(scene: Scene, arguments: tuple[str, ...]) -> Iterator[Demand]:
     yield Z, Gap(_bottom(entity), ORIGIN, min(scene.shapes[entity].half) - robot.reach_height)
 
 
-def _at(scene: Scene, arguments: tuple[str, ...]) -> Iterator[Demand]:
-    """Yield that the tool is at the middle of a body."""
+def _at(scene: Scene, arguments: tuple[str, ...], near: float = gripper.CENTRE_TOLERANCE) -> Iterator[Demand]:
+    """Yield that the tool is at a body, `near` metres from its middle."""
     robot, entity = arguments
     for axis in (0, 1):
-        near = gripper.CENTRE_TOLERANCE
         yield from _along(axis, between(_centre(entity), _centre(robot), -near, near))
     yield Z, Gap(_bottom(entity), _centre(robot), -gripper.BELOW)
     yield Z, Gap(_centre(robot), _top(entity), 0.0)
+
+
+def _holding(scene: Scene, arguments: tuple[str, ...]) -> Iterator[Demand]:
+    """Yield that the tool is somewhere over a body, for a long one can be held at its end."""
+    half = scene.shapes[arguments[1]].half
+    return _at(scene, arguments, max(gripper.CENTRE_TOLERANCE, math.hypot(half[0], half[1])))
 
 
 def _along(axis: int, gaps: tuple[Gap, ...]) -> Iterator[Demand]:
@@ -145,7 +150,7 @@ DEMANDS: Mapping[str, Callable[[Scene, tuple[str, ...]], Iterator[Demand]]] = {
     "located": _located,
     "reachable": _reachable,
     "at": _at,
-    "holding": _at,
+    "holding": _holding,
 }
 
 

@@ -208,7 +208,7 @@ def _gripper_reasons(true: Iterable[Fact]) -> Iterator[str]:
             other = held.setdefault(robot, fact.arguments[1])
             if other != fact.arguments[1]:
                 yield f"the gripper cannot hold {other} and {fact.arguments[1]} at once"
-    for robot in opened & held.keys():
+    for robot in sorted(opened & held.keys()):
         yield f"the gripper cannot be open while it holds {held[robot]}"
 
 

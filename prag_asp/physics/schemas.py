@@ -73,8 +73,8 @@ def rules(proofs: Proofs, stated: Facts) -> list[Rule]:
 def text_of(found: Iterable[Rule], name: str) -> str:
     """Return rules as a logic program, each with its reason."""
     lines = [
-        f"% What physics proves impossible in the scene of {name}, by `prag-asp learn {name} --write`. Where the scene",
-        "% changes, write it again. impossible(F,G): F and G never hold together; impossible(F,F): F never holds.",
+        f"% What physics proves impossible in the scene of {name}: written by prag-asp learn, to be written again",
+        "% where the scene changes. impossible(F,G): F and G never hold together; impossible(F,F): F never holds.",
     ]
     for rule in found:
         lines += ["", f"% {rule.reason}", str(rule)]

@@ -85,7 +85,8 @@ def any_situation(rng: random.Random, made: Scene) -> Situation:
     if rng.random() < 0.7:
         grasped = rng.choice(OBJECTS)
         x, y, z = situation.pose(grasped).position
-        tool = Pose((x + rng.uniform(-0.01, 0.01), y, z), (1.0, 0.0, 0.0, 0.0))
+        reach = rng.choice([0.01, situation.half(grasped)[0], situation.half(grasped)[1]])  # a long one at its end
+        tool = Pose((x + rng.uniform(-reach, reach), y + rng.uniform(-reach, reach), z), (1.0, 0.0, 0.0, 0.0))
         situation = situation.with_tool(tool, min(0.08, grip_width(situation.with_tool(tool, 0.0), grasped)))
     return situation
 

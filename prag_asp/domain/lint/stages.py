@@ -87,12 +87,12 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
 
 
 def _states_invariant(statement: Statement) -> bool:
-    """Tell whether a statement is a rule for an invariant, or begins the base part, as every file does."""
+    """Tell whether a statement is a rule for an invariant; in a part that may not be begun, what follows passes."""
     if statement.kind == ASTType.Program:
         return statement.part == "base"
     heads = [atom.signature for atom in statement.heads]
     plain = statement.is_rule and statement.node.head.ast_type == ASTType.Literal
-    return plain and statement.part == "base" and heads == [LEARNED_INVARIANT]
+    return statement.part != "base" or (plain and heads == [LEARNED_INVARIANT])
 
 
 def _owned(program: Program) -> list[tuple[Source, bool]]:
