@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import random
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from prag_asp.domain.scene import Box, Own, Scene, Shape, load_scene, parse_scen
 from prag_asp.physics import Budget, check_witness, open_validator, validate_tasks
 from prag_asp.physics.facts import facts, problem
 from prag_asp.physics.geometry import Pose, yaw_of
-from prag_asp.physics.predicates import own_predicates, predicate_of
+from prag_asp.physics.predicates import Volume, own_predicates, predicate_of
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.spans import foresee_spans
 from prag_asp.physics.start import order_of
@@ -237,6 +238,24 @@ def test_what_a_relation_refers_to_is_put_down_before_its_subject_as_far_as_ther
     assert order("near(cup_1,brick_1)", "near(brick_1,cup_2)") == ["brick_1", "cup_1", "cup_2"]
     circle = order("between(brick_1,cup_1,cup_2)", "between(cup_1,brick_1,cup_2)", "on_top(brick_1,cup_1)")
     assert circle.index("cup_1") < circle.index("brick_1")
+
+
+@pytest.mark.parametrize(("larger", "fits"), [(0.0, True), (0.0035, True), (0.0045, False)])
+def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, fits: bool) -> None:
+    box = Box((0.1, -0.2, 0.0), (0.21 - larger, -0.15, 0.04))  # the brick is 110 x 50 x 40 mm
+    own = Own("odd", PAIR, (box,), whole=True, sentence="{0} {is} in {1}")
+    predicate = predicate_of(Scene(shapes=SHAPES, own={"odd": own}), "odd")
+    turned = (0.0, 0.0, math.sin(0.4), math.cos(0.4))
+    poses = {"camera_1": Pose((0.5, 0.1, 0.03), turned)}
+    situation = Situation(Scene(shapes=SHAPES), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    floor = (
+        predicate.volume(situation, ("brick_1", "camera_1"), turned).meet(Volume((0, -1, 0.02), (1, 1, 0.02))).floor()
+    )
+    assert (floor is not None) == fits
+    if floor is not None:
+        at = Volume.draw(floor, random.Random(1).uniform)
+        assert at is not None
+        assert predicate.distance(situation.with_pose("brick_1", Pose(at, turned)), ("brick_1", "camera_1")) == 0.0
 
 
 def test_a_first_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,7 +17,7 @@ from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 
-TOLERANCE = 0.002
+TOLERANCE, SLIVER = 0.002, 1e-6
 CENTRE: Vector = (0.0, 0.0, 0.0)
 
 
@@ -65,13 +65,10 @@ def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
 
 def _room(box: Box, situation: Situation, other: str, half: Vector) -> Volume:
     """Return where the centre of a body may be that has to be in a box, as far as `half` reaches; metres."""
-    (ax, ay, az), (bx, by, bz) = (
-        [low + reach for low, reach in zip(box.low, half, strict=True)],
-        [high - reach for high, reach in zip(box.high, half, strict=True)],
-    )
+    (ax, bx), (ay, by), (az, bz) = (_ends(*ends) for ends in zip(box.low, box.high, half, strict=True))
     x, y, _ = situation.pose(other).position
     bottom = situation.bottom(other)
-    if ax > bx or ay > by:
+    if ax > bx or ay > by or az > bz:
         return Volume((x, y, 0.0), (x, y, -1.0))
     cosine, sine = heading(situation.pose(other).quaternion)
     along, across = cosine * x + sine * y, cosine * y - sine * x
@@ -86,3 +83,15 @@ def _room(box: Box, situation: Situation, other: str, half: Vector) -> Volume:
         (math.inf, math.inf, bottom + bz),
         sides=tuple(side for side in sides if math.isfinite(side.c)),
     )
+
+
+def _ends(low: float, high: float, reach: float) -> tuple[float, float]:
+    """Return where the centre of a body may be along an axis of a box, in metres; the low end is larger if nowhere.
+
+    What is as large as the box, or larger within the tolerance, is in the middle of it.
+    """
+    low, high = low + reach, high - reach
+    if -2 * SLIVER <= low - high <= 2 * (TOLERANCE - SLIVER):
+        middle = (low + high) / 2
+        return middle - SLIVER, middle + SLIVER
+    return low, high
