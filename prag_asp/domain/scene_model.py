@@ -70,17 +70,23 @@ class Solid(NamedTuple):
     mesh: str = ""
 
 
+class Model(NamedTuple):
+    """What a URDF says of a body: what it collides with, and its mass in kilograms."""
+
+    solids: tuple[Solid, ...]
+    mass: float
+
+
 class Shape(NamedTuple):
     """A body: its kind (of `SHAPE_KEYS`), the size of its bounding box and a container's wall in metres.
 
-    One from a URDF has `solids` and its own `weight` in kilograms.
+    One from a URDF has a `model`.
     """
 
     kind: str
     size: Size = (0.0, 0.0, 0.0)
     wall: float = 0.0
-    solids: tuple[Solid, ...] = ()
-    weight: float = 0.0
+    model: Model | None = None
 
     @property
     def half(self) -> tuple[float, float, float]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from prag_asp.domain.mesh import mesh_points
-from prag_asp.domain.scene_model import Shape, Size, Solid
+from prag_asp.domain.scene_model import Model, Shape, Size, Solid
 from prag_asp.errors import SceneError
 
 Rows = tuple[Size, Size, Size]
@@ -48,12 +48,8 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     corners = [corner for solid in solids for corner in _ends(solid)]
     low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
-    return Shape(
-        "urdf",
-        _minus(high, low),
-        solids=tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids),
-        weight=_lengths(mass, "value", 1, path)[0],
-    )
+    centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
+    return Shape("urdf", _minus(high, low), model=Model(centred, _lengths(mass, "value", 1, path)[0]))
 
 
 def _require_inside(path: Path, folder: Path) -> None:

@@ -72,8 +72,8 @@ def _parts(shape: Shape) -> list[Part]:
         return [Part(pybullet.GEOM_SPHERE, radius=shape.half[0])]
     if shape.kind == "cylinder":
         return [Part(pybullet.GEOM_CYLINDER, radius=shape.half[0], height=shape.size[2])]
-    if shape.kind == "urdf":
-        return [_solid(solid) for solid in shape.solids]
+    if shape.model is not None:
+        return [_solid(solid) for solid in shape.model.solids]
     if shape.kind == "container":
         return boxes(container_boxes(shape))
     return [Part(pybullet.GEOM_BOX, half=shape.half)]

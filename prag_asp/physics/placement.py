@@ -240,26 +240,25 @@ def _surface(situation: Situation, entity: str, support: str, quaternion: Quater
 
 def _neighbours(situation: Situation, support: str, half: Vector, z: float) -> list[Neighbour]:
     """Return what the bounding box of an object at a height can meet, but for a container that it is put into."""
-    found = []
+    found, shapes = [], situation.scene.shapes
     for other in situation.poses:
-        kind = situation.shape(other).kind
-        if support != TABLE and kind in HOLLOW:
+        kind = shapes[other].kind
+        if kind in HOLLOW and support != TABLE:
             continue
-        for (x, y, other_z), (half_x, half_y, half_z) in _boxes(situation, other, kind):
+        boxes = _swept(situation, other) if kind in FURNITURE else (box(situation, other),)
+        for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
                 found.append((x, y, half_x + half[0], half_y + half[1]))
     return found
 
 
-def _boxes(situation: Situation, entity: str, kind: str) -> list[Box]:
-    """Return the bounding box of a body; of furniture that of its body, and of all the places where its part can be."""
-    if kind not in FURNITURE:
-        return [box(situation, entity)]
-    corners = swept(situation.shape(entity), situation.pose(entity))
-    return [
+def _swept(situation: Situation, furniture: str) -> tuple[Box, Box]:
+    """Return the bounding boxes of the body of furniture, and of all the places where its part can be."""
+    body, part = (
         (((ax + bx) / 2, (ay + by) / 2, (az + bz) / 2), ((bx - ax) / 2, (by - ay) / 2, (bz - az) / 2))
-        for (ax, ay, az), (bx, by, bz) in corners
-    ]
+        for (ax, ay, az), (bx, by, bz) in swept(situation.shape(furniture), situation.pose(furniture))
+    )
+    return body, part
 
 
 def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) -> bool:

@@ -26,7 +26,7 @@ def container_boxes(shape: Shape) -> list[tuple[Vector, Vector]]:
 def weight(scene: Scene, entity: str) -> float:
     """Return what a body weighs in kilograms: what its URDF says, or by its volume and its density."""
     shape = scene.shapes[entity]
-    return shape.weight or scene.material(entity).density * volume(shape)
+    return scene.material(entity).density * volume(shape) if shape.model is None else shape.model.mass
 
 
 def volume(shape: Shape) -> float:

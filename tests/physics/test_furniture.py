@@ -330,3 +330,10 @@ def test_only_furniture_can_be_open(domain):
 def test_the_same_seed_gives_the_same_witness_of_the_kitchen(kitchen, validator):
     made = opening_task("cupboard_1")
     assert validate_task(made, kitchen, seed=9) == validator.validate(made, seed=9)
+
+
+def test_nothing_is_in_what_has_no_cavity(kitchen):
+    poses = {"cup_1": Pose((0.4, 0.0, 0.03)), "apple_1": Pose((0.4, 0.0, 0.03))}
+    situation = Situation(kitchen, poses, AWAY, 0.08)
+    for name in ("inside", "located"):
+        assert not PREDICATES[name].holds(situation, ("apple_1", "cup_1"))

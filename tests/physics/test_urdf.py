@@ -61,7 +61,7 @@ def test_a_urdf_is_measured_by_what_collides_and_weighs_what_it_says(folder):
     scene = scene_in(folder)
     shape = scene.shapes["cube_1"]
     assert shape.size == pytest.approx((0.04, 0.05, 0.055))
-    assert [solid.at for solid in shape.solids] == [
+    assert [solid.at for solid in shape.model.solids] == [
         pytest.approx((0.0, 0.0, -0.0075)),
         pytest.approx((0.0, 0.0, 0.0175)),
     ]
@@ -130,7 +130,7 @@ def test_a_mesh_is_measured_with_the_margin_of_its_hull(tmp_path, suffix, conten
     (tmp_path / f"box{suffix}").write_bytes(content)
     scene = scene_in(tmp_path, "m.urdf")
     assert scene.shapes["cube_1"].size == pytest.approx((0.042, 0.052, 0.042))
-    assert scene.shapes["cube_1"].solids[0].at == pytest.approx((-0.02, -0.025, 0.0))
+    assert scene.shapes["cube_1"].model.solids[0].at == pytest.approx((-0.02, -0.025, 0.0))
 
 
 def test_a_mesh_stands_on_the_table_in_the_simulator_as_it_is_measured(tmp_path):
