@@ -147,7 +147,6 @@ class _Performance:
             self._move(waypoint, target, around, effect)
         if waypoint.held != self._held:
             self._held = waypoint.held
-            self._world.carry(self._held is not None)
             self._move_fingers(waypoint.width - (SQUEEZE if waypoint.held is not None else 0.0))
             self._wait(REST)
 
