@@ -23,8 +23,10 @@ from prag_asp.physics import (
     check_witness,
     demonstrate,
     settle,
+    travel,
     validate_tasks,
 )
+from prag_asp.physics.search import NO_PATH
 
 if TYPE_CHECKING:
     from prag_asp.domain.scene import Scene
@@ -167,13 +169,25 @@ def _check_witness(
     problems = check_witness(record.task, witness, scene)
     if problems:
         return "witness_fails", problems[0]
-    if budget.includes("settling"):
-        failure = settle(record.task, witness, scene)
-        if failure is not None:
-            return "witness_fails", failure
-    if budget.includes("demonstration"):
-        demonstration = demonstrate(record.task, witness, scene)
-        if not demonstration.success:
-            return "witness_fails", demonstration.detail
-        recordings.write(number, demonstration)
+    fault, demonstration = _dearer_checks(record.task, witness, scene, budget)
+    if fault:
+        return "witness_fails", fault
+    recordings.write(number, demonstration)
     return "feasible", ""
+
+
+def _dearer_checks(
+    task: Task, witness: Witness, scene: Scene, budget: Budget
+) -> tuple[str | None, Demonstration | None]:
+    """Return why a witness fails in the tiers after kinematics, nothing where it passes; and the demonstration."""
+    if budget.includes("settling") and (failure := settle(task, witness, scene)):
+        return failure, None
+    if budget.includes("transit") and not witness.travels:
+        travelled = travel(task, witness, scene)
+        if travelled is None:
+            return NO_PATH, None
+        witness = travelled
+    if not budget.includes("demonstration"):
+        return None, None
+    demonstration = demonstrate(task, witness, scene)
+    return demonstration.detail, demonstration

@@ -10,6 +10,7 @@ from prag_asp.physics.predicates import PREDICATES, Predicate
 from prag_asp.physics.render import PicturesMissingError, animate, film_strip
 from prag_asp.physics.search import CAUSES
 from prag_asp.physics.settling import settle
+from prag_asp.physics.transit import travel
 from prag_asp.physics.validator import Validator, open_validator, validate_task
 from prag_asp.physics.verdict import TIERS, Budget, Moment, Verdict, Waypoint, Witness
 from prag_asp.physics.witness_check import check_witness
@@ -35,6 +36,7 @@ __all__ = [
     "film_strip",
     "open_validator",
     "settle",
+    "travel",
     "validate_task",
     "validate_tasks",
 ]

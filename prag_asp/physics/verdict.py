@@ -12,9 +12,11 @@ from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
 
 Status = Literal["feasible", "not_found", "infeasible"]
-Tier = Literal["kinematics", "settling", "demonstration"]
+Tier = Literal["kinematics", "settling", "transit", "demonstration"]
 TIERS: tuple[Tier, ...] = get_args(Tier)
 """The tiers of checks, the cheapest first."""
+TRANSIT = "transit"
+"""The name of waypoints between those where something happens."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +81,8 @@ class Moment:
 class Waypoint:
     """A configuration that the arm passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, retreat or stay. `held` is what the gripper holds
-    there.
+    `name` is approach (above the object), at, lift, carry, retreat or stay; transit on the way there. `held` is
+    what the gripper holds there.
     """
 
     name: str
@@ -99,6 +101,11 @@ class Witness:
 
     moments: tuple[Moment, ...]
     motions: tuple[tuple[Waypoint, ...], ...]
+
+    @property
+    def travels(self) -> bool:
+        """Whether it shows the ways of the arm between the waypoints."""
+        return any(waypoint.name == TRANSIT for motion in self.motions for waypoint in motion)
 
     def to_json(self) -> dict[str, Any]:
         """Return the witness as JSON-able data."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.arm import LIFT
@@ -14,7 +15,7 @@ from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import riders, unsupported
-from prag_asp.physics.verdict import Moment, Waypoint, Witness
+from prag_asp.physics.verdict import TRANSIT, Moment, Waypoint, Witness
 from prag_asp.space.task import Task
 
 POSITION_TOLERANCE = 1e-4
@@ -135,8 +136,9 @@ def _motion_problems(
             return
         simulator.pose_arm(waypoint.joints, waypoint.width)
         heights.append(tool_in(simulator))
-    for i in range(len(motion) - 1):
-        if (motion[i].name, motion[i + 1].name) == ("approach", "at") and not _straight_above(*heights[i : i + 2]):
+    stops = [(waypoint.name, pose) for waypoint, pose in zip(motion, heights, strict=True) if waypoint.name != TRANSIT]
+    for (name, high), (other, low) in pairwise(stops):
+        if (name, other) == ("approach", "at") and not _straight_above(high, low):
             yield f"its approach is not {LIFT * 100:.0f} cm straight above the object"
     last = motion[-1]
     if (last.joints, last.width, last.held) != (after.joints, after.width, after.held):
@@ -144,11 +146,11 @@ def _motion_problems(
     for waypoint in motion[:-1]:
         hit = _waypoint_collision(waypoint, before, after, simulator)
         if hit is not None:
-            yield f"{waypoint.name}: the arm collides with {hit}"
+            yield f"{waypoint.name}: {hit}"
 
 
 def _waypoint_collision(waypoint: Waypoint, before: Moment, after: Moment, simulator: Simulator) -> str | None:
-    """Return what the arm collides with at a waypoint, objects where they are then; None where it is free."""
+    """Return what collides at a waypoint, objects where they are then; None where all is free."""
     poses = dict(before.poses)
     simulator.pose_arm(waypoint.joints, waypoint.width)
     tool = tool_in(simulator)
@@ -160,7 +162,11 @@ def _waypoint_collision(waypoint: Waypoint, before: Moment, after: Moment, simul
     situation = Situation(simulator.scene, poses, tool, waypoint.width)
     touched = waypoint.held or _at(situation)
     hit = arm_collision(simulator, situation, waypoint.joints, waypoint.width, touched)
-    return None if hit is None else hit.other
+    if hit is not None:
+        return f"the arm collides with {hit.other}"
+    moved = [entity for entity in poses if poses[entity] != before.poses[entity]] if waypoint.name == TRANSIT else []
+    pair = colliding(simulator, situation, moved, list(poses))
+    return None if pair is None else f"{pair[0]} collides with {pair[1]}"
 
 
 def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -> dict[str, Pose]:
