@@ -121,10 +121,10 @@ CHECKS = (
         help="How hard physics looks: first states tried for a task x attempts at each action.",
     ),
     click.option(
-        "--tier", type=click.Choice(["kinematics", "settling", "demonstration"]), default="kinematics",
+        "--tier", type=click.Choice(["kinematics", "settling", "transit", "demonstration"]), default="kinematics",
         show_default=True,
-        help="Dearest tier of checks: arrangements and arm, also that objects stay in a simulation, also that the "
-        "robot performs the task in it.",
+        help="Dearest tier of checks: arrangements and arm, also that objects stay in a simulation, also that "
+        "the arm has a free way from each waypoint to the next, also that the robot performs the task in simulation.",
     ),
     click.option(
         "--demonstrate", metavar="DIR", help="Let the robot perform each task, and write recordings (.npz) into DIR."

@@ -23,8 +23,10 @@ from prag_asp.physics import (
     open_settling,
     open_witness_check,
     problem,
+    travel,
     validate_tasks,
 )
+from prag_asp.physics.search import NO_PATH
 
 if TYPE_CHECKING:
     from prag_asp.domain.scene import Scene
@@ -150,6 +152,10 @@ def _witnesses(told: Iterator[Told], scene: Scene, checking: Checking) -> Iterat
             faults: list[str | None] = [*check(record.task, witness)[:1]]
             if not faults and settling is not None:
                 faults.append(settling.failure(problem(record.task, scene), witness))
+            if not any(faults) and budget.includes("transit") and not witness.travels:
+                travelled = travel(record.task, witness, scene)
+                witness = travelled or witness
+                faults.append(NO_PATH if travelled is None else None)
             demonstration = None
             if not any(faults) and budget.includes("demonstration"):
                 demonstration = demonstrate(record.task, witness, scene)

@@ -12,6 +12,7 @@ from prag_asp.physics.predicates import PREDICATES, Predicate
 from prag_asp.physics.render import animate, film_strip, still
 from prag_asp.physics.search import CAUSES
 from prag_asp.physics.settling import open_settling, settle
+from prag_asp.physics.transit import travel
 from prag_asp.physics.validator import Validator, open_validator, validate_task
 from prag_asp.physics.verdict import TIERS, Budget, Moment, Verdict, Waypoint, Witness
 from prag_asp.physics.witness_check import check_witness, open_witness_check
@@ -41,6 +42,7 @@ __all__ = [
     "problem",
     "settle",
     "still",
+    "travel",
     "validate_task",
     "validate_tasks",
 ]

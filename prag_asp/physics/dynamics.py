@@ -36,8 +36,6 @@ SLEEP = 1e-5
 """A body that for two seconds moves with less than the root of this, 3 mm/s, is not simulated until it is touched."""
 
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
-ITERATIONS, LOADED_ITERATIONS = 20, 50
-"""How often PyBullet improves the forces of a step, with an empty gripper and with friction that has to hold."""
 PARTS = ("arm", "left finger", "right finger", "table")
 
 
@@ -80,14 +78,8 @@ class Dynamics:
                 physicsClientId=self.client,
             )
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
-        self.carry(moment.held is not None)
         values = [[angle] for angle in (*moment.joints, moment.width / 2, moment.width / 2)]
         pybullet.resetJointStatesMultiDof(self._arm, self._driven, values, physicsClientId=self.client)
-
-    def carry(self, loaded: bool) -> None:
-        """Say whether the gripper holds something from now on, which takes a more exact simulation."""
-        count = LOADED_ITERATIONS if loaded else ITERATIONS
-        pybullet.setPhysicsEngineParameter(numSolverIterations=count, physicsClientId=self.client)
 
     def step(self, joints: Sequence[float], speeds: Sequence[float], opening: float) -> None:
         """Let one `TIME_STEP` pass, with motors that drive to joint angles in radians and an opening in metres.

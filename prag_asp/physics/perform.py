@@ -36,7 +36,7 @@ from prag_asp.physics.search import LOST, NO_PATH, NOT_REACHED
 from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.trajectory import LOADED_ACCELERATION, timed
-from prag_asp.physics.verdict import Moment, Waypoint, Witness
+from prag_asp.physics.verdict import TRANSIT, Moment, Waypoint, Witness
 from prag_asp.space.task import Task
 
 REST = 0.1
@@ -120,9 +120,14 @@ class _Performance:
             self._move_fingers(self._opening - SQUEEZE)
         self._check(self._seen.initial, "the start")
         for k, (effect, motion) in enumerate(zip(self._seen.effects, self._witness.motions, strict=True)):
+            way: list[Joints] = []
             for i, waypoint in enumerate(motion):
+                if waypoint.name == TRANSIT:
+                    way.append(waypoint.joints)
+                    continue
                 target = next((each.held for each in motion[i:] if each.held is not None), effect.visits)
-                self._follow(waypoint, target, self._witness.moments[k : k + 2], effect)
+                self._follow(waypoint, way, target, self._witness.moments[k : k + 2], effect)
+                way = []
             self._check(effect.after, str(effect.action))
 
     def _check(self, facts: tuple[Fact, ...], after: str) -> None:
@@ -142,20 +147,23 @@ class _Performance:
             what = f"after {after} it does not hold that {worst.sentence()}"
             raise _Stopped(LOST if lost else NOT_REACHED, what)
 
-    def _follow(self, waypoint: Waypoint, target: str | None, around: tuple[Moment, ...], effect: Effect) -> None:
+    def _follow(
+        self, waypoint: Waypoint, way: list[Joints], target: str | None, around: tuple[Moment, ...], effect: Effect
+    ) -> None:
         """Bring the arm to a waypoint, and close or open the gripper there."""
         if self._held is None and waypoint.held is None and waypoint.width != self._opening:
             self._move_fingers(waypoint.width)
         if waypoint.joints != self._planned:
-            self._move(waypoint, target, around, effect)
+            self._move(waypoint, way, target, around, effect)
         if waypoint.held != self._held:
             self._held = waypoint.held
-            self._world.carry(self._held is not None)
             self._move_fingers(waypoint.width - (SQUEEZE if waypoint.held is not None else 0.0))
             self._wait(REST)
 
-    def _move(self, waypoint: Waypoint, target: str | None, around: tuple[Moment, ...], effect: Effect) -> None:
-        """Bring the arm to a waypoint, straight up or down, or on a free path.
+    def _move(
+        self, waypoint: Waypoint, way: list[Joints], target: str | None, around: tuple[Moment, ...], effect: Effect
+    ) -> None:
+        """Bring the arm to a waypoint, straight up or down, on the way of the witness, or else on a free path.
 
         Raises:
             _Stopped: there is no free path.
@@ -175,7 +183,12 @@ class _Performance:
         else:
             tool = _corrected(waypoint, self._tool(waypoint.joints), target, around, situation)
             goal = adjusted(self._planner.robot, tool, waypoint.joints) or waypoint.joints
-            free = free_path(self._planner, situation, load, self._joints, goal, TIME_STEP)
+            speed = self._planner.robot.speed
+            free = (
+                timed(self._along(way, waypoint.joints, goal), TIME_STEP, load.acceleration, speed)
+                if way
+                else free_path(self._planner, situation, load, self._joints, goal, TIME_STEP)
+            )
             if free is None:
                 raise _Stopped(NO_PATH, f"{effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
             angles = free
@@ -189,6 +202,13 @@ class _Performance:
         path = pulled(self._planner.robot, situation, grip, waypoint, self._joints)
         self._drive(timed(path, TIME_STEP, LOADED_ACCELERATION, self._planner.robot.speed))
         self._joints, self._planned = path[-1], waypoint.joints
+
+    def _along(self, way: list[Joints], planned: Joints, goal: Joints) -> list[Joints]:
+        """Return the way of the witness, from where the arm is to a goal: the small differences are spread over it."""
+        first, last = np.subtract(self._joints, self._planned), np.subtract(goal, planned)
+        shares = np.linspace(0.0, 1.0, len(way) + 2)[1:-1, None]
+        between = np.array(way) + (1 - shares) * first + shares * last
+        return [self._joints, *map(tuple, between.tolist()), goal]
 
     def _load(self, situation: Situation) -> Load:
         """Return what the gripper carries, as it lies in it."""

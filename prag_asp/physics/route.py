@@ -83,6 +83,21 @@ def free_path(
     return None
 
 
+def checked_path(
+    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+) -> tuple[Joints, ...] | None:
+    """Return joint angles on a free way, each a stride after the last; None where none is found.
+
+    The ends are left out. Straight up and down there is one way only.
+    """
+    if vertical(simulator.robot, start, goal):
+        rungs = tuple(straight(simulator, start, goal)[1:-1])
+        carried = _carried(situation, load)
+        return rungs if all(_free_at(simulator, situation, load, carried, joints) for joints in rungs) else None
+    angles = free_path(simulator, situation, load, start, goal, time_step)
+    return None if angles is None else tuple(_strides(start, angles))
+
+
 def _ways(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
     """Yield paths to try, the shortest first: direct, then over what stands around."""
     yield start, goal
@@ -105,21 +120,26 @@ def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None
 
 def _free(simulator: Simulator, situation: Situation, load: Load, start: Joints, angles: NDArray[np.float64]) -> bool:
     """Tell whether the arm and what it holds meet nothing on the way; both ends are taken to be free."""
-    carried = () if load.held is None else (load.held, *_others_on(situation, load.held))
+    carried = _carried(situation, load)
+    return all(_free_at(simulator, situation, load, carried, joints) for joints in _strides(start, angles))
+
+
+def _strides(start: Joints, angles: NDArray[np.float64]) -> Iterator[Joints]:
+    """Yield joint angles of a way, `STRIDE` apart, without its ends."""
     before, last = np.array(start), angles[-1]
     for row in angles:
         if np.abs(row - before).max() >= STRIDE:
             if np.abs(row - last).max() < STRIDE / 2:
-                return True
+                return
             before = row
-            if not _free_at(simulator, situation, load, carried, tuple(row.tolist())):
-                return False
-    return True
+            yield tuple(row.tolist())
 
 
-def _others_on(situation: Situation, entity: str) -> list[str]:
-    """Return what rests on an object."""
-    return riders(situation, entity, [other for other in situation.poses if other != entity])
+def _carried(situation: Situation, load: Load) -> list[str]:
+    """Return what moves with the gripper: what it holds, and what rests on that."""
+    if load.held is None:
+        return []
+    return [load.held, *riders(situation, load.held, [other for other in situation.poses if other != load.held])]
 
 
 def _free_at(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> bool:

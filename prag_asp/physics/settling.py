@@ -16,11 +16,9 @@ from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.furniture import read_opening, set_opening
 from prag_asp.physics.geometry import Pose, turn_between
-from prag_asp.physics.kinematics import tool_pose
-from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search import UNSETTLED, UNSTABLE
 from prag_asp.physics.simulator import open_client, read_pose, start_world
-from prag_asp.physics.situation import Situation, Standing
+from prag_asp.physics.standing import situation_with
 from prag_asp.physics.verdict import Moment, Witness
 from prag_asp.space.task import Task
 
@@ -60,7 +58,7 @@ class Settling:
                 if settled is None:
                     return UNSTABLE
                 poses, openings = settled
-                situation = _situation(scene, moment, poses, openings)
+                situation = situation_with(scene, poses, openings, moment.arms(), moment.robot)
                 if not all(fact.satisfied(situation) for fact in facts):
                     return UNSETTLED
             previous = moment
@@ -114,16 +112,6 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
     """
     with open_settling(scene) as settling:
         return settling.failure(problem(task, scene), witness)
-
-
-def _situation(scene: Scene, moment: Moment, poses: Mapping[str, Pose], openings: Mapping[str, float]) -> Situation:
-    """Return what is to be seen where the arms are as at a moment, and the objects at some poses."""
-    others = {
-        name: Standing(arm.joints, tool_pose(robot_of(scene, name), arm.joints), arm.width, arm.held, arm.grasp)
-        for name, arm in moment.others.items()
-    }
-    tool = tool_pose(robot_of(scene, moment.robot), moment.joints)
-    return Situation(scene, poses, tool, moment.width, openings=openings, acting=moment.robot, others=others)
 
 
 def _as_stable(before: Moment, after: Moment) -> bool:

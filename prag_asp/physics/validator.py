@@ -17,11 +17,12 @@ from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.foresight import foresee
 from prag_asp.physics.perform import Performer, open_performer
 from prag_asp.physics.proofs import Prover
-from prag_asp.physics.search import CAUSES, Exhausted, Failure, Search, Snapshot
+from prag_asp.physics.search import CAUSES, NO_PATH, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.settling import Settling, open_settling
 from prag_asp.physics.simulator import open_simulator
 from prag_asp.physics.spans import foresee_spans
 from prag_asp.physics.start import draw_start
+from prag_asp.physics.transit import with_transit
 from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
 from prag_asp.space.task import Task
 
@@ -63,6 +64,9 @@ class Validator:
             witness = _attempt(seen, search, sizes, budget.samples, causes)
             if witness is None or not self._settles(seen, witness, budget, causes):
                 continue
+            witness = self._travels(seen, witness, budget, causes)
+            if witness is None:
+                continue
             demonstration = self._perform(seen, witness, budget, causes)
             if demonstration is None or demonstration.success:
                 return Verdict(
@@ -101,6 +105,15 @@ class Validator:
         if failure is not None:
             causes[failure] += 1
         return failure is None
+
+    def _travels(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> Witness | None:
+        """Return a witness with the ways of the arm, as far as a budget asks for them; None where one is missing."""
+        if not budget.includes("transit"):
+            return witness
+        travelled = with_transit(self._simulator, seen, witness)
+        if travelled is None:
+            causes[NO_PATH] += 1
+        return travelled
 
     def _perform(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> Demonstration | None:
         """Return the recording of the robot performing a witness, None where a budget does not ask for it."""

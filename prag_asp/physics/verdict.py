@@ -13,9 +13,11 @@ from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
 
 Status = Literal["feasible", "not_found", "infeasible"]
-Tier = Literal["kinematics", "settling", "demonstration"]
+Tier = Literal["kinematics", "settling", "transit", "demonstration"]
 TIERS: tuple[Tier, ...] = get_args(Tier)
 """The tiers of checks, the cheapest first."""
+TRANSIT = "transit"
+"""The name of waypoints between those where something happens."""
 
 
 @dataclass(frozen=True)
@@ -103,9 +105,9 @@ class Moment:
 class Waypoint:
     """A configuration that the arm passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay. `held` is what the
-    gripper holds there; where that is the handle of furniture, `opening` is how far it is open, in metres or radians.
-    `robot` is the arm's where there are several.
+    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; transit on the way
+    there. `held` is what the gripper holds there; where that is the handle of furniture, `opening` is how far it is
+    open, in metres or radians. `robot` is the arm's where there are several.
     """
 
     name: str
@@ -133,6 +135,11 @@ class Witness:
     moments: tuple[Moment, ...]
     motions: tuple[tuple[Waypoint, ...], ...]
     sizes: Mapping[str, Size] = field(default_factory=dict)
+
+    @property
+    def travels(self) -> bool:
+        """Whether it shows the ways of the arm between the waypoints."""
+        return any(waypoint.name == TRANSIT for motion in self.motions for waypoint in motion)
 
     def to_json(self) -> dict[str, Any]:
         """Return the witness as JSON-able data, without `sizes` where none was drawn."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import pairwise
 
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
@@ -16,7 +17,7 @@ from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.simulator import Simulator, open_simulator
 from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.support import riders, unsupported
-from prag_asp.physics.verdict import ArmState, Moment, Waypoint, Witness
+from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint, Witness
 from prag_asp.physics.witness_handling import carried_along, handling_problems, opening_problems, openings_at
 from prag_asp.space.task import Task
 
@@ -184,8 +185,9 @@ def _motion_problems(
         simulator.turn_to(waypoint.robot)
         simulator.pose_arm(waypoint.joints, waypoint.width)
         heights.append(tool_in(simulator))
-    for i in range(len(motion) - 1):
-        if (motion[i].name, motion[i + 1].name) == ("approach", "at") and not _straight_above(*heights[i : i + 2]):
+    stops = [(waypoint.name, pose) for waypoint, pose in zip(motion, heights, strict=True) if waypoint.name != TRANSIT]
+    for (name, high), (other, low) in pairwise(stops):
+        if (name, other) == ("approach", "at") and not _straight_above(high, low):
             yield f"its approach is not {LIFT * 100:.0f} cm straight above the object"
     wrong = list(handling_problems(motion, heights, before, after, simulator.scene))
     yield from wrong
@@ -196,7 +198,8 @@ def _motion_problems(
             grasp = after.arms()[waypoint.robot].grasp
         arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width, waypoint.held, grasp)
         if i < len(motion) - 1:
-            hit = _waypoint_collision(arms, waypoint.robot, (before, after), openings_at(motion, i, before), simulator)
+            openings, moving = openings_at(motion, i, before), waypoint.name == TRANSIT
+            hit = _waypoint_collision(arms, waypoint.robot, (before, after), openings, simulator, moving)
             if hit is not None:
                 yield f"{waypoint.name}: {hit}"
     for name, arm in () if wrong else after.arms().items():
@@ -210,8 +213,12 @@ def _waypoint_collision(
     around: tuple[Moment, Moment],
     openings: Mapping[str, float],
     simulator: Simulator,
+    moving: bool,
 ) -> str | None:
-    """Return what collides at a waypoint, the arm or furniture, objects where they are then; None where all is free."""
+    """Return what collides at a waypoint, objects where they are then; None where all is free.
+
+    Furniture is checked, and where the arm is `moving` what it carries.
+    """
     before, after = around
     poses = carried_along(before.poses, before.openings, openings, simulator.scene)
     situation = _situation(simulator, poses, openings, arms, robot)
@@ -221,7 +228,8 @@ def _waypoint_collision(
     elif before.arms()[robot].held is not None:
         poses = dict(after.poses)
     situation = situation.with_poses(poses)
-    pair = colliding(simulator, situation, list(openings), list(poses))
+    carried = [entity for entity in poses if poses[entity] != before.poses[entity]] if moving else []
+    pair = colliding(simulator, situation, [*openings, *carried], list(poses))
     if pair is not None:
         return f"{pair[0]} collides with {pair[1]}"
     hit = arm_collision(simulator, situation, joints, width, held or _at(situation))
