@@ -29,8 +29,8 @@ def report(toy: Toy) -> str:
 
 
 def plain(toy: Toy) -> Toy:
-    """Return a toy without rules across time, which can only forbid more."""
-    return replace(toy, never_after=(), at_most={}, blocked=(), goal={})
+    """Return a toy without rules across time and what physics proves, which can only forbid more."""
+    return replace(toy, never_after=(), at_most={}, blocked=(), impossible=(), goal={})
 
 
 def occurring(toy: Toy) -> set[int]:

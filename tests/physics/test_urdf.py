@@ -47,7 +47,7 @@ def scene_in(folder: Path, path: str = "models/block.urdf") -> Scene:
     """Return the scene of tabletop with cubes from a URDF of a folder."""
     table = scene_table("tabletop")
     shapes = {**table["shapes"], "cube": {"kind": "urdf", "path": path}}
-    return parse_scene({**table, "shapes": shapes}, rules().classes, rules().entities, folder)
+    return parse_scene({**table, "shapes": shapes}, rules().classes, rules().entities, folder=folder)
 
 
 @pytest.fixture
