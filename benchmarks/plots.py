@@ -148,7 +148,7 @@ def _curves(pen: _Pen, panel: Curves, x: float, y: float) -> None:
 def _legend(pen: _Pen, panel: Curves, borders: tuple[float, float, float, float]) -> None:
     """Name the lines in a corner of the plot."""
     left, top, right, bottom = borders
-    wide = 46 + max(pen.length(name, 17) for name, _ in panel.lines)
+    wide = 46 + max((pen.length(name, 17) for name, _ in panel.lines), default=0.0)
     begin = right - wide - 12 if panel.legend.endswith("right") else left + 30
     first = bottom - 16 - 24 * len(panel.lines) if panel.legend.startswith("lower") else top + 18
     for row, ((name, _), color) in enumerate(zip(panel.lines, COLORS, strict=False)):
