@@ -103,13 +103,15 @@ def draw_pose(
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
-    neighbours = _neighbours(situation, support, half, volume.low[2] - height)
+    below = _neighbours(situation, support, half, volume.low[2] - height)
+    beside = _neighbours(situation, support, half, volume.low[2]) if height > 0.0 else below
     cause = RELATION
     for floor, spacing in _tries(favourite, everything, support):
         at = volume.draw(floor, search.uniform)
         if at is None:
             continue
-        if not _clear(at[0], at[1], neighbours, spacing):
+        # What is held should be free to come down, but where that cannot be it may be held above something.
+        if not _clear(at[0], at[1], below if spacing >= FINGER_ROOM / 2 else beside, spacing):
             cause = OBJECTS_COLLIDE
         elif all_satisfied(checked, situation, entity, Pose(at, quaternion)):
             return Pose(at, quaternion)

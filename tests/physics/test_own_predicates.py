@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -336,3 +337,19 @@ def test_relations_are_searched_for_together(studio: Domain) -> None:
     poses = verdict.witness.moments[0].poses
     turn = 4 * (yaw_of(poses["brick_1"].quaternion) - yaw_of(poses["camera_1"].quaternion))
     assert math.cos(turn) >= math.cos(math.radians(4 * 5))
+
+
+@pytest.mark.parametrize("fluent", ["near(apple_1,can_1)", "between(apple_1,can_1,box_1)", "over(apple_1,bowl_1)"])
+def test_what_is_carried_is_brought_where_the_relation_holds_in_the_air(fluent: str, prag: Scene) -> None:
+    box = Box((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
+    scene = replace(prag, own={"over": Own("over", PAIR, (box,), sentence="{0} {is} over {1}")})
+    carried = task(
+        state("-at(panda,apple_1)", "open(panda)"),
+        ("approach(panda,apple_1)", state("at(panda,apple_1)")),
+        ("grasp(panda,apple_1)", state("holding(panda,apple_1)", "-open(panda)")),
+        ("move(panda,apple_1)", state(fluent)),
+    )
+    with open_validator(scene) as validator:
+        verdict = validator.validate(carried, seed=1)
+    assert verdict.feasible and check_witness(carried, verdict.witness, scene) == []
+    assert verdict.witness.moments[-1].poses["apple_1"].position[2] > 0.1
