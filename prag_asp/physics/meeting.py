@@ -76,13 +76,13 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
     """
     situation, base = snapshot.situation, search.robot.base.position
     volume = PREDICATES["over"].volume(situation, (situation.acting, place), IDENTITY)
-    floor = volume.floor()
-    if floor is None:
-        raise Failure(EMPTY_VOLUME)
     low = situation.top(place)
     if snapshot.held is not None:
         low += max(0.0, situation.tool.position[2] - situation.bottom(snapshot.held))
     volume = volume._replace(low=(*volume.low[:2], low + LOWEST), high=(*volume.high[:2], low + HIGHEST))
+    floor = volume.floor()
+    if floor is None:
+        raise Failure(EMPTY_VOLUME)
     points = [point for _ in range(2) if (point := volume.draw(floor, search.uniform)) is not None]
     at = min(points, key=lambda point: math.dist(point[:2], base[:2]))
     if attempt < HANDY_ATTEMPTS:
