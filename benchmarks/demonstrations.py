@@ -2,8 +2,9 @@
 
     python benchmarks/demonstrations.py tabletop --count 80
 
-The witness of a task is the first that settles and has free ways of the arm, and it is performed once: no second try hides a failure.
-Only the performing is timed, on one core, by processor time. Tasks whose robot touches a ball are told apart.
+The witness of a task is the first that settles and has free ways of the arm. It is performed once: no second try
+hides a failure. Only the performing is timed, on one core, by processor time. Tasks whose robot touches a ball are
+told apart.
 """
 
 from __future__ import annotations
