@@ -26,7 +26,7 @@ from prag_asp.physics.solids import weight
 
 CONTACT = 0.002
 BALANCE = 1e-6
-STEADY = 0.008
+STEADY = 0.005
 """How far within its base the centre of mass of what is put somewhere should be, in metres."""
 TABLE = ""
 
