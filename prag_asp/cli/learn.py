@@ -26,7 +26,7 @@ Row = tuple[str, ...]
 
 
 @click.command()
-@asks(options.SPACE)
+@asks((*options.SPACE, options.TRUST))
 @click.option("--count", "wanted", type=click.IntRange(min=0), default=200, show_default=True, help="Tasks to draw.")
 @options.seed
 @options.checks

@@ -33,6 +33,7 @@ SMALLEST, LARGEST = 16, 4096
     (
         click.option("--domain", "name", metavar="DOMAIN", default="", help="Their domain.  [default: what they name]"),
         *options.PROGRAM,
+        options.TRUST,
     )
 )
 @click.option(
