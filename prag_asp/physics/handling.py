@@ -117,7 +117,8 @@ def _grips(situation: Situation, furniture: str, halfway: float) -> list[Pose]:
     turns = (0.0, math.pi) if made.slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
     part = part_pose(situation.shape(furniture), situation.pose(furniture), halfway)
     x, y, _ = compose(part, Pose(made.handle)).position
-    heading = math.atan2(y, x) - yaw_of(part.quaternion)
+    base_x, base_y, _ = situation.robot(situation.acting).base.position
+    heading = math.atan2(y - base_y, x - base_x) - yaw_of(part.quaternion)
     nearest = sorted(turns, key=lambda angle: abs(wrap(angle - heading)))
     return [Pose(made.handle, multiply(yaw_quaternion(angle), DOWN)) for angle in nearest]
 
