@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import Material, Scene, Shape
 from prag_asp.physics.geometry import Pose, hull, inside_by, intersection, rectangle, yaw_quaternion
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.support import riders, unsupported
@@ -86,3 +86,11 @@ def test_the_outline_of_a_turned_body_bears_what_its_bounding_box_would_not():
     assert unsupported(situation, list(poses), None) is None
     moved = situation.with_pose("a", Pose((0.55, -0.05, 0.045)))
     assert unsupported(moved, list(poses), None) == "a"
+
+
+def test_what_bears_a_load_depends_on_the_materials():
+    places = {"a": (0.5, 0, 0.025), "plank": (0.52, 0, 0.06), "b": (0.6, 0, 0.095)}
+    poses = {name: Pose(place) for name, place in places.items()}
+    for density, falls in ((400.0, "plank"), (4000.0, None)):
+        scene = Scene(shapes=SHAPES, materials={"plank": Material(density)})
+        assert unsupported(Situation(scene, poses, Pose((0.0, 0.0, 1.0)), 0.08), list(poses), None) == falls
