@@ -114,7 +114,8 @@ def problem(task: Task, scene: Scene) -> Problem:
             held[effect.robot] = effect.grasps
         effects.append(effect)
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
-    objects = tuple(entity for entity in [*task.entities, *sorted(named)] if _is_object(scene, entity))
+    # What never moves is there whether the task speaks of it or not.
+    objects = tuple(entity for entity in [*task.entities, *sorted(named), *scene.fixed] if _is_object(scene, entity))
     return Problem(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.actions import take_place
 from prag_asp.physics.arm import Configuration, collide
-from prag_asp.physics.facts import BEARING, Fact, Problem, of_robot
+from prag_asp.physics.facts import BEARING, SUPPORTING, Fact, Problem, of_robot
 from prag_asp.physics.geometry import Pose, yaw_quaternion
 from prag_asp.physics.handling import draw_openings
 from prag_asp.physics.kinematics import tool_pose
@@ -62,15 +62,21 @@ def _at_home(search: Search, poses: Mapping[str, Pose]) -> Snapshot:
 def _about(problem: Problem, entity: str, situation: Situation) -> tuple[Fact, ...]:
     """Return what an object's place has to agree with: the facts of the first state.
 
-    An object that one of several robots holds is first put down below its gripper, to be taken from there.
+    An object that a robot holds in the air is first put down below its gripper, to be taken from there.
     """
     holder = next((robot for robot, thing in problem.held.items() if thing == entity), None)
-    if holder is None or not situation.others:
+    if holder is None or not (situation.others or _in_the_air(problem, entity)):
         return problem.initial
     own = of_robot(situation.scene, problem.initial, holder)
     below = [fact.arguments[1] for fact in own if fact.value and fact.predicate.name == "over"]
     lies = [Fact(PREDICATES["on_top"], (entity, place), True) for place in below if situation.is_surface(place)]
     return (*(fact for fact in problem.initial if entity not in fact.arguments), *lies)
+
+
+def _in_the_air(problem: Problem, entity: str) -> bool:
+    """Tell whether a held object is known not to stand on or in something, and to stand on or in nothing."""
+    known = [fact for fact in problem.initial if fact.predicate.name in SUPPORTING and fact.arguments[0] == entity]
+    return bool(known) and not any(fact.value for fact in known)
 
 
 def _bring(search: Search, snapshot: Snapshot, problem: Problem) -> Snapshot:
@@ -85,7 +91,8 @@ def _bring(search: Search, snapshot: Snapshot, problem: Problem) -> Snapshot:
     place = held or _place(own, "at")
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=held is not None)
-        return raise_arm(search, snapshot, []) if held is not None and situation.others else snapshot
+        lifted = held is not None and (situation.others or _in_the_air(problem, held))
+        return raise_arm(search, snapshot, []) if lifted else snapshot
     if over is not None:
         snapshot = move_over(search, snapshot, over, 0, [])
     elif collide(search, snapshot.joints, Configuration(situation, situation.width, None)) is not None:
