@@ -54,6 +54,30 @@ def test_a_held_object_at_the_start_is_in_the_gripper(prag, prag_validator):
     assert check_witness(dropping, verdict.witness, prag) == []
 
 
+def test_an_object_that_stands_on_nothing_at_the_start_is_held_in_the_air(tabletop, tabletop_validator):
+    nowhere = state(
+        *(f"-on_top(cube_1,{support})" for support in ("table_1", "cube_2", "brick_1", "brick_2")),
+        *(f"-inside(cube_1,{container})" for container in ("tray_1", "bin_1")),
+    )
+    placing = task(
+        {**state("holding(panda,cube_1)"), **nowhere},
+        ("insert(panda,cube_1,tray_1)", state("-holding(panda,cube_1)", "inside(cube_1,tray_1)")),
+    )
+    verdict = tabletop_validator.validate(placing, seed=1)
+    assert verdict.feasible and verdict.witness.moments[0].poses["cube_1"].position[2] > 0.1
+    assert check_witness(placing, verdict.witness, tabletop) == []
+
+
+def test_what_never_moves_is_there_whether_a_task_names_it_or_not(tabletop, tabletop_validator):
+    verdict = tabletop_validator.validate(stacking(), seed=1)
+    for moment in verdict.witness.moments:
+        assert {"tray_1", "bin_1"} <= moment.poses.keys()
+    crowded = replace(tabletop, fixed={**tabletop.fixed, "brick_2": (0.47, 0.0, 0.0)})
+    crowded = replace(crowded, shapes={**tabletop.shapes, "brick_2": Shape("box", (0.60, 0.90, 0.30))})
+    budget = Budget(2, 5)
+    assert not validate_task(stacking(), crowded, seed=1, budget=budget).feasible
+
+
 def test_what_stands_on_a_carried_object_is_carried_along(tabletop, tabletop_validator):
     lifting = task(
         state("on_top(cube_1,brick_1)", "on_top(brick_1,table_1)"),
