@@ -229,11 +229,11 @@ def _waypoint_collision(
         poses = dict(after.poses)
     situation = situation.with_poses(poses)
     carried = [entity for entity in poses if poses[entity] != before.poses[entity]] if moving else []
-    pair = colliding(simulator, situation, [*openings, *carried], list(poses))
-    if pair is not None:
-        return f"{pair[0]} collides with {pair[1]}"
     hit = arm_collision(simulator, situation, joints, width, held or _at(situation))
-    return None if hit is None else f"the arm collides with {hit.other}"
+    if hit is not None:
+        return f"the arm collides with {hit.other}"
+    pair = colliding(simulator, situation, [*openings, *carried], list(poses))
+    return None if pair is None else f"{pair[0]} collides with {pair[1]}"
 
 
 def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -> dict[str, Pose]:

@@ -267,9 +267,10 @@ def test_a_first_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypa
         with open_validator(load_scene(studio)) as validator:
             return sum(validator.validate(both, seed=seed, budget=Budget(1, 1)).feasible for seed in range(40))
 
-    assert found() >= 34
+    often = found()
+    assert often >= 34
     monkeypatch.setattr("prag_asp.physics.start.BACKTRACKS", 0)
-    assert found() < 30
+    assert found() < often
 
 
 def test_two_objects_leave_room_for_what_comes_between_them_later(studio: Domain) -> None:
