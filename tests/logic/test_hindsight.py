@@ -36,7 +36,9 @@ def test_what_is_told_of_a_plan_holds_in_every_execution_and_suffices_for_one(to
     assert all(agrees(path[k], told[k]) for path in paths for k in range(4))
     everything = itertools.product((False, True), repeat=toy.fluents)
     fitting = {s for s in everything if toy.allowed(s) and agrees(s, told[0])}
-    assert fitting == {path[0] for path in paths}
+    begun = {path[0] for path in paths}
+    # What is impossible rules out plans, and tells nothing of states.
+    assert begun <= fitting if toy.impossible else begun == fitting
 
 
 @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
