@@ -170,6 +170,7 @@ def sample(
             physics = bool(space.domain.settings.scene)
         with writer(output) as write:
             if not physics:
+                checking.refuse_without_physics()
                 for task in islice(drawn, wanted):
                     write(line(Record(task)))
                 return

@@ -114,14 +114,15 @@ form = click.option(
     help="Actions; sentences by the domain's [language]; or all that is known of a task.",
 )
 seed = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same bytes.")
+BUDGET, TIER = "10x10", "kinematics"
 CHECKS = (
     click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics."),
     click.option(
-        "--budget", metavar="RxS", default="10x10", show_default=True,
+        "--budget", metavar="RxS", default=BUDGET, show_default=True,
         help="How hard physics looks: first states tried for a task x attempts at each action.",
     ),
     click.option(
-        "--tier", type=click.Choice(["kinematics", "settling", "transit", "demonstration"]), default="kinematics",
+        "--tier", type=click.Choice(["kinematics", "settling", "transit", "demonstration"]), default=TIER,
         show_default=True,
         help="Dearest tier of checks: arrangements and arm, also that objects stay in a simulation, also that "
         "the arm has a free way from each waypoint to the next, also that the robot performs the task in simulation.",
@@ -140,6 +141,21 @@ class Checking:
     budget: str
     tier: str
     demonstrate: str | None
+
+    def refuse_without_physics(self) -> None:
+        """Refuse options of physics where it is not asked.
+
+        Raises:
+            QueryError: one is given.
+        """
+        given = {
+            "--demonstrate": self.demonstrate is not None,
+            "--tier": self.tier != TIER,
+            "--budget": self.budget != BUDGET,
+        }
+        for option, is_given in given.items():
+            if is_given:
+                raise QueryError(f"{option} needs physics; leave it out, or use a domain with a [scene]")
 
     def limits(self) -> Budget:
         """Return the budget; whoever asks for recordings asks for demonstrations.

@@ -21,10 +21,20 @@ if TYPE_CHECKING:
 
 
 class Recordings:
-    """The folder of the demonstrations of some tasks, made when the first is written; no folder, no files."""
+    """The folder of the demonstrations of some tasks; no folder, no files."""
 
     def __init__(self, folder: str | None):
+        """Make the folder, where there is to be one.
+
+        Raises:
+            OutputError: it cannot be made.
+        """
         self._folder = None if folder is None else Path(folder)
+        try:
+            if self._folder is not None:
+                self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"{self._folder}: the folder cannot be made: {error.strerror}") from None
 
     def write(self, number: int, demonstration: Demonstration | None) -> str | None:
         """Write the demonstration of the task on a line, counted from 1, and return the name of its file.
@@ -34,10 +44,6 @@ class Recordings:
         """
         if self._folder is None or demonstration is None:
             return None
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{self._folder}: the folder cannot be made: {error}") from error
         name = f"{number:06d}.npz"
         demonstration.save(self._folder / name)
         return name

@@ -52,7 +52,7 @@ def _end(error: BaseException) -> int:
         return INTERRUPTED
     if isinstance(error, OSError):
         click.echo(f"{error.filename or 'output'}: {error.strerror or error}", err=True)
-        return FAILED
+        return BAD_INPUT if isinstance(error, (FileNotFoundError, IsADirectoryError)) else FAILED
     click.echo(str(error), err=True)
     if isinstance(error, LimitReached):
         return LIMITED

@@ -155,6 +155,8 @@ def open_dynamics(scene: Scene) -> Iterator[Dynamics]:
         SceneError: the robot of the scene cannot be loaded, or there are several.
     """
     if len(scene.mounts) > 1:
-        raise SceneError(f"demonstrations are performed by one robot; this scene has {', '.join(scene.mounts)}")
+        raise SceneError(
+            f"demonstrations are performed by one robot; this scene has {', '.join(scene.mounts)}; use --tier transit"
+        )
     with TemporaryDirectory(prefix="prag_asp_") as folder, open_client() as client:
         yield Dynamics(scene, client, write_robot(robot_of(scene), Path(folder)))

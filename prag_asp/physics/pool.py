@@ -6,7 +6,9 @@ because PyBullet does not survive a fork; each keeps one simulator for all its t
 
 from __future__ import annotations
 
+import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -14,7 +16,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import PragError, QueryError, SceneError
@@ -158,12 +160,21 @@ class _Worker:
 _worker: list[_Worker] = []
 
 
+def _end_with_parent() -> None:
+    """End this process when the one that has spawned it is gone, which may have been killed."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
 def _start_worker(scene: Scene) -> None:
     """Prepare a spawned process: no output, no reaction to Ctrl-C (its parent ends it), one validator.
 
     An error is kept for the first chunk to raise: raised here it would only break the pool.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     silence(STDOUT)
     resources = ExitStack()
     try:

@@ -131,6 +131,11 @@ def _state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator)
     simulator.place(moment.poses, moment.openings)
     poses = {entity: simulator.read(entity) for entity in moment.poses}
     situation = _situation(simulator, poses, moment.openings, moment.arms(), moment.robot)
+    for entity, (x, y, yaw) in simulator.scene.fixed.items():
+        if entity in poses:
+            place = Pose((x, y, simulator.scene.shapes[entity].half[2]), yaw_quaternion(yaw))
+            if not _near(place, poses[entity]):
+                yield f"{entity} is not where the scene has it"
     for fact in seen.states[k]:
         if not fact.satisfied(situation):
             yield f"it does not hold that {fact.sentence()}"

@@ -160,6 +160,9 @@ def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) ->
         (["sample", "prag", "-n", "3", "--weight", "apple_1=2"], "interchangeable"),
         (["sample", "blocks", "-n", "3", "--physics"], "no [scene]"),
         (["enumerate", "prag", "-n", "3", "--by", "skeleton", "--format", "jsonl"], "no form jsonl"),
+        (["sample", "blocks", "-n", "3", "--tier", "settling"], "--tier needs physics"),
+        (["sample", "prag", "-n", "3", "--no-physics", "--demonstrate", "recorded"], "--demonstrate needs physics"),
+        (["sample", "prag", "-n", "3", "--no-physics", "--budget", "2x2"], "--budget needs physics"),
         (["validate", "/nowhere.jsonl"], "No such file"),
         (["new", "9 lives"], "9 lives"),
     ],
@@ -168,7 +171,7 @@ def test_bad_input_is_answered_by_a_line_and_exit_code_2(arguments: list[str], w
     done = run(*arguments, cwd=tmp_path)
     assert words in done.stderr
     assert "Traceback" not in done.stderr and done.stdout == ""
-    assert done.returncode == (1 if arguments[0] == "validate" else 2)
+    assert done.returncode == 2
 
 
 def test_a_file_that_holds_no_tasks_is_named_with_its_line(tmp_path: Path) -> None:

@@ -190,6 +190,7 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
     ("violation", "volume", "message"),
     [
         ("1 / 0", "Volume()", r"own\.py:5: odd: ZeroDivisionError: division by zero; mend the file"),
+        ("__import__('sys').exit(0)", "Volume()", r"own\.py:5: odd: SystemExit: 0; mend the file"),
         ("float('nan')", "Volume()", r"own\.py:1: odd: .* returned \[nan\]"),
         ("'near'", "Volume()", r"returned \['near'\]"),
         ("0.0", "None", r"own\.py:1: odd: volume returned None"),

@@ -64,6 +64,11 @@ def test_a_body_that_nothing_moved_but_moves_is_caught(witness, tabletop):
     assert "action 1, pick(panda,cube_1,table_1): brick_1 has moved" in _problems(bad, tabletop)
 
 
+def test_a_fixed_body_that_stands_elsewhere_in_all_states_is_caught(witness, tabletop):
+    moments = tuple(replace(moment, poses=_moved(moment, "bin_1", y=-0.3)) for moment in witness.moments)
+    assert "bin_1 is not where the scene has it" in _problems(replace(witness, moments=moments), tabletop)
+
+
 def test_other_joint_angles_are_caught(witness, tabletop):
     joints = witness.moments[1].joints
     bad = _with_moment(witness, 1, joints=(joints[0] + 0.01, *joints[1:]))

@@ -94,7 +94,7 @@ def _guarded(own: Own, function: Callable[..., Any], fine: Callable[[Any], bool]
             result = function(*arguments, **options)
         except PragError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise SceneError(f"{_place(own.file, error)}: {own.name}: {_told(error)}; mend the file") from error
         if not fine(result):
             raise SceneError(
