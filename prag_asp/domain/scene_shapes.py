@@ -7,7 +7,6 @@ from typing import Any
 
 from prag_asp.domain.scene_model import FURNITURE, HOLLOW, Shape, Size
 from prag_asp.domain.scene_report import MAX_LENGTH, Report, is_number, suggest
-from prag_asp.domain.urdf import read_urdf
 from prag_asp.errors import SceneError
 
 SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
@@ -73,6 +72,8 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
 
 def _urdf(report: Report, key: str, path: object) -> tuple[Shape, ...]:
     """Return the shape of a URDF, given by its path from the folder of the domain."""
+    from prag_asp.domain.urdf import read_urdf  # noqa: PLC0415 - few domains need to read XML
+
     if not isinstance(path, str) or not path:
         report.add(key, f'needs the path of a URDF in the folder of the domain, like "models/mug.urdf"; got {path!r}')
         return ()

@@ -9,12 +9,12 @@ from prag_asp.domain.scene import BODILESS, FURNITURE, Scene, Shape
 from prag_asp.physics.demands import bodies
 from prag_asp.physics.differences import ORIGIN, ROUNDING, Gap, impossible_row, lowest
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap, yaw_quaternion
+from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap
 from prag_asp.physics.mechanism import mechanism
 from prag_asp.physics.predicates import rotated
 from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.robot import robot_of
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Situation, fixed_pose
 
 AXES = ("x", "y", "z")
 NO_CONTAINER = (0.0, 0.0, 0.0)
@@ -147,8 +147,8 @@ def _never_together(facts: Iterable[Fact]) -> str:
 def _still(scene: Scene) -> Situation:
     """Return the situation of the bodies that never move, not even a part of them."""
     poses = {
-        entity: Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
-        for entity, (x, y, yaw) in scene.fixed.items()
+        entity: fixed_pose(scene, entity)
+        for entity in scene.fixed
         if scene.shapes[entity].kind not in (*FURNITURE, *BODILESS)
     }
     return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)

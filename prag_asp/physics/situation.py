@@ -175,6 +175,12 @@ class Situation:
         return Situation(self.scene, self.poses, self.tool, self.width, measured, openings, self.acting, self.others)
 
 
+def fixed_pose(scene: Scene, entity: str) -> Pose:
+    """Return the pose of a body that never moves, as the scene has it."""
+    x, y, yaw = scene.fixed[entity]
+    return Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
+
+
 def _box(pose: Pose, half: Vector) -> Body:
     """Return a pose with a bounding box around it."""
     (x, y, z), (hx, hy, hz) = pose.position, half

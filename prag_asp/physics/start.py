@@ -10,7 +10,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.physics.actions import take_place
 from prag_asp.physics.arm import Configuration, collide
 from prag_asp.physics.facts import BEARING, SUPPORTING, Fact, Problem, of_robot
-from prag_asp.physics.geometry import Pose, yaw_quaternion
+from prag_asp.physics.geometry import Pose
 from prag_asp.physics.handling import draw_openings
 from prag_asp.physics.kinematics import tool_pose
 from prag_asp.physics.meeting import move_over
@@ -19,7 +19,7 @@ from prag_asp.physics.placement import any_support, draw_pose, known_support
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
-from prag_asp.physics.situation import Situation, Standing
+from prag_asp.physics.situation import Situation, Standing, fixed_pose
 
 BACKTRACKS = 12
 """How often a first state goes back to an object that was put down before, instead of beginning anew."""
@@ -104,11 +104,7 @@ def _bring(search: Search, snapshot: Snapshot, problem: Problem) -> Snapshot:
 
 def fixed_poses(search: Search, problem: Problem) -> Mapping[str, Pose]:
     """Return the poses of the objects of a task that never move."""
-    return {
-        entity: Pose((x, y, search.scene.shapes[entity].half[2]), yaw_quaternion(yaw))
-        for entity, (x, y, yaw) in search.scene.fixed.items()
-        if entity in problem.objects
-    }
+    return {entity: fixed_pose(search.scene, entity) for entity in search.scene.fixed if entity in problem.objects}
 
 
 def _arranged(search: Search, problem: Problem, still: Situation) -> Situation:

@@ -15,7 +15,7 @@ from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.geometry import Pose, compose, finite, invert, turn_between, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.simulator import Simulator, open_simulator
-from prag_asp.physics.situation import Situation, Standing
+from prag_asp.physics.situation import Situation, Standing, fixed_pose
 from prag_asp.physics.support import riders, unsupported
 from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint, Witness
 from prag_asp.physics.witness_handling import carried_along, handling_problems, opening_problems, openings_at
@@ -24,7 +24,6 @@ from prag_asp.space.task import Task
 POSITION_TOLERANCE = 1e-4
 TURN_TOLERANCE = 1e-3
 LIMIT_TOLERANCE = 1e-9
-LEVEL_TOLERANCE = 1e-3
 
 
 def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
@@ -131,11 +130,9 @@ def _state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator)
     simulator.place(moment.poses, moment.openings)
     poses = {entity: simulator.read(entity) for entity in moment.poses}
     situation = _situation(simulator, poses, moment.openings, moment.arms(), moment.robot)
-    for entity, (x, y, yaw) in simulator.scene.fixed.items():
-        if entity in poses:
-            place = Pose((x, y, simulator.scene.shapes[entity].half[2]), yaw_quaternion(yaw))
-            if not _near(place, poses[entity]):
-                yield f"{entity} is not where the scene has it"
+    for entity in simulator.scene.fixed:
+        if entity in poses and not _near(fixed_pose(simulator.scene, entity), poses[entity]):
+            yield f"{entity} is not where the scene has it"
     for fact in seen.states[k]:
         if not fact.satisfied(situation):
             yield f"it does not hold that {fact.sentence()}"

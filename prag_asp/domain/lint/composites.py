@@ -119,13 +119,6 @@ def _out_of_order(
     return Complaint(composite, place, words, "number its stages 1, 2, 3, ...")
 
 
-def _too_long(facts: Facts, origins: Origins) -> Iterator[Complaint]:
-    for composite, size in _sizes(facts).items():
-        if size > MOST_ACTIONS:
-            words = f"has {size} actions, more than {MOST_ACTIONS}"
-            yield Complaint(composite, origins.place("composite", composite), words, "split it")
-
-
 def _sizes(facts: Facts) -> Mapping[Symbol, int]:
     """Return the number of actions of each composite; composites form no cycle."""
     sizes: dict[Symbol, int] = {}
