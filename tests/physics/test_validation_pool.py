@@ -121,7 +121,8 @@ if __name__ == "__main__":
     assert done.stdout == b""
 
 
-def test_an_interrupt_ends_all_processes(tmp_path):
+@pytest.mark.parametrize("killed", [False, True])
+def test_an_interrupt_ends_all_processes_and_so_does_killing_the_first(killed, tmp_path):
     script = tmp_path / "endless.py"
     script.write_text(
         "import itertools, sys\n"
@@ -137,13 +138,17 @@ def test_an_interrupt_ends_all_processes(tmp_path):
     with interruptible([sys.executable, str(script)], tmp_path) as running:
         assert running.stdout is not None
         running.stdout.readline()
-        interrupt(running)
+        if killed:
+            running.kill()
+            running.wait()
+        else:
+            interrupt(running)
         assert running.returncode != 0
         assert _ends(running.pid)
 
 
 def _ends(group: int) -> bool:
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 15
     while _group_alive(group) and time.monotonic() < deadline:
         time.sleep(0.05)
     return not _group_alive(group)
