@@ -172,13 +172,29 @@ def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, read
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
     told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
     _declare(grounder, seeds, told)
-    for part in ("step", "hindsight", "check", "ending"):
-        if part == "check":
-            recorder.part = "step"
-            _open_start(grounder, reads)
+    _ground_parts(grounder, recorder, ("step", "hindsight"))
+    if grounder.control.is_conflicting:
+        return _ground_start(program, told, reads)
+    recorder.part = "step"
+    _open_start(grounder, reads)
+    _ground_parts(grounder, recorder, ("check", "ending"))
+    return _recorded(grounder, recorder, reads)
+
+
+def _ground_start(program: Program, told: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
+    """Ground what judges a plan without a step, where no state allows a step: clingo grounds nothing after a conflict."""
+    grounder, recorder = _start(program)
+    recorder.part = "step"
+    _declare(grounder, (), told)
+    _open_start(grounder, reads)
+    _ground_parts(grounder, recorder, ("check", "ending"))
+    return _recorded(grounder, recorder, reads)
+
+
+def _ground_parts(grounder: Grounder, recorder: _Recorder, parts: Iterable[str]) -> None:
+    for part in parts:
         recorder.part = part
         grounder.ground([(part, [NOW])])
-    return _recorded(grounder, recorder, reads)
 
 
 def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:

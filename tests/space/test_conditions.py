@@ -87,6 +87,22 @@ def test_a_space_with_a_condition_is_ranked_and_drawn_as_any_other() -> None:
     assert set(map(str, space.sample(len(tasks), seed=1, weights={}, distinct=True))) == set(map(str, tasks))
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_condition_that_no_word_meets_leaves_nothing_of_any_length(engine: str) -> None:
+    domain = domain_of("action(a). action(b).", "at_most")
+    space = TaskSpace(domain, 0, engine=engine).where("not matches (a | b)*")
+    assert [space.at(length).count() for length in range(3)] == [0, 0, 0]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("never", [":- not miracle.", ":- not occurs(_,t). :- occurs(_,t)."])
+def test_a_goal_judges_the_start_where_no_step_is_possible(engine: str, never: str) -> None:
+    text = f"fluent(done). action(a). initially(done,{{}}). goal(done,true).\n#program step(t). {never}"
+    for value, plans in (("true", 1), ("false", 0)):
+        space = TaskSpace(domain_of(text.format(value), "at_most"), 0, engine=engine)
+        assert [space.at(length).count("plan") for length in range(3)] == [plans, 0, 0]
+
+
 def test_entities_that_a_condition_tells_apart_are_not_interchangeable() -> None:
     space = TaskSpace(load_domain("prag"), 1)
     assert space.where("uses apple").count("plan") == 2 * space.where("uses apple").count()
