@@ -20,9 +20,9 @@ from rich.table import Table
 
 from prag_asp import Scene, TaskSpace, load_domain, load_scene
 from prag_asp.physics import Budget, open_validator
+from prag_asp.physics.demonstration.perform import open_performer
 from prag_asp.physics.facts import Problem, problem
-from prag_asp.physics.perform import open_performer
-from prag_asp.physics.simulator import open_simulator
+from prag_asp.physics.world.simulator import open_simulator
 
 ACCEPTED = Budget(tier="transit")
 KINDS = ("boxes and cans", "balls")

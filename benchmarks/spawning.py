@@ -41,12 +41,12 @@ from spawning_ways import (
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Problem
-from prag_asp.physics.foresight import foresee
-from prag_asp.physics.render import picture
-from prag_asp.physics.search import Search
-from prag_asp.physics.simulator import open_simulator
+from prag_asp.physics.pictures.render import picture
+from prag_asp.physics.search.attempt import Search
+from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import Moment
+from prag_asp.physics.world.simulator import open_simulator
 
 HERE = Path(__file__).parent
 

@@ -39,8 +39,8 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     """
     from prag_asp.domain.load import LEARNED, with_learned
     from prag_asp.domain.sources import Source
-    from prag_asp.physics.learning import proved
-    from prag_asp.physics.schemas import rules, text_of
+    from prag_asp.physics.proofs.learning import proved
+    from prag_asp.physics.proofs.schemas import rules, text_of
 
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
@@ -69,7 +69,7 @@ def require_proofs(domain: Domain) -> None:
     if not domain.learned:
         return
     from prag_asp.domain.load import LEARNED
-    from prag_asp.physics.learning import unproved
+    from prag_asp.physics.proofs.learning import unproved
 
     for fluents in islice(unproved(domain, options.scene_of(domain)), 1):
         told = f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"

@@ -26,7 +26,7 @@ from prag_asp.physics import (
     travel,
     validate_tasks,
 )
-from prag_asp.physics.search import NO_PATH
+from prag_asp.physics.search.attempt import NO_PATH
 
 if TYPE_CHECKING:
     from prag_asp.domain.scene import Scene

@@ -182,7 +182,7 @@ def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, read
 
 
 def _ground_start(program: Program, told: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
-    """Ground what judges a plan without a step, where no state allows a step: clingo grounds nothing after a conflict."""
+    """Ground what judges a plan without a step, where no state allows one: clingo grounds nothing after a conflict."""
     grounder, recorder = _start(program)
     recorder.part = "step"
     _declare(grounder, (), told)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from prag_asp.physics.camera import PicturesMissingError
-from prag_asp.physics.demonstration import Demonstration
-from prag_asp.physics.demonstration_check import check_demonstration
+from prag_asp.physics.demonstration.check import check_demonstration
+from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.perform import demonstrate
 from prag_asp.physics.facts import problem
-from prag_asp.physics.perform import demonstrate
+from prag_asp.physics.motion.transit import travel
+from prag_asp.physics.pictures.camera import PicturesMissingError
+from prag_asp.physics.pictures.render import animate, film_strip, still
 from prag_asp.physics.pool import WorkerError, validate_tasks
 from prag_asp.physics.predicates import PREDICATES, Predicate
-from prag_asp.physics.render import animate, film_strip, still
-from prag_asp.physics.search import CAUSES
-from prag_asp.physics.settling import open_settling, settle
-from prag_asp.physics.transit import travel
+from prag_asp.physics.search.attempt import CAUSES
 from prag_asp.physics.validator import Validator, open_validator, validate_task
 from prag_asp.physics.verdict import TIERS, Budget, Moment, Verdict, Waypoint, Witness
-from prag_asp.physics.witness_check import check_witness, open_witness_check
+from prag_asp.physics.witness.check import check_witness, open_witness_check
+from prag_asp.physics.witness.settling import open_settling, settle
 
 __all__ = [
     "CAUSES",

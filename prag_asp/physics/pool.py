@@ -20,9 +20,9 @@ from multiprocessing import get_context, parent_process
 
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import PragError, QueryError, SceneError
-from prag_asp.physics.silence import STDOUT, silence
 from prag_asp.physics.validator import Validator, open_validator
 from prag_asp.physics.verdict import Budget, Verdict
+from prag_asp.physics.world.silence import STDOUT, silence
 from prag_asp.space.task import Task
 
 CHUNK = 4

@@ -11,19 +11,19 @@ import numpy as np
 
 from prag_asp.domain.scene import Scene, Size
 from prag_asp.errors import SceneError
-from prag_asp.physics.actions import advance
-from prag_asp.physics.demonstration import Demonstration
+from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.perform import Performer, open_performer
 from prag_asp.physics.facts import Effect, Problem, problem
-from prag_asp.physics.foresight import foresee
-from prag_asp.physics.perform import Performer, open_performer
-from prag_asp.physics.proofs import Prover
-from prag_asp.physics.search import CAUSES, NO_PATH, Exhausted, Failure, Search, Snapshot
-from prag_asp.physics.settling import Settling, open_settling
-from prag_asp.physics.simulator import open_simulator
-from prag_asp.physics.spans import foresee_spans
-from prag_asp.physics.start import draw_start
-from prag_asp.physics.transit import with_transit
+from prag_asp.physics.motion.transit import with_transit
+from prag_asp.physics.proofs.prover import Prover
+from prag_asp.physics.search.actions import advance
+from prag_asp.physics.search.attempt import CAUSES, NO_PATH, Exhausted, Failure, Search, Snapshot
+from prag_asp.physics.search.foresight import foresee
+from prag_asp.physics.search.spans import foresee_spans
+from prag_asp.physics.search.start import draw_start
 from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
+from prag_asp.physics.witness.settling import Settling, open_settling
+from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.space.task import Task
 
 

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, get_args
 
 from prag_asp.domain.scene import Size
 from prag_asp.errors import QueryError
-from prag_asp.physics.demonstration import Demonstration
+from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
 

@@ -19,12 +19,12 @@ from prag_asp.physics import (
     dynamics,
     validate_tasks,
 )
-from prag_asp.physics.bodies import mass
+from prag_asp.physics.demonstration.perform import Performer, open_performer
 from prag_asp.physics.facts import problem
-from prag_asp.physics.perform import Performer, open_performer
 from prag_asp.physics.robot import PANDA
-from prag_asp.physics.search import LOST, NOT_REACHED
-from prag_asp.physics.simulator import open_simulator
+from prag_asp.physics.search.attempt import LOST, NOT_REACHED
+from prag_asp.physics.world.bodies import mass
+from prag_asp.physics.world.simulator import open_simulator
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking, state, task
 
@@ -228,7 +228,7 @@ def test_a_recording_that_was_changed_does_not_pass_the_check(stacked, tabletop)
 
 
 def test_the_opening_of_the_gripper_is_the_gap_between_its_pads(tabletop, witness):
-    from prag_asp.physics.bullet import pybullet
+    from prag_asp.physics.world.bullet import pybullet
 
     with dynamics.open_dynamics(tabletop) as world:
         for width in (0.02, 0.05, 0.08):

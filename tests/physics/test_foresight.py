@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from prag_asp.physics import Budget
 from prag_asp.physics.facts import problem
-from prag_asp.physics.foresight import foresee
+from prag_asp.physics.search.foresight import foresee
 from tests.physics.scenarios import state, task
 
 ROW = task(

@@ -22,13 +22,13 @@ from prag_asp.physics import (
     settle,
     validate_task,
 )
-from prag_asp.physics.collisions import arm_collision
 from prag_asp.physics.geometry import Pose, multiply, yaw_quaternion
-from prag_asp.physics.handling import opened
-from prag_asp.physics.kinematics import inverse
 from prag_asp.physics.mechanism import mechanism
-from prag_asp.physics.simulator import open_simulator
+from prag_asp.physics.robot.kinematics import inverse
+from prag_asp.physics.search.handling import opened
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.world.collisions import arm_collision
+from prag_asp.physics.world.simulator import open_simulator
 from tests.physics.scenarios import state, task
 
 FURNITURE = ("drawer_1", "cupboard_1")

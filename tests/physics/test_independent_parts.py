@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from prag_asp.physics.bullet import pybullet, pybullet_data
+from prag_asp.physics.world.bullet import pybullet, pybullet_data
 from tests.independent import panda
 from tests.independent.convex import clearance, depth
 from tests.independent.statics import falling

@@ -18,8 +18,8 @@ from prag_asp.domain.load import Domain, with_learned
 from prag_asp.domain.sources import Source
 from prag_asp.errors import DomainError
 from prag_asp.physics import check_witness, validate_tasks
-from prag_asp.physics.learning import proved, unproved
-from prag_asp.physics.schemas import rules, text_of
+from prag_asp.physics.proofs.learning import proved, unproved
+from prag_asp.physics.proofs.schemas import rules, text_of
 from prag_asp.space.task import Task
 from tests.brute_force import Toy, term
 from tests.domains import domain_of

@@ -17,9 +17,9 @@ from prag_asp.physics import Budget, check_witness, open_validator, validate_tas
 from prag_asp.physics.facts import facts, problem
 from prag_asp.physics.geometry import Pose, yaw_of
 from prag_asp.physics.predicates import Volume, own_predicates, predicate_of
+from prag_asp.physics.search.spans import foresee_spans
+from prag_asp.physics.search.start import order_of
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.spans import foresee_spans
-from prag_asp.physics.start import order_of
 from tests.physics.scenarios import state, task
 
 STUDIO = Path(__file__).parents[2] / "examples" / "own_predicates"
@@ -270,7 +270,7 @@ def test_a_first_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypa
 
     often = found()
     assert often >= 34
-    monkeypatch.setattr("prag_asp.physics.start.BACKTRACKS", 0)
+    monkeypatch.setattr("prag_asp.physics.search.start.BACKTRACKS", 0)
     assert found() < often
 
 

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.geometry import Pose
-from prag_asp.physics.kinematics import inverse, tool_pose
+from prag_asp.physics.motion.route import Load, free_path, straight, vertical
+from prag_asp.physics.motion.trajectory import ACCELERATION, timed
 from prag_asp.physics.robot import PANDA, Joints
-from prag_asp.physics.route import Load, free_path, straight, vertical
-from prag_asp.physics.simulator import Simulator, open_simulator
+from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.trajectory import ACCELERATION, timed
+from prag_asp.physics.world.simulator import Simulator, open_simulator
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 TIME_STEP = 1 / 120

@@ -11,11 +11,11 @@ import pytest
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics import PREDICATES
-from prag_asp.physics.differences import ORIGIN, Gap, impossible_row, lowest
 from prag_asp.physics.facts import Fact, problem
 from prag_asp.physics.geometry import Pose, multiply, yaw_quaternion
 from prag_asp.physics.predicates.gripper import grip_width
-from prag_asp.physics.proofs import Prover, impossibility
+from prag_asp.physics.proofs.differences import ORIGIN, Gap, impossible_row, lowest
+from prag_asp.physics.proofs.prover import Prover, impossibility
 from prag_asp.physics.situation import Situation
 from tests.physics.scenarios import state, task
 

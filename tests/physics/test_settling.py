@@ -15,8 +15,8 @@ from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.geometry import Pose, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import PANDA
-from prag_asp.physics.search import UNSETTLED, UNSTABLE
-from prag_asp.physics.settling import Settling, open_settling
+from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
+from prag_asp.physics.witness.settling import Settling, open_settling
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
 
@@ -79,7 +79,7 @@ def test_bodies_in_each_other_are_driven_apart(settling):
 
 def test_the_search_goes_on_where_a_witness_does_not_settle(tabletop, tabletop_validator, monkeypatch):
     """Switch the analytic check of support off, so that settling has to find what it would have refused."""
-    from prag_asp.physics import moving
+    from prag_asp.physics.search import moving
 
     monkeypatch.setattr(moving, "unsupported", lambda *_: None)
     tower = task(

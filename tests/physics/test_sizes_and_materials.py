@@ -22,8 +22,8 @@ from prag_asp.physics import (
     validate_task,
     validate_tasks,
 )
-from prag_asp.physics.bodies import mass
-from prag_asp.physics.simulator import open_simulator
+from prag_asp.physics.world.bodies import mass
+from prag_asp.physics.world.simulator import open_simulator
 from tests.physics.random_tasks import Rules, random_tasks, scene_table
 from tests.physics.scenarios import stacking
 

@@ -7,7 +7,7 @@ import pytest
 from prag_asp.domain.scene import Material, Scene, Shape
 from prag_asp.physics.geometry import Pose, hull, inside_by, intersection, rectangle, yaw_quaternion
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.support import riders, unsupported
+from prag_asp.physics.world.support import riders, unsupported
 
 PLANK = Shape("box", (0.2, 0.05, 0.02))
 CUBE = Shape("box", (0.05, 0.05, 0.05))

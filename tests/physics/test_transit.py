@@ -9,12 +9,12 @@ import pytest
 from prag_asp.physics import Budget, check_witness, demonstrate
 from prag_asp.physics.facts import problem
 from prag_asp.physics.geometry import Pose
-from prag_asp.physics.kinematics import inverse
+from prag_asp.physics.motion.transit import travel, with_transit
 from prag_asp.physics.robot import PANDA
-from prag_asp.physics.search import NO_PATH
-from prag_asp.physics.simulator import open_simulator
-from prag_asp.physics.transit import travel, with_transit
+from prag_asp.physics.robot.kinematics import inverse
+from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.verdict import TRANSIT, Witness
+from prag_asp.physics.world.simulator import open_simulator
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking
 
@@ -62,7 +62,7 @@ def test_the_independent_check_sees_a_way_through_an_object_and_one_with_its_loa
 
 
 def test_where_no_way_is_found_the_search_goes_on_and_says_so(tabletop, tabletop_validator, monkeypatch):
-    from prag_asp.physics import transit
+    from prag_asp.physics.motion import transit
 
     witness = tabletop_validator.validate(stacking(), seed=1).witness
     monkeypatch.setattr(transit, "checked_path", lambda *_: None)

@@ -13,9 +13,9 @@ import pytest
 from prag_asp.domain.scene import Scene, parse_scene
 from prag_asp.errors import SceneError
 from prag_asp.physics import check_witness, demonstrate, settle, validate_task, validate_tasks
-from prag_asp.physics.bodies import mass
 from prag_asp.physics.geometry import Pose
-from prag_asp.physics.simulator import open_simulator
+from prag_asp.physics.world.bodies import mass
+from prag_asp.physics.world.simulator import open_simulator
 from tests.physics.random_tasks import Rules, scene_table
 from tests.physics.scenarios import stacking
 

@@ -1,0 +1,1 @@
+"""Tasks performed by the robot in a world with forces."""

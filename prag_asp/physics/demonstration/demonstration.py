@@ -1,0 +1,178 @@
+"""What is recorded while the robot performs a task, as arrays that round-trip to a file."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import OutputError, QueryError
+from prag_asp.physics.geometry import Pose
+from prag_asp.physics.robot import robot_of
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.situation import Situation
+
+Floats = NDArray[np.float32]
+Integers = NDArray[np.int32]
+ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
+TEXTS = ("bodies", "objects", "furniture", "cause", "detail")
+FRAMES_A_SECOND = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Demonstration:
+    """A recording at 20 Hz of the robot performing a task: T frames, O objects, F of them furniture, C contacts.
+
+    `times` (T,) in seconds; `joints` (T, 7) in radians; `widths` (T,) how far the gripper is open in metres;
+    `commands` (T, 8) the joint angles and the opening that the motors drive to; `sizes` (O, 3) the sides in metres of
+    the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a quaternion x, y, z, w; `openings`
+    (T, F) how far `furniture` is open in metres or radians;
+    `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the normal force
+    between them in newtons. `ends` holds for each state of the
+    task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
+    where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when.
+    """
+
+    objects: tuple[str, ...]
+    bodies: tuple[str, ...]
+    times: Floats
+    joints: Floats
+    widths: Floats
+    commands: Floats
+    sizes: Floats
+    poses: Floats
+    openings: Floats
+    contacts: Integers
+    forces: Floats
+    ends: Integers
+    furniture: tuple[str, ...] = ()
+    cause: str = ""
+    detail: str = ""
+
+    @property
+    def success(self) -> bool:
+        """Whether every state of the task was reached."""
+        return not self.cause
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether two recordings are the same, bit by bit."""
+        if not isinstance(other, Demonstration):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def sized(self, scene: Scene) -> Scene:
+        """Return a scene with the sizes of the recorded objects.
+
+        Raises:
+            SceneError: the scene does not allow one of them.
+        """
+        pairs = zip(self.objects, self.sizes.tolist(), strict=True)
+        return scene.with_sizes({entity: (x, y, z) for entity, (x, y, z) in pairs if entity in scene.ranges})
+
+    def situation(self, scene: Scene, frame: int) -> Situation:
+        """Return what a frame shows, for predicates to check.
+
+        Raises:
+            SceneError: the scene does not allow the size of an object.
+        """
+        scene = self.sized(scene)
+        arm = np.append(self.joints[frame], self.widths[frame])
+        return situation_of(scene, self.objects, arm, self.poses[frame], self.opened(frame))
+
+    def opened(self, frame: int) -> dict[str, float]:
+        """Return how far furniture is open in a frame, in metres or radians."""
+        return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
+
+    def save(self, path: Path) -> None:
+        """Write the recording as a compressed .npz file, the same bytes for the same recording.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        content: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
+        content |= {name: np.array(getattr(self, name)) for name in TEXTS}
+        try:
+            with path.open("wb") as file:
+                np.savez_compressed(file, **content)
+        except OSError as error:
+            raise OutputError(f"{path}: the demonstration cannot be written: {error}") from error
+
+    @classmethod
+    def load(cls, path: Path) -> Demonstration:
+        """Return the recording that `save` wrote.
+
+        Raises:
+            QueryError: the file cannot be read, or holds something else.
+        """
+        try:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
+                return _from_arrays({name: content[name] for name in (*ARRAYS, *TEXTS)})
+        except (OSError, KeyError, ValueError, IndexError, EOFError, zipfile.BadZipFile) as error:
+            raise QueryError(f"{path}: this is not a demonstration: {error}") from error
+
+
+def situation_of(
+    scene: Scene, objects: Sequence[str], arm: Floats, poses: Floats, openings: Mapping[str, float]
+) -> Situation:
+    """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7).
+
+    `openings` say how far furniture is open, in metres or radians.
+    """
+    *joints, width = arm.tolist()
+    placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
+    return Situation(scene, placed, tool_pose(robot_of(scene), tuple(joints)), width, openings=openings)
+
+
+def pose_of(row: list[float]) -> Pose:
+    """Return a pose from its seven numbers."""
+    x, y, z, qx, qy, qz, qw = row
+    return Pose((x, y, z), (qx, qy, qz, qw))
+
+
+def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
+    """Return a recording from the arrays of a file.
+
+    Raises:
+        ValueError: their shapes do not belong together.
+    """
+    frames, touches = len(content["times"]), len(content["forces"])
+    wanted = {
+        "times": (frames,),
+        "joints": (frames, 7),
+        "widths": (frames,),
+        "commands": (frames, 8),
+        "sizes": (len(content["objects"]), 3),
+        "poses": (frames, len(content["objects"]), 7),
+        "openings": (frames, len(content["furniture"])),
+        "contacts": (touches, 3),
+        "forces": (touches,),
+        "ends": (len(content["ends"]),),
+    }
+    for name, shape in wanted.items():
+        if content[name].shape != shape:
+            raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
+    return Demonstration(
+        objects=tuple(map(str, content["objects"].tolist())),
+        bodies=tuple(map(str, content["bodies"].tolist())),
+        times=content["times"].astype(np.float32),
+        joints=content["joints"].astype(np.float32),
+        widths=content["widths"].astype(np.float32),
+        commands=content["commands"].astype(np.float32),
+        sizes=content["sizes"].astype(np.float32),
+        poses=content["poses"].astype(np.float32),
+        openings=content["openings"].astype(np.float32),
+        furniture=tuple(map(str, content["furniture"].tolist())),
+        contacts=content["contacts"].astype(np.int32),
+        forces=content["forces"].astype(np.float32),
+        ends=content["ends"].astype(np.int32),
+        cause=str(content["cause"]),
+        detail=str(content["detail"]),
+    )

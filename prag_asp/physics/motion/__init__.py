@@ -1,0 +1,1 @@
+"""The ways of an arm through free space, and when it is where."""

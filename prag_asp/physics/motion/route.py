@@ -1,0 +1,155 @@
+"""Find paths of the arm that are free of collisions, with what it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.geometry import Pose, compose, invert, raised, turn_between
+from prag_asp.physics.mechanism import part_pose
+from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
+from prag_asp.physics.robot import Joints, Robot
+from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.world.collisions import arm_collision, colliding
+from prag_asp.physics.world.simulator import Simulator
+from prag_asp.physics.world.support import riders
+
+HEIGHTS = (0.08, 0.16, 0.24)
+STRIDE = 0.06
+RUNGS = 4
+PULL_RUNGS = 6
+STRAIGHT = 1e-3
+
+
+@dataclass(frozen=True)
+class Load:
+    """What moves with the gripper: its opening in metres, the object it holds and the pose of that in its frame."""
+
+    width: float
+    held: str | None = None
+    grasp: Pose | None = None
+
+    @property
+    def acceleration(self) -> float:
+        """How fast the arm may gather speed, in radians a second squared."""
+        return ACCELERATION if self.held is None else LOADED_ACCELERATION
+
+
+def vertical(robot: Robot, one: Joints, two: Joints) -> bool:
+    """Tell whether the tool is straight above or below where it is with other joint angles, turned the same way."""
+    (x, y, _), turn = tool_pose(robot, one)
+    (other_x, other_y, _), other_turn = tool_pose(robot, two)
+    return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT
+
+
+def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
+    """Return a path on which the tool moves straight from one pose to another that is turned the same way."""
+    first, last = tool_pose(simulator.robot, start), tool_pose(simulator.robot, goal)
+    path = [start]
+    for share in np.linspace(0.0, 1.0, RUNGS + 1)[1:-1].tolist():
+        x, y, z = (a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
+        near = tuple(a + share * (b - a) for a, b in zip(start, goal, strict=True))
+        path.append(adjusted(simulator.robot, Pose((x, y, z), last.quaternion), near) or near)
+    return [*path, goal]
+
+
+def pulled(robot: Robot, situation: Situation, grip: Pose, waypoint: Waypoint, start: Joints) -> list[Joints]:
+    """Return a path on which the tool follows the handle of furniture from where it is to a waypoint.
+
+    `grip` is the pose of the tool in the frame of the moving part.
+    """
+    assert waypoint.held is not None and waypoint.opening is not None
+    shape, pose, begun = situation.shape(waypoint.held), situation.pose(waypoint.held), situation.opening(waypoint.held)
+    path = [start]
+    for share in np.linspace(0.0, 1.0, PULL_RUNGS + 1)[1:].tolist():
+        part = part_pose(shape, pose, begun + share * (waypoint.opening - begun))
+        path.append(adjusted(robot, compose(part, grip), path[-1]) or waypoint.joints)
+    return path
+
+
+def free_path(
+    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+) -> NDArray[np.float64] | None:
+    """Return the joint angles of every time step on a free way, shape (steps, 7); None where none is found."""
+    for path in _ways(simulator, start, goal):
+        angles = timed(path, time_step, load.acceleration, simulator.robot.speed)
+        if _free(simulator, situation, load, start, angles):
+            return angles
+    return None
+
+
+def checked_path(
+    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+) -> tuple[Joints, ...] | None:
+    """Return joint angles on a free way, each a stride after the last; None where none is found.
+
+    The ends are left out. Straight up and down there is one way only.
+    """
+    if vertical(simulator.robot, start, goal):
+        rungs = tuple(straight(simulator, start, goal)[1:-1])
+        carried = _carried(situation, load)
+        return rungs if all(_free_at(simulator, situation, load, carried, joints) for joints in rungs) else None
+    angles = free_path(simulator, situation, load, start, goal, time_step)
+    return None if angles is None else tuple(_strides(start, angles))
+
+
+def _ways(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
+    """Yield paths to try, the shortest first: direct, then over what stands around."""
+    yield start, goal
+    for height in HEIGHTS:
+        over_start, over_goal = _above(simulator, start, height), _above(simulator, goal, height)
+        if over_start is not None and over_goal is not None:
+            yield start, over_start, over_goal, goal
+        if over_start is not None:
+            yield start, over_start, goal
+        if over_goal is not None:
+            yield start, over_goal, goal
+    folded = simulator.robot.home[1:]
+    yield start, (start[0], *folded), (goal[0], *folded), goal
+
+
+def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None:
+    """Return joint angles near to others with the tool higher, None where there are none."""
+    return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
+
+
+def _free(simulator: Simulator, situation: Situation, load: Load, start: Joints, angles: NDArray[np.float64]) -> bool:
+    """Tell whether the arm and what it holds meet nothing on the way; both ends are taken to be free."""
+    carried = _carried(situation, load)
+    return all(_free_at(simulator, situation, load, carried, joints) for joints in _strides(start, angles))
+
+
+def _strides(start: Joints, angles: NDArray[np.float64]) -> Iterator[Joints]:
+    """Yield joint angles of a way, `STRIDE` apart, without its ends."""
+    before, last = np.array(start), angles[-1]
+    for row in angles:
+        if np.abs(row - before).max() >= STRIDE:
+            if np.abs(row - last).max() < STRIDE / 2:
+                return
+            before = row
+            yield tuple(row.tolist())
+
+
+def _carried(situation: Situation, load: Load) -> list[str]:
+    """Return what moves with the gripper: what it holds, and what rests on that."""
+    if load.held is None:
+        return []
+    return [load.held, *riders(situation, load.held, [other for other in situation.poses if other != load.held])]
+
+
+def _free_at(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> bool:
+    """Tell whether the arm and what it carries meet nothing at joint angles."""
+    tool = tool_pose(simulator.robot, joints)
+    if load.held is not None and load.grasp is not None:
+        delta = compose(compose(tool, load.grasp), invert(situation.poses[load.held]))
+        moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}
+        situation = situation.with_poses({**situation.poses, **moved})
+        if colliding(simulator, situation, carried, list(situation.poses)) is not None:
+            return False
+    placed = situation.with_tool(tool, load.width)
+    return arm_collision(simulator, placed, joints, load.width, load.held) is None

@@ -1,0 +1,87 @@
+"""Find the ways of the arm between the waypoints of a witness, and add them: then it says all that the arm does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from prag_asp.domain.scene import Scene
+from prag_asp.physics.facts import Effect, Problem, problem
+from prag_asp.physics.geometry import Pose, compose
+from prag_asp.physics.motion.route import Load, checked_path
+from prag_asp.physics.motion.standing import situation_with
+from prag_asp.physics.robot import robot_of
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.search.handling import opened
+from prag_asp.physics.search.moving import with_riders
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint, Witness
+from prag_asp.physics.world.dynamics import TIME_STEP
+from prag_asp.physics.world.simulator import Simulator, open_simulator
+from prag_asp.space.task import Task
+
+Motion = tuple[Waypoint, ...]
+
+
+def with_transit(simulator: Simulator, seen: Problem, witness: Witness) -> Witness | None:
+    """Return a witness with the waypoints of free ways between its own, None where a way is not found.
+
+    On the way neither the arm nor what it carries meets anything. What a witness already has is found anew.
+    """
+    motions = []
+    for k, effect in enumerate(seen.effects):
+        own = tuple(waypoint for waypoint in witness.motions[k] if waypoint.name != TRANSIT)
+        motion = _motion(simulator, effect, own, witness.moments[k], witness.moments[k + 1])
+        if motion is None:
+            return None
+        motions.append(motion)
+    return replace(witness, motions=tuple(motions))
+
+
+def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
+    """Return a witness with the waypoints of free ways between its own, None where a way is not found.
+
+    Raises:
+        SceneError: the task speaks about something for which the scene has no shape.
+    """
+    with open_simulator(scene) as simulator:
+        return with_transit(simulator, problem(task, scene), witness)
+
+
+def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, after: Moment) -> Motion | None:
+    """Return the waypoints of an action with those of free ways in between, None where a way is not found."""
+    found: list[Waypoint] = []
+    arms, poses, openings = before.arms(), _relocated(effect, before, after), before.openings
+    for waypoint in own:
+        arm = arms[waypoint.robot]
+        grasp = arm.grasp if arm.held == waypoint.held else after.arms()[waypoint.robot].grasp
+        load = Load(waypoint.width, waypoint.held, grasp if waypoint.held is not None else None)
+        situation = situation_with(simulator.scene, poses, openings, arms, waypoint.robot)
+        if waypoint.opening is not None:  # the way of a handle has been checked step by step
+            moved = opened(situation, str(waypoint.held), waypoint.opening, list(poses))
+            poses, openings = moved.poses, moved.openings
+        elif waypoint.joints != arm.joints:
+            simulator.turn_to(waypoint.robot)
+            way = checked_path(simulator, situation, load, arm.joints, waypoint.joints, TIME_STEP)
+            if way is None:
+                return None
+            robot = waypoint.robot
+            found += [Waypoint(TRANSIT, each, waypoint.width, waypoint.held, robot=robot) for each in way]
+            poses = _carried(situation, load, tool_pose(robot_of(simulator.scene, robot), waypoint.joints))
+        found.append(waypoint)
+        arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width, waypoint.held, load.grasp)
+    return tuple(found)
+
+
+def _relocated(effect: Effect, before: Moment, after: Moment) -> Mapping[str, Pose]:
+    """Return where objects are when the arm begins to move: those that no gripper moves have moved by then."""
+    if (effect.grasps, effect.releases, effect.holds) == (None, None, None):
+        return after.poses
+    return before.poses
+
+
+def _carried(situation: Situation, load: Load, tool: Pose) -> Mapping[str, Pose]:
+    """Return where the objects are after the gripper has carried its load to a pose of the tool."""
+    if load.held is None or load.grasp is None:
+        return situation.poses
+    return with_riders(situation, load.held, compose(tool, load.grasp), situation.poses)

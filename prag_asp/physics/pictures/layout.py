@@ -1,0 +1,94 @@
+"""Put pictures with captions on one sheet of paper."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from prag_asp.physics.pictures.camera import pillow
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+INK, QUIET, PAPER = (33, 37, 41), (108, 117, 125), (255, 255, 255)
+MARGIN, GUTTER = 14, 12
+HEADING, TEXT = 17, 14
+HEADING_LINE, TEXT_LINE = 22, 19
+ABOVE, BETWEEN = 8, 4
+
+
+class Panel(NamedTuple):
+    """A picture with a heading and a text to stand under it."""
+
+    image: Image.Image
+    heading: str
+    text: str = ""
+
+
+def sheet(panels: Sequence[Panel], columns: int, *, lines: int = 1) -> Image.Image:
+    """Return panels of one size in even rows of at most `columns`, each picture above its words.
+
+    There is room for headings of `lines` lines at least.
+    """
+    from PIL import ImageDraw  # noqa: PLC0415 - pictures are optional
+
+    width, height = panels[0].image.size
+    large, small = _font(HEADING), _font(TEXT)
+    written = [(wrap(panel.heading, large, width - 2), wrap(panel.text, small, width - 2)) for panel in panels]
+    columns = math.ceil(len(panels) / math.ceil(len(panels) / columns))
+    rows = [range(begin, min(begin + columns, len(panels))) for begin in range(0, len(panels), columns)]
+    rooms = [max(_room(*written[i], lines) for i in row) for row in rows]
+    total = (
+        len(rows[0]) * (width + GUTTER) - GUTTER + 2 * MARGIN,
+        sum(height + room for room in rooms) + (len(rows) - 1) * GUTTER + 2 * MARGIN,
+    )
+    page: Image.Image = pillow().new("RGB", total, PAPER)
+    pen = ImageDraw.Draw(page)
+    y = MARGIN
+    for row, room in zip(rows, rooms, strict=True):
+        for column, i in enumerate(row):
+            x = MARGIN + column * (width + GUTTER)
+            page.paste(panels[i].image, (x, y))
+            _write(pen, (x + 2, y + height + ABOVE), written[i], (large, small))
+        y += height + room + GUTTER
+    return page
+
+
+def line_count(panels: Sequence[Panel]) -> int:
+    """Return how many lines the longest heading of some panels takes."""
+    return max(len(wrap(panel.heading, _font(HEADING), panel.image.width - 2)) for panel in panels)
+
+
+def wrap(text: str, font: Any, width: int) -> list[str]:
+    """Return a text in lines that fit a width in pixels; a longer word has a line of its own."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and font.getlength(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def _font(size: int) -> Any:
+    """Return the font of words that are `size` pixels high."""
+    from PIL import ImageFont  # noqa: PLC0415 - pictures are optional
+
+    return ImageFont.load_default(size=size)
+
+
+def _room(heading: Sequence[str], text: Sequence[str], lines: int) -> int:
+    """Return how high the words of a panel are, in pixels."""
+    return ABOVE + HEADING_LINE * max(lines, len(heading)) + (BETWEEN + TEXT_LINE * len(text) if text else 0)
+
+
+def _write(pen: Any, at: tuple[int, int], written: tuple[list[str], list[str]], fonts: tuple[Any, Any]) -> None:
+    """Write the lines of a heading and of a text at a place in pixels."""
+    (x, y), (heading, text) = at, written
+    for line in heading:
+        pen.text((x, y), line, font=fonts[0], fill=INK)
+        y += HEADING_LINE
+    for number, line in enumerate(text):
+        pen.text((x, y + BETWEEN + TEXT_LINE * number), line, font=fonts[1], fill=QUIET)

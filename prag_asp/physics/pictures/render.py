@@ -1,0 +1,212 @@
+"""Draw witnesses and demonstrations: film strips of the states with captions, single states, and animations."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from prag_asp.domain.atom import Atom
+from prag_asp.domain.scene import Scene
+from prag_asp.errors import OutputError, QueryError
+from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
+from prag_asp.physics.facts import Fact, facts
+from prag_asp.physics.pictures.camera import picture, pillow
+from prag_asp.physics.pictures.layout import Panel, line_count, sheet
+from prag_asp.physics.predicates.predicate import words
+from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.space.task import Task
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+RATE = 10
+"""Frames of an animation a second."""
+
+LAST_PAUSE = 1500
+"""Milliseconds for which an animation stops at its end."""
+TOLD_FIRST = (
+    "holding",
+    "on_top",
+    "inside",
+    "located",
+    "between",
+    "rotated",
+    "aligned",
+    "left_of",
+    "right_of",
+    "in_front_of",
+    "behind",
+    "near",
+    "far",
+    "upright",
+    "is_open",
+    "is_closed",
+    "at",
+)
+UNTOLD = ("reachable", "gripper_open")
+
+
+def film_strip(
+    task: Task,
+    shown: Witness | Demonstration,
+    scene: Scene,
+    *,
+    frames: int | None = None,
+    columns: int = 6,
+    size: tuple[int, int] = (360, 320),
+    headings: Sequence[str] | None = None,
+) -> Image.Image:
+    """Return a picture of the states of a witness or a demonstration, or of `frames` of them with first and last.
+
+    They stand side by side, at most `columns` in a row; `size` is that of one frame in pixels. Under each stand the
+    action and what it made true, in plain words; `headings` replace the words for the actions.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed.
+        QueryError: less than two frames or no columns are asked for, or what is shown belongs to another task.
+        SceneError: the scene does not allow the size of an object.
+    """
+    if (frames is not None and frames < 2) or columns < 1:
+        raise QueryError(f"a film strip needs at least 2 frames and 1 column; got {frames} and {columns}")
+    moments = _moments(task, shown)
+    _check_headings(task, headings)
+    pillow()
+    last = len(task.actions)
+    chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
+    with open_simulator(_sized(shown, scene), visual=True) as simulator:
+        pictures = [picture(simulator, moments[k], size) for k in chosen]
+    captions = [_caption(task, scene, k, headings) for k in chosen]
+    return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
+
+
+def still(
+    task: Task, shown: Witness | Demonstration, scene: Scene, state: int, *, size: tuple[int, int] = (960, 800)
+) -> Image.Image:
+    """Return a picture of one state, 0 for the initial one, without words; `size` in pixels.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed.
+        QueryError: the task has no such state, or what is shown belongs to another task.
+        SceneError: the scene does not allow the size of an object.
+    """
+    moments = _moments(task, shown)
+    if not 0 <= state < len(moments):
+        raise QueryError(f"state {state}: the states of the task are 0 to {len(moments) - 1}")
+    pillow()
+    with open_simulator(_sized(shown, scene), visual=True) as simulator:
+        return picture(simulator, moments[state], size)
+
+
+def animate(
+    task: Task,
+    demonstration: Demonstration,
+    scene: Scene,
+    path: Path,
+    *,
+    size: tuple[int, int] = (400, 350),
+    speed: float = 2.0,
+    headings: Sequence[str] | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> None:
+    """Write an animation of a demonstration, `speed` times as fast: a .gif or .webp, by the name of the file.
+
+    It shows `RATE` frames a second in `size` pixels, and under each the action that is performed. `progress` is told
+    how many frames of how many are drawn.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed.
+        QueryError: the file is neither .gif nor .webp, the speed is not positive, or the demonstration belongs to
+            another task.
+        OutputError: the file cannot be written.
+    """
+    if path.suffix not in (".gif", ".webp"):
+        raise QueryError(f"{path}: an animation is a .gif or a .webp")
+    if not 0.0 < speed < math.inf:
+        raise QueryError(f"the speed of an animation is a positive number; got {speed}")
+    _moments(task, demonstration)
+    _check_headings(task, headings)
+    pillow()
+    every = max(1, round(speed * FRAMES_A_SECOND / RATE))
+    frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
+    panels = []
+    with open_simulator(demonstration.sized(scene), visual=True) as simulator:
+        for frame in frames:
+            k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
+            shown = picture(simulator, _moment(demonstration, frame), size)
+            panels.append(Panel(shown, _caption(task, scene, k, headings)[0]))
+            progress(len(panels), len(frames))
+    pictures = [sheet([panel], 1, lines=line_count(panels)) for panel in panels]
+    times = demonstration.times[frames] * 1000 / speed
+    pauses = [*(int(pause) for pause in np.round(np.diff(times))), LAST_PAUSE]
+    try:
+        pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0)
+    except OSError as error:
+        raise OutputError(f"{path}: the animation cannot be written: {error}") from error
+
+
+def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
+    """Return the states of a task as a witness or a demonstration has them.
+
+    Raises:
+        QueryError: they are not as many as the task has.
+    """
+    if isinstance(shown, Witness):
+        moments, what = shown.moments, "witness"
+    else:
+        moments, what = tuple(_moment(shown, frame) for frame in shown.ends.tolist()), "demonstration"
+    if len(moments) != len(task.actions) + 1:
+        raise QueryError(f"the {what} has {len(moments)} states, the task {len(task.actions)} actions")
+    return moments
+
+
+def _sized(shown: Witness | Demonstration, scene: Scene) -> Scene:
+    """Return a scene with the sizes of what is shown."""
+    return scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized(scene)
+
+
+def _moment(demonstration: Demonstration, frame: int) -> Moment:
+    """Return what a frame of a demonstration shows."""
+    poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
+    joints, width = tuple(demonstration.joints[frame].tolist()), float(demonstration.widths[frame])
+    return Moment(poses, joints, width, openings=demonstration.opened(frame))
+
+
+def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
+    """Check that there is a heading for each action.
+
+    Raises:
+        QueryError: there is not.
+    """
+    if headings is not None and len(headings) != len(task.actions):
+        raise QueryError(f"{len(headings)} headings are given for {len(task.actions)} actions")
+
+
+def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str] | None) -> tuple[str, str]:
+    """Return the heading of a frame and what it shows, in plain words."""
+    if k == 0:
+        return "start", _told([fact for fact in facts(scene, task.initial) if fact.value])
+    made = [fact for fact in facts(scene, task.subgoals[k - 1]) if fact.value]
+    undone = [fact for fact in facts(scene, task.subgoals[k - 1]) if not fact.value]
+    heading = headings[k - 1] if headings is not None else _action_words(task.actions[k - 1], scene)
+    return f"{k}. {heading}", _told(made or undone[:1])
+
+
+def _action_words(action: Atom, scene: Scene) -> str:
+    """Return an action in plain words: its name and its arguments but a single robot."""
+    robots = {entity for entity, shape in scene.shapes.items() if shape.kind == "robot" and len(scene.mounts) == 1}
+    return " ".join(words(part) for part in (action.name, *action.arguments) if part not in robots)
+
+
+def _told(made: Sequence[Fact]) -> str:
+    """Return what is most worth telling of some facts; relations of the domain's own come first."""
+    order = {name: position for position, name in enumerate(TOLD_FIRST)}
+    worth = (fact for fact in made if fact.predicate.name not in UNTOLD)
+    known = sorted(worth, key=lambda fact: order.get(fact.predicate.name, -1))
+    told = known[:2] or list(made[:1])
+    return ", ".join(fact.sentence() for fact in told)

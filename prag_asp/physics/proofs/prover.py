@@ -1,0 +1,190 @@
+"""Proofs that no arrangement of the bodies can satisfy the facts of a state, whatever their poses.
+
+A proof takes for granted the definitions of the predicates, where the fixed bodies are, and three rules of every scene:
+a gripper holds one body at a time, it is not open while it holds one, and nothing rests on a ball. The workspace
+says where the search puts bodies, not where they can be, so no proof reads it. What is proved of some facts is so of
+more facts, too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from prag_asp.domain.atom import Atom
+from prag_asp.domain.scene import Scene
+from prag_asp.physics.facts import Fact, Problem
+from prag_asp.physics.proofs.demands import Demand, all_demands, bodies
+from prag_asp.physics.proofs.differences import Gap, Node
+from prag_asp.physics.proofs.reasons import (
+    AXES,
+    gap_reasons,
+    gripper_reasons,
+    own_reasons,
+    reach_reasons,
+    room_reasons,
+    turn_reasons,
+)
+
+REMEMBERED = 1 << 14
+"""How many groups of facts a prover keeps in mind."""
+
+
+@dataclass(frozen=True)
+class Impossibility:
+    """A proof that a state cannot be: the reason in words, and the facts that it follows from.
+
+    None of the facts can be left out. `state` counts from 0, the initial state; `after` is the action that leads to
+    the state, None at the start.
+    """
+
+    reason: str
+    facts: tuple[Fact, ...]
+    state: int
+    after: Atom | None
+
+    def __str__(self) -> str:
+        where = "the initial state" if self.after is None else f"the state after {self.after}"
+        return f"{where}: {self.reason}"
+
+
+class Prover:
+    """Proves states of one scene impossible; it remembers what each fact demands."""
+
+    def __init__(self, scene: Scene):
+        self._scene = scene
+        self._demands: dict[Fact, tuple[Demand, ...]] = {}
+        self._alone: dict[Fact, str | None] = {}
+        self._links: dict[Fact, frozenset[str]] = {}
+        self._known: dict[frozenset[Fact], str | None] = {}
+
+    def impossibility(self, problem: Problem) -> Impossibility | None:
+        """Return a proof that a task is infeasible, None where nothing is proved."""
+        seen = set[Fact]()
+        for k, facts in enumerate(problem.states):
+            fresh = [fact for fact in facts if fact not in seen]
+            seen.update(fresh)
+            if next(self._reasons(facts, fresh), None) is not None:
+                least = self.fewest(facts)
+                reason = next(self._reasons(least, least))
+                return Impossibility(reason, least, k, problem.effects[k - 1].action if k else None)
+        return None
+
+    def refutation(self, facts: Sequence[Fact]) -> str | None:
+        """Return why some facts cannot hold together, None where nothing is proved."""
+        return next(self._reasons(facts, facts), None)
+
+    def fewest(self, facts: Sequence[Fact]) -> tuple[Fact, ...]:
+        """Return facts of some that cannot hold together, none of which can be left out."""
+        left = list(facts)
+        for fact in facts:
+            fewer = [other for other in left if other != fact]
+            if self.refutation(fewer) is not None:
+                left = fewer
+        return tuple(left)
+
+    def _reasons(self, facts: Sequence[Fact], fresh: Collection[Fact]) -> Iterator[str]:
+        """Yield why facts cannot hold together; no such reason lacks all the `fresh` ones."""
+        for fact in fresh:
+            reason = self._never(fact)
+            if reason is not None:
+                yield reason
+        new = [fact for fact in fresh if fact.value]
+        if not new:
+            return
+        true = [fact for fact in facts if fact.value]
+        yield from gap_reasons(true)
+        yield from gripper_reasons(true)
+        yield from turn_reasons(true, self._scene)
+        for group in self._groups(true):
+            if not group.isdisjoint(new):
+                reason = self._together(group)
+                if reason is not None:
+                    yield reason
+
+    def _groups(self, true: Iterable[Fact]) -> list[frozenset[Fact]]:
+        """Return the facts that demand places, together where one body that can move, or a gripper, links them.
+
+        The places of other bodies are known, so a row of demands that cannot be met lies within one group.
+        """
+        groups: list[tuple[set[str], list[Fact]]] = []
+        for fact in true:
+            names, members = set(self._linked(fact)), [fact]
+            if not names:
+                continue
+            apart = []
+            for group in groups:
+                if group[0].isdisjoint(names):
+                    apart.append(group)
+                else:
+                    names |= group[0]
+                    members = [*group[1], *members]
+            groups = [*apart, (names, members)]
+        return [frozenset(members) for _, members in groups]
+
+    def _linked(self, fact: Fact) -> frozenset[str]:
+        """Return what a fact demands places of: bodies that can move and grippers; found once."""
+        known = self._links.get(fact)
+        if known is None:
+            names = (name for _, gap in self._demanded(fact) for name, _ in gap[:2])
+            known = self._links[fact] = frozenset(name for name in names if name and name not in self._scene.fixed)
+        return known
+
+    def _together(self, group: frozenset[Fact]) -> str | None:
+        """Return why facts of a group cannot hold together, None where nothing is proved; found once."""
+        if group not in self._known:
+            if len(self._known) >= REMEMBERED:
+                self._known.clear()
+            self._known[group] = next(self._room(group), None)
+        return self._known[group]
+
+    def _room(self, group: frozenset[Fact]) -> Iterator[str]:
+        """Yield why there are no places for the bodies of some facts."""
+        true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
+        gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
+        for fact in true:
+            for axis, gap in self._demanded(fact):
+                gaps[axis][gap] = None
+        for axis in range(len(AXES)):
+            yield from room_reasons(true, axis, list(gaps[axis]))
+        yield from reach_reasons(true, self._scene, gaps)
+
+    def _demanded(self, fact: Fact) -> tuple[Demand, ...]:
+        """Return what a fact demands of places whatever the sizes of its bodies, which is worked out once."""
+        known = self._demands.get(fact)
+        if known is None:
+            first, *others = (_lengths(all_demands(fact, sized)) for sized in self._sized(fact))
+            common = [demanded for demanded in first if all(demanded in other for other in others)]
+            known = self._demands[fact] = tuple(
+                (axis, Gap(low, high, min(found[axis, low, high] for found in (first, *others))))
+                for axis, low, high in common
+            )
+        return known
+
+    def _never(self, fact: Fact) -> str | None:
+        """Return why a fact can never hold, whatever else does and however large its bodies are; found once."""
+        if fact not in self._alone:
+            reasons = [next(own_reasons(fact, sized), None) for sized in self._sized(fact)]
+            self._alone[fact] = None if None in reasons else reasons[0]
+        return self._alone[fact]
+
+    def _sized(self, fact: Fact) -> Iterator[Scene]:
+        """Yield the scene with each choice of sizes for the bodies of a fact."""
+        drawn = [entity for entity in bodies(fact, self._scene) if entity in self._scene.ranges]
+        for shapes in product(*(self._scene.ranges[entity] for entity in drawn)):
+            yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
+
+
+def impossibility(problem: Problem, scene: Scene) -> Impossibility | None:
+    """Return a proof that a task is infeasible, None where nothing is proved."""
+    return Prover(scene).impossibility(problem)
+
+
+def _lengths(found: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:
+    """Return the greatest difference that is demanded of two coordinates along an axis."""
+    lengths: dict[tuple[int, Node, Node], float] = {}
+    for axis, (low, high, least) in found:
+        lengths[axis, low, high] = max(least, lengths.get((axis, low, high), -math.inf))
+    return lengths

@@ -1,0 +1,154 @@
+"""Why facts cannot hold, in words: what is too large, what excludes what, what finds no room."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+from prag_asp.domain.scene import BODILESS, FURNITURE, Scene, Shape
+from prag_asp.physics.facts import Fact
+from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap
+from prag_asp.physics.mechanism import mechanism
+from prag_asp.physics.predicates import rotated
+from prag_asp.physics.predicates.beside import DIRECTIONS
+from prag_asp.physics.proofs.demands import bodies
+from prag_asp.physics.proofs.differences import ORIGIN, ROUNDING, Gap, impossible_row, lowest
+from prag_asp.physics.robot import robot_of
+from prag_asp.physics.situation import Situation, fixed_pose
+
+AXES = ("x", "y", "z")
+NO_CONTAINER = (0.0, 0.0, 0.0)
+SUPPORTS = ("on_top", "inside", "located")
+
+
+def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
+    """Yield why a fact can never hold, whatever else does."""
+    if fact.value and len(set(fact.arguments)) < len(fact.arguments):
+        yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
+        return
+    yield from _size_reasons(fact, scene)
+    entities = () if fact.predicate.of_gripper else bodies(fact, scene)
+    still = _still(scene)
+    if entities and all(entity in still.poses for entity in entities) and not fact.satisfied(still):
+        yield f"{fact.sentence()} cannot hold, for nothing of it can move"
+
+
+def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
+    """Yield why a body is too large for the gripper or a container however it is turned."""
+    name = fact.predicate.name
+    if not fact.value:
+        return
+    if name == "holding":
+        entity, opening = fact.arguments[1], robot_of(scene, fact.arguments[0]).opening
+        narrowest = min(scene.shapes[entity].size)
+        if narrowest > opening:
+            yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
+    elif name in ("inside", "located"):
+        entity, container = fact.arguments
+        shape = scene.shapes[container]
+        if name == "located" and shape.kind == "table":
+            return
+        inner = mechanism(shape).cavity if shape.kind in FURNITURE else cavity(shape)
+        if inner == NO_CONTAINER:
+            yield f"{container} is not a container, so {entity} cannot be in it"
+        elif _too_large(scene.shapes[entity], inner[0], inner[1]):
+            yield f"{entity} is larger than the cavity of {container}"
+    elif name == "on_top" and scene.shapes[fact.arguments[1]].kind == "sphere":
+        yield f"nothing rests on {fact.arguments[1]}, which is a ball"
+
+
+def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
+    """Tell whether no shadow of a body fits a rectangle.
+
+    The width of a shadow is never less than that of the body, and the area of the shadow of a convex body
+    never less than that of its smallest shadow.
+    """
+    small, middle, _ = sorted(shape.size)
+    area = small * middle * (math.pi / 4 if shape.kind in ("sphere", "cylinder") else 1.0)
+    return small > min(inner_x, inner_y) or area > inner_x * inner_y
+
+
+def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
+    """Yield objects that are both near each other and far from each other."""
+    near = {frozenset(fact.arguments) for fact in true if fact.predicate.name == "near"}
+    for fact in true:
+        if near and fact.predicate.name == "far" and frozenset(fact.arguments) in near:
+            yield f"{' and '.join(fact.arguments)} cannot be near and far at once"
+
+
+def gripper_reasons(true: Iterable[Fact]) -> Iterator[str]:
+    """Yield why a gripper cannot do two things at once."""
+    held: dict[str, str] = {}
+    opened = set()
+    for fact in true:
+        robot = fact.arguments[0]
+        if fact.predicate.name == "gripper_open":
+            opened.add(robot)
+        elif fact.predicate.name == "holding":
+            other = held.setdefault(robot, fact.arguments[1])
+            if other != fact.arguments[1]:
+                yield f"the gripper cannot hold {other} and {fact.arguments[1]} at once"
+    for robot in sorted(opened & held.keys()):
+        yield f"the gripper cannot be open while it holds {held[robot]}"
+
+
+def turn_reasons(true: Iterable[Fact], scene: Scene) -> Iterator[str]:
+    """Yield bodies that would be turned in two ways."""
+    turned: dict[str, str] = {}
+    for fact in true:
+        if fact.predicate.name == "rotated":
+            entity, rotation = fact.arguments
+            other = turned.setdefault(entity, rotation)
+            between = abs(wrap(scene.rotations[rotation] - scene.rotations[other]))
+            if between > 2 * rotated.TOLERANCE:
+                yield f"{entity} cannot be turned {other} and {rotation} at once"
+
+
+def room_reasons(true: Iterable[Fact], axis: int, gaps: Sequence[Gap]) -> Iterator[str]:
+    """Yield circles of relations, rows that are longer than the room for them, and places that exclude each other."""
+    row = impossible_row(gaps)
+    if not row:
+        return
+    names = ", ".join(dict.fromkeys(entity for entity, _ in row if entity))
+    predicates = {fact.predicate.name for fact in true}
+    if ORIGIN not in row and predicates <= {*DIRECTIONS, "on_top", "inside"}:
+        yield f"the relations along {AXES[axis]} form a circle: {names}"
+    elif predicates & DIRECTIONS.keys():
+        yield f"there is no room along {AXES[axis]} for the row {names}"
+    else:
+        yield _never_together(true)
+
+
+def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Gap]]) -> Iterator[str]:
+    """Yield why a body is too near or too far for the gripper wherever the facts let it be."""
+    wanted = [fact.arguments for fact in true if fact.predicate.name == "reachable"]
+    if not any(fact.predicate.name in SUPPORTS and fact.arguments[1] in scene.fixed for fact in true):
+        return
+    least = [lowest(gaps[axis], ORIGIN) for axis in (0, 1)]
+    most = [lowest((Gap(high, low, length) for low, high, length in gaps[axis]), ORIGIN) for axis in (0, 1)]
+    for name, entity in wanted:
+        robot, node = robot_of(scene, name), (entity, "centre")
+        nearest, farthest = robot.reach
+        base = robot.base.position
+        # All are within the square around the ring.
+        sides = [(least[axis][node] - base[axis], -most[axis][node] - base[axis]) for axis in (0, 1)]
+        near = math.hypot(*(max(low, -high, 0.0) for low, high in sides))
+        far = math.hypot(*(max(-low, high) for low, high in sides))
+        if near > farthest + ROUNDING or far < nearest - ROUNDING:
+            yield _never_together(true)
+
+
+def _never_together(facts: Iterable[Fact]) -> str:
+    """Return in words that facts exclude each other."""
+    *others, last = [fact.sentence() for fact in facts]
+    return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
+
+
+def _still(scene: Scene) -> Situation:
+    """Return the situation of the bodies that never move, not even a part of them."""
+    poses = {
+        entity: fixed_pose(scene, entity)
+        for entity in scene.fixed
+        if scene.shapes[entity].kind not in (*FURNITURE, *BODILESS)
+    }
+    return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)

@@ -1,0 +1,224 @@
+"""Proofs about single entities as rules about their classes: as general as can be said without saying too much.
+
+A rule is as general as it may be where each of its instances is proved, and for the same reason; an instance that
+the domain forbids anyway does no harm.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, product
+
+from prag_asp.domain.atom import Atom
+from prag_asp.domain.facts import Facts
+from prag_asp.physics.predicates.predicate import words
+from prag_asp.physics.proofs.learning import Fluents, Proofs
+
+VARIABLES = "XYZVWUTSRQ"
+LINE = 120
+ANYTHING = ""
+"""Stands for all entities, where others are the members of a class."""
+
+Shape = tuple[tuple[str, tuple[str, ...]], ...]
+"""The fluents of a proof with variables in place of entities: the name and the arguments of each."""
+
+Entities = tuple[str, ...]
+"""The entities that the variables of a shape stand for, all different."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Impossible fluents in the words of classes; `kinds` has an entity, a class or `ANYTHING` for each variable.
+
+    `different` are pairs of variables that may not be the same entity. `proofs` are those that the rule states.
+    """
+
+    shape: Shape
+    kinds: tuple[str, ...]
+    entities: frozenset[str]
+    different: tuple[tuple[str, str], ...]
+    reason: str
+    proofs: tuple[Fluents, ...]
+
+    def __str__(self) -> str:
+        named = {VARIABLES[i]: kind for i, kind in enumerate(self.kinds) if kind in self.entities}
+        atoms = [str(Atom(name, tuple(named.get(a, a) for a in arguments))) for name, arguments in self.shape]
+        classes = [f"is_a({VARIABLES[i]},{k})" for i, k in enumerate(self.kinds) if k and k not in self.entities]
+        apart = [f"{named.get(one, one)} != {named.get(two, two)}" for one, two in self.different]
+        body = [*(f"fluent({atom})" for atom in atoms), *classes, *apart]
+        head = f"impossible({atoms[0]}, {atoms[-1]})"
+        if len(named) == len(self.kinds):
+            return f"{head}."
+        rule = f"{head} :- {', '.join(body)}."
+        return rule if len(rule) <= LINE else rule.replace(" :- ", " :-\n    ")
+
+
+@dataclass(frozen=True)
+class _Table:
+    """All instances of a shape over the fluents of a domain: the entities, and why they are excluded, if they are."""
+
+    proofs: Mapping[Entities, Fluents]
+    reasons: Mapping[Entities, str | None]
+    possible: frozenset[Entities]
+
+
+def rules(proofs: Proofs, stated: Facts) -> list[Rule]:
+    """Return rules that state all proofs and nothing else, each proof once."""
+    return _Folding(proofs, stated).rules()
+
+
+def text_of(found: Iterable[Rule], name: str) -> str:
+    """Return rules as a logic program, each with its reason."""
+    lines = [
+        f"% What physics proves impossible in the scene of {name}: written by prag-asp learn, to be written again",
+        "% where the scene changes. impossible(F,G): F and G never hold together; impossible(F,F): F never holds.",
+    ]
+    for rule in found:
+        lines += ["", f"% {rule.reason}", str(rule)]
+    return "\n".join([*lines, ""])
+
+
+class _Folding:
+    """Folds the proofs of a domain into rules."""
+
+    def __init__(self, proofs: Proofs, stated: Facts):
+        self._proofs = proofs
+        self._entities = {str(entity) for entity in stated.entities}
+        self._members: dict[str, set[str]] = {ANYTHING: self._entities}
+        for entity, kind in sorted(stated.memberships):
+            self._members.setdefault(kind, set()).add(str(entity))
+        self._fluents = [Atom(each.name, tuple(map(str, each.arguments))) for each in stated.fluents]
+
+    def rules(self) -> list[Rule]:
+        """Return the rules, in the order of the proofs that they state first."""
+        found: list[Rule] = []
+        covered = set[Fluents]()
+        for fluents, reason in self._proofs.items():
+            if reason is not None and fluents not in covered:
+                rule = self._rule(fluents, reason)
+                covered.update(rule.proofs)
+                found.append(rule)
+        return found
+
+    def _rule(self, fluents: Fluents, reason: str) -> Rule:
+        """Return the most general rule that states a proof and has only proved instances, for the same reason."""
+        shape, entities = self._abstract(fluents)
+        table = self._tables[shape]
+        wanted = _in_variables(reason, entities)
+        options = [self._kinds(entity) for entity in entities]
+        best: tuple[int, tuple[str, ...], list[Entities]] = (-1, (), [])
+        for kinds in product(*options):
+            instances = [e for e in table.possible if all(map(self._belongs, e, kinds))]
+            if len(instances) > best[0] and all(self._same(table, each, wanted) for each in instances):
+                best = (len(instances), kinds, instances)
+        _, kinds, instances = best
+        stated = [table.proofs[each] for each in sorted(instances) if table.reasons[each] is not None]
+        return Rule(shape, kinds, frozenset(self._entities), self._different(shape, kinds), wanted, tuple(stated))
+
+    def _same(self, table: _Table, entities: Entities, wanted: str) -> bool:
+        """Tell whether an instance is excluded for the wanted reason, or by the domain itself."""
+        if entities not in table.reasons:
+            return False
+        reason = table.reasons[entities]
+        return reason is None or _kind(_in_variables(reason, entities)) == _kind(wanted)
+
+    def _kinds(self, entity: str) -> list[str]:
+        """Return what a variable for an entity may range over, the most general first, the entity itself last."""
+        classes = [kind for kind, members in self._members.items() if kind != ANYTHING and entity in members]
+        return [ANYTHING, *sorted(classes, key=lambda kind: -len(self._members[kind])), entity]
+
+    def _belongs(self, entity: str, kind: str) -> bool:
+        return entity == kind or entity in self._members.get(kind, ())
+
+    def _abstract(self, fluents: Sequence[Atom]) -> tuple[Shape, Entities]:
+        """Return the shape of fluents, and the entities in it."""
+        entities: list[str] = []
+        shape = []
+        for fluent in fluents:
+            arguments = []
+            for argument in fluent.arguments:
+                if argument in self._entities and argument not in entities:
+                    entities.append(argument)
+                arguments.append(VARIABLES[entities.index(argument)] if argument in entities else argument)
+            shape.append((fluent.name, tuple(arguments)))
+        return tuple(shape), tuple(entities)
+
+    @cached_property
+    def _arguments(self) -> Mapping[tuple[str, int], set[str]]:
+        """What fluents of each name have as their i-th argument."""
+        found: dict[tuple[str, int], set[str]] = {}
+        for fluent in self._fluents:
+            for i, argument in enumerate(fluent.arguments):
+                found.setdefault((fluent.name, i), set()).add(argument)
+        return found
+
+    @cached_property
+    def _tables(self) -> Mapping[Shape, _Table]:
+        """The instances of the shapes of all proofs, both orders of a pair alike."""
+        shapes = {self._abstract(fluents)[0] for fluents, reason in self._proofs.items() if reason is not None}
+        possible: dict[Shape, set[Entities]] = {shape: set() for shape in shapes}
+        reasons: dict[Shape, dict[Entities, str | None]] = {shape: {} for shape in shapes}
+        stated: dict[Shape, dict[Entities, Fluents]] = {shape: {} for shape in shapes}
+        for fluents in self._candidates({len(shape) for shape in shapes}):
+            for ordered in (fluents, fluents[::-1]) if len(fluents) > 1 else (fluents,):
+                shape, entities = self._abstract(ordered)
+                if shape in shapes:
+                    possible[shape].add(entities)
+                    if fluents in self._proofs:
+                        reasons[shape][entities] = self._proofs[fluents]
+                        stated[shape][entities] = fluents
+                    elif any((fluent,) in self._proofs for fluent in fluents):
+                        reasons[shape][entities] = None
+        return {shape: _Table(stated[shape], reasons[shape], frozenset(possible[shape])) for shape in shapes}
+
+    def _candidates(self, sizes: set[int]) -> Iterator[Fluents]:
+        """Yield all single fluents and pairs of fluents that a rule of some sizes could speak of."""
+        if 1 in sizes:
+            yield from ((fluent,) for fluent in self._fluents)
+        if 2 in sizes:
+            yield from combinations(self._fluents, 2)
+
+    def _different(self, shape: Shape, kinds: Sequence[str]) -> tuple[tuple[str, str], ...]:
+        """Return the pairs of variables that have to be kept apart, for fluents could have one entity for both."""
+        ranges = {VARIABLES[i]: self._range(shape, VARIABLES[i], kind) for i, kind in enumerate(kinds)}
+        return tuple(
+            (one, two)
+            for one, two in combinations(ranges, 2)
+            if any(self._could_be(shape, one, two, entity) for entity in ranges[one] & ranges[two])
+        )
+
+    def _range(self, shape: Shape, variable: str, kind: str) -> set[str]:
+        """Return the entities that a variable ranges over."""
+        found = self._members.get(kind, {kind})
+        for name, arguments in shape:
+            for i, argument in enumerate(arguments):
+                if argument == variable:
+                    found = found & self._arguments[name, i]
+        return found
+
+    def _could_be(self, shape: Shape, one: str, two: str, entity: str) -> bool:
+        """Tell whether fluents of a shape may have an entity for two variables at once."""
+        both = [(name, arguments) for name, arguments in shape if one in arguments and two in arguments]
+        return all(
+            any(
+                fluent.name == name
+                and all(fluent.arguments[i] == entity for i, a in enumerate(arguments) if a in (one, two))
+                for fluent in self._fluents
+            )
+            for name, arguments in both
+        )
+
+
+def _in_variables(reason: str, entities: Entities) -> str:
+    """Return a reason with variables in place of the names of entities."""
+    for variable, entity in zip(VARIABLES, entities, strict=False):
+        reason = re.sub(rf"\b({re.escape(entity)}|{re.escape(words(entity))})\b", variable, reason)
+    return reason
+
+
+def _kind(reason: str) -> str:
+    """Return a reason without saying which variable is which: a circle has no beginning."""
+    return re.sub(rf"\b[{VARIABLES}]\b", "_", reason)

@@ -1,0 +1,148 @@
+"""Put a held object down or elsewhere, as the facts of the next state want it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from prag_asp.domain.scene import FURNITURE
+from prag_asp.physics.facts import Effect
+from prag_asp.physics.geometry import Pose, cavity, compose, invert, multiply, raised, yaw_of, yaw_quaternion
+from prag_asp.physics.robot import Joints
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.search.allowed import draw_yaws, relevant, yaw_ranges
+from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search, Snapshot
+from prag_asp.physics.search.grasping import LIFT, Configuration, configure, descend
+from prag_asp.physics.search.moving import (
+    arm_waypoint,
+    changed,
+    moved_arm,
+    raise_arm,
+    require_free,
+    verify_objects,
+    with_riders,
+)
+from prag_asp.physics.search.placement import any_support, draw_pose, known_support
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.world.collisions import colliding
+from prag_asp.physics.world.support import TABLE, resting_height
+
+OVER_RIM = 0.03
+ON_THE_SPOT = {"rotated", "upright"}
+"""Relations that say how an object is turned, and nothing of where it is."""
+
+
+def release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
+    """Put the held object where the facts want it, or straight down, and open the gripper."""
+    entity, situation = effect.releases, snapshot.situation
+    assert entity is not None
+    opening = search.robot.opening
+    if entity not in effect.moved and snapshot.above is not None:
+        at, above, poses = snapshot.joints, snapshot.above, situation.poses
+    else:
+        rest = _rest_pose(search, snapshot, entity, effect)
+        poses = with_riders(situation, entity, rest, search.objects)
+        placed = situation.with_poses(poses)
+        verify_objects(search, placed, changed(snapshot, poses), None)
+        at, above = _lower(search, snapshot, entity, poses)
+        waypoints += [
+            Waypoint("approach", above, situation.width, entity, robot=situation.acting),
+            Waypoint("at", at, situation.width, entity, robot=situation.acting),
+        ]
+    opened = situation.with_poses(poses).with_tool(tool_pose(search.robot, at), opening)
+    after = Snapshot(opened, at, above=above)
+    require_free(search, after, entity)
+    waypoints.append(arm_waypoint("at", after))
+    if not effect.stays:
+        after = raise_arm(search, after, waypoints)
+    return after
+
+
+def _rest_pose(search: Search, snapshot: Snapshot, entity: str, effect: Effect) -> Pose:
+    """Return where a released object comes to rest."""
+    situation = snapshot.situation
+    others = {other: pose for other, pose in situation.poses.items() if other != entity}
+    if entity in effect.moved:
+        around = situation.with_poses(others)
+        support = known_support(around, entity, effect.after)
+        if support is None:
+            support = any_support(search, around, entity, effect.after)
+        return draw_pose(search, around, entity, support, effect.after, effect.number)
+    height = resting_height(situation, entity, others)
+    return raised(situation.poses[entity], height - situation.bottom(entity))
+
+
+def _lower(search: Search, snapshot: Snapshot, entity: str, poses: Mapping[str, Pose]) -> tuple[Joints, Joints]:
+    """Return the configurations at and above where the held object is put down."""
+    assert snapshot.grasp is not None
+    situation = snapshot.situation
+    tool = compose(poses[entity], invert(snapshot.grasp))
+    high = situation.with_poses(with_riders(situation, entity, raised(poses[entity], LIFT), search.objects))
+    at = Configuration(situation.with_poses(poses), situation.width, entity)
+    above = Configuration(high, situation.width, entity)
+    joints = descend(search, tool, at, above)
+    if colliding(search.simulator, high, [entity], search.objects) is not None:
+        raise Failure(OBJECTS_COLLIDE)
+    return joints
+
+
+def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
+    """Move the held object where the facts want it, clear of what is below."""
+    assert snapshot.grasp is not None
+    situation = snapshot.situation
+    others = {other: pose for other, pose in situation.poses.items() if other != entity}
+    around = situation.with_poses(others)
+    moves = {fact.predicate.name for fact in effect.fresh if fact.value and fact.arguments[0] == entity}
+    if moves and moves <= ON_THE_SPOT:
+        pose = _turned(search, situation, entity, effect)
+    else:
+        support = known_support(around, entity, effect.after) or TABLE
+        depth = _depth(around, support)
+        height = max(LIFT, depth + OVER_RIM)
+        pose = draw_pose(search, around, entity, support, effect.after, effect.number, height=height)
+    poses = with_riders(situation, entity, pose, search.objects)
+    after = situation.with_poses(poses)
+    verify_objects(search, after, changed(snapshot, poses), entity)
+    wanted = Configuration(after, situation.width, entity)
+    joints = configure(search, compose(pose, invert(snapshot.grasp)), wanted)
+    carried = moved_arm(search, snapshot, joints, poses, None)
+    waypoints.append(arm_waypoint("carry", carried))
+    return carried
+
+
+def _depth(situation: Situation, support: str) -> float:
+    """Return how far the highest point of something hollow is above its floor, 0 for other supports; metres."""
+    if support == TABLE:
+        return 0.0
+    if situation.shape(support).kind in FURNITURE:
+        return situation.top(support) - situation.floor(support).position[2]
+    return cavity(situation.shape(support))[2]
+
+
+def _turned(search: Search, situation: Situation, entity: str, effect: Effect) -> Pose:
+    """Return the pose of the held object turned on the spot."""
+    pose = situation.poses[entity]
+    yaw = yaw_of(pose.quaternion)
+    wanted = yaw_ranges(situation, entity, relevant(effect.after, entity, situation))
+    if wanted is not None:
+        yaw = next(draw_yaws(search, wanted))
+    turn = yaw_quaternion(yaw - yaw_of(pose.quaternion))
+    return Pose(pose.position, multiply(turn, pose.quaternion))
+
+
+def relocate(search: Search, snapshot: Snapshot, effect: Effect, entity: str) -> Snapshot:
+    """Move an object that the gripper does not touch, as in domains without a gripper."""
+    situation = snapshot.situation
+    others = {other: pose for other, pose in situation.poses.items() if other != entity}
+    around = situation.with_poses(others)
+    support = known_support(around, entity, effect.after)
+    if support is None:
+        support = any_support(search, around, entity, effect.after)
+    pose = draw_pose(search, around, entity, support, effect.after, effect.number)
+    poses = with_riders(situation, entity, pose, search.objects)
+    after = situation.with_poses(poses)
+    verify_objects(search, after, changed(snapshot, poses), snapshot.held)
+    moved = replace(snapshot, situation=after)
+    require_free(search, moved, snapshot.held)
+    return moved

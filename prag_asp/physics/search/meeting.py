@@ -1,0 +1,104 @@
+"""Move a gripper over a place, and hand an object from one gripper to another in the air."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from prag_asp.physics.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.robot import robot_of
+from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search, Snapshot
+from prag_asp.physics.search.grasping import DOWN, LIFT, Configuration, configure
+from prag_asp.physics.search.moving import (
+    arm_waypoint,
+    changed,
+    moved_arm,
+    require_free,
+    turn_to,
+    verify_objects,
+    with_riders,
+)
+from prag_asp.physics.verdict import Waypoint
+
+LOWEST, HIGHEST = 0.18, 0.28
+"""Between which heights the tool moves over a place, in metres above its top."""
+
+SPREAD = 0.5
+"""By how many radians the gripper is turned away from the handiest heading at most, in the first attempts."""
+
+HANDY_ATTEMPTS = 6
+OFF_CENTRE = 0.02
+
+
+def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+    """Move the gripper over a zone or an object, with what it holds.
+
+    Raises:
+        Failure: this attempt found no way.
+    """
+    tool = _tool_over(search, snapshot, place, attempt)
+    situation, held = snapshot.situation, snapshot.held
+    poses = situation.poses
+    if held is not None:
+        assert snapshot.grasp is not None
+        poses = with_riders(situation, held, compose(tool, snapshot.grasp), search.objects)
+        verify_objects(search, situation.with_poses(poses), changed(snapshot, poses), held)
+    wanted = Configuration(situation.with_poses(poses), situation.width, held)
+    after = moved_arm(search, snapshot, configure(search, tool, wanted), poses, None)
+    waypoints.append(arm_waypoint("move" if held is None else "carry", after))
+    return after
+
+
+def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Waypoint]) -> Snapshot:
+    """Let the giver of an object, which another gripper has closed on as well, open its own and leave upwards.
+
+    Raises:
+        Failure: it does not get away.
+    """
+    snapshot = turn_to(search, snapshot, giver)
+    thing, opening, tool = snapshot.held, search.robot.opening, snapshot.situation.tool
+    opened = replace(snapshot, situation=snapshot.situation.with_tool(tool, opening), held=None, grasp=None, above=None)
+    require_free(search, opened, thing)
+    waypoints.append(arm_waypoint("at", opened))
+    wanted = Configuration(opened.situation, opening, None)
+    joints = configure(search, raised(tool, LIFT), wanted, near=opened.joints)
+    gone = moved_arm(search, opened, joints, opened.situation.poses, None)
+    waypoints.append(arm_waypoint("retreat", gone))
+    return gone
+
+
+def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Pose:
+    """Draw a pose of the tool over a place, on the robot's own side of it, the held object clear of what is below.
+
+    Raises:
+        Failure: there is no room over the place.
+    """
+    situation, base = snapshot.situation, search.robot.base.position
+    volume = PREDICATES["over"].volume(situation, (situation.acting, place), IDENTITY)
+    low = situation.top(place)
+    if snapshot.held is not None:
+        low += max(0.0, situation.tool.position[2] - situation.bottom(snapshot.held))
+    volume = volume._replace(low=(*volume.low[:2], low + LOWEST), high=(*volume.high[:2], low + HIGHEST))
+    floor = volume.floor()
+    if floor is None:
+        raise Failure(EMPTY_VOLUME)
+    points = [point for _ in range(2) if (point := volume.draw(floor, search.uniform)) is not None]
+    at = min(points, key=lambda point: math.dist(point[:2], base[:2]))
+    if attempt < HANDY_ATTEMPTS:
+        yaw = _handy_yaw(search, snapshot, at) + search.uniform(-SPREAD, SPREAD)
+    else:
+        yaw = search.uniform(-math.pi, math.pi)
+    return Pose(at, multiply(yaw_quaternion(yaw), DOWN))
+
+
+def _handy_yaw(search: Search, snapshot: Snapshot, at: tuple[float, float, float]) -> float:
+    """Return how to turn the tool: along the arm, or so that what it holds at one end points to the other robots."""
+    x, y, _ = search.robot.base.position
+    grasp, others = snapshot.grasp, snapshot.situation.others
+    if grasp is None or not others or math.hypot(*grasp.position[:2]) < OFF_CENTRE:
+        return math.atan2(at[1] - y, at[0] - x)
+    bases = [robot_of(search.scene, name).base.position for name in others]
+    other = min(bases, key=lambda base: math.dist(base, at))
+    # The tool points down, so that its y axis is mirrored.
+    return math.atan2(other[1] - y, other[0] - x) - math.atan2(-grasp.position[1], grasp.position[0])

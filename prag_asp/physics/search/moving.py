@@ -1,0 +1,88 @@
+"""Move the arm and what it holds from one snapshot to the next, and check what comes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from prag_asp.physics.geometry import Pose, compose, invert, raised
+from prag_asp.physics.robot import Joints
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
+from prag_asp.physics.search.grasping import LIFT, Configuration, collide
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.world.collisions import colliding
+from prag_asp.physics.world.support import STEADY, riders, unsupported
+
+
+def turn_to(search: Search, snapshot: Snapshot, robot: str) -> Snapshot:
+    """Let another robot be the one that acts; with no name it stays the same one."""
+    turned = snapshot.turned_to(robot)
+    search.simulator.turn_to(turned.situation.acting)
+    return turned
+
+
+def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> Snapshot:
+    """Move a lowered gripper straight up, with what it holds."""
+    assert snapshot.above is not None
+    poses = snapshot.situation.poses
+    if snapshot.held is not None:
+        lifted = raised(poses[snapshot.held], LIFT)
+        poses = with_riders(snapshot.situation, snapshot.held, lifted, search.objects)
+    after = moved_arm(search, snapshot, snapshot.above, poses, None)
+    if snapshot.held is not None:
+        verify_objects(search, after.situation, changed(snapshot, poses), snapshot.held)
+    require_free(search, after)
+    waypoints.append(arm_waypoint("lift" if snapshot.held else "retreat", after))
+    return after
+
+
+def with_riders(situation: Situation, entity: str, pose: Pose, objects: Iterable[str]) -> Mapping[str, Pose]:
+    """Return all poses after an object has moved with everything that rests on it."""
+    poses = {**situation.poses, entity: pose}
+    delta = compose(pose, invert(situation.poses[entity]))
+    for rider in riders(situation, entity, [other for other in objects if other != entity]):
+        poses[rider] = compose(delta, situation.poses[rider])
+    return poses
+
+
+def changed(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
+    """Return the objects that have other poses than in a snapshot."""
+    return [entity for entity, pose in poses.items() if snapshot.situation.poses[entity] != pose]
+
+
+def moved_arm(
+    search: Search, snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose], above: Joints | None
+) -> Snapshot:
+    """Return a snapshot with the arm elsewhere; the held object goes along as `poses` say."""
+    situation = snapshot.situation.with_poses(poses).with_tool(
+        tool_pose(search.robot, joints), snapshot.situation.width
+    )
+    return replace(snapshot, situation=situation, joints=joints, above=above)
+
+
+def require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:
+    """Check that the arm of a snapshot is free of collisions."""
+    touched = touched or snapshot.held
+    wanted = Configuration(snapshot.situation, snapshot.situation.width, touched)
+    if collide(search, snapshot.joints, wanted) is not None:
+        raise Failure(ARM_COLLIDES)
+
+
+def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
+    """Return the configuration of a snapshot as a waypoint."""
+    situation = snapshot.situation
+    return Waypoint(name, snapshot.joints, situation.width, snapshot.held, robot=situation.acting)
+
+
+def verify_objects(search: Search, situation: Situation, moved: Iterable[str], held: str | None) -> None:
+    """Check that moved objects collide with nothing and that every object stays where it is.
+
+    Raises:
+        Failure: they collide, or one would fall.
+    """
+    if colliding(search.simulator, situation, moved, search.objects) is not None:
+        raise Failure(OBJECTS_COLLIDE)
+    if unsupported(situation, search.objects, held, STEADY) is not None:
+        raise Failure(UNSUPPORTED)

@@ -1,0 +1,293 @@
+"""Draw poses of objects from the volumes that the facts of a state allow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from itertools import repeat
+
+from prag_asp.domain.scene import FURNITURE, HOLLOW
+from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
+from prag_asp.physics.geometry import Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
+from prag_asp.physics.mechanism import swept
+from prag_asp.physics.predicates import PREDICATES, Ring, Volume
+from prag_asp.physics.predicates.beside import DIRECTIONS
+from prag_asp.physics.predicates.volume import Floor
+from prag_asp.physics.search.allowed import all_satisfied, allowed, draw_yaws, relevant, shapes_volume, yaw_ranges
+from prag_asp.physics.search.attempt import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
+from prag_asp.physics.search.chains import Chain, chains, kept_apart
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.world.collisions import Box, box
+from prag_asp.physics.world.simulator import COLLISION
+from prag_asp.physics.world.support import TABLE
+
+TRIES = 8
+SPACING = 0.01
+FINGER_ROOM = 0.035
+TABLE_ROOM = 0.1
+NEAR = 0.15
+JITTER = 0.05
+EDGE = 0.02
+SEEN_CLOSE = (*DIRECTIONS, "aligned")
+"""Relations that are seen at a glance only where the two objects are close to each other."""
+
+Neighbour = tuple[float, float, float, float]
+"""The centre of a body seen from above, and how far from it along x and y another touches it; metres."""
+
+
+def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
+    """Return what an object stands on or in by the facts, `TABLE` for the table, None where unknown."""
+    for fact in facts:
+        if fact.value and fact.predicate.name in BEARING and fact.arguments[0] == entity:
+            support = fact.arguments[1]
+            return TABLE if situation.is_surface(support) else support
+    return None
+
+
+def any_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
+    """Return a support for an object that may be anywhere: the table, unless it is known not to be on it.
+
+    Where a relation of the domain's own lets it stand on or in the other object, that is one as likely.
+
+    Raises:
+        Failure: every support is ruled out.
+    """
+    facts = list(facts)
+    ruled_out = {
+        fact.arguments[1]
+        for fact in facts
+        if not fact.value and fact.predicate.name in SUPPORTING and fact.arguments[0] == entity
+    }
+    possible = [
+        other for other in situation.poses if other not in ruled_out and situation.shape(other).kind != "sphere"
+    ]
+    if any(situation.is_table(support) for support in ruled_out):
+        options = possible
+    else:
+        options = [TABLE, *(other for other in possible if _may_bear(facts, entity, other))]
+    if not options:
+        raise Failure(EMPTY_VOLUME)
+    return options[0] if options == [TABLE] else options[int(search.rng.integers(len(options)))]
+
+
+def _may_bear(facts: Iterable[Fact], entity: str, other: str) -> bool:
+    """Tell whether a fact speaks of where an object is on, in or beside another."""
+    return any(
+        fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity and fact.arguments[-1] == other
+        for fact in facts
+    )
+
+
+def draw_pose(
+    search: Search,
+    situation: Situation,
+    entity: str,
+    support: str,
+    facts: Iterable[Fact],
+    state: int,
+    *,
+    height: float = 0.0,
+) -> Pose:
+    """Draw a pose of an object at rest on a support, or `height` metres above, that the facts of a state allow there.
+
+    Raises:
+        Failure: the volume is empty, or nothing drawn from it satisfies the facts or is free.
+    """
+    facts = list(facts)
+    about = relevant(facts, entity, situation)
+    ahead = _ahead(search, situation, entity, support, state)
+    between = chains(situation, entity, facts)
+    quaternion, volume, everything = _place(search, situation, entity, support, about, ahead, between, height)
+    half = extents(situation.shape(entity), quaternion)
+    preferred = _close(situation, entity, volume, about)
+    room = TABLE_ROOM if support == TABLE else FINGER_ROOM
+    favourite = preferred.floor(room) or preferred.floor() or everything
+    checked = [fact for fact in about if not shapes_volume(fact, entity)]
+    below = _neighbours(situation, support, half, volume.low[2] - height)
+    beside = _neighbours(situation, support, half, volume.low[2]) if height > 0.0 else below
+    cause = RELATION
+    for floor, spacing in _tries(favourite, everything, support):
+        at = volume.draw(floor, search.uniform)
+        if at is None:
+            continue
+        # What is held should be free to come down, but where that cannot be it may be held above something.
+        if not _clear(at[0], at[1], below if spacing >= FINGER_ROOM / 2 else beside, spacing):
+            cause = OBJECTS_COLLIDE
+        elif all_satisfied(checked, situation, entity, Pose(at, quaternion)):
+            return Pose(at, quaternion)
+        else:
+            cause = RELATION
+    raise Failure(cause)
+
+
+def _place(
+    search: Search,
+    situation: Situation,
+    entity: str,
+    support: str,
+    about: list[Fact],
+    ahead: tuple[Volume, ...],
+    between: tuple[list[Chain], ...],
+    height: float,
+) -> tuple[Quaternion, Volume, Floor]:
+    """Return how an object is turned, where it can be then, and the floor of that.
+
+    A yaw is drawn; where it leaves no room, for the object or for what comes later, the object is put square
+    to the axes instead, which takes the least.
+
+    Raises:
+        Failure: the volume is empty.
+    """
+    found: tuple[Quaternion, Volume, Floor] | None = None
+    for yaw in _yaws(search, situation, entity, support, about):
+        quaternion = yaw_quaternion(yaw)
+        volume, floor = _roomy(
+            situation, entity, quaternion, _volume(situation, entity, support, quaternion, about, height), between
+        )
+        if floor is None:
+            continue
+        half = extents(situation.shape(entity), quaternion)
+        for wished in (volume.meet(_shrunk(room, half)) for room in ahead):
+            wished_floor = wished.floor()
+            if wished_floor and (wished.rings == volume.rings or Volume.draw(wished_floor, search.uniform)):
+                return quaternion, wished, wished_floor
+        found = found or (quaternion, volume, floor)
+        if not ahead:
+            break
+    if found is None:
+        raise Failure(EMPTY_VOLUME)
+    return found
+
+
+def _roomy(
+    situation: Situation, entity: str, quaternion: Quaternion, volume: Volume, between: tuple[list[Chain], ...]
+) -> tuple[Volume, Floor | None]:
+    """Return the part of a volume that leaves room for what comes between, ample room if there is, and its floor."""
+    for chained in between or ([],):
+        part = volume.meet(kept_apart(situation, entity, quaternion, chained)) if chained else volume
+        floor = part.floor()
+        if floor is not None:
+            return part, floor
+    return volume, None
+
+
+def _shrunk(volume: Volume, half: Vector) -> Volume:
+    """Return where the centre of an object may be that has to be in a box wholly, seen from above."""
+    (ax, ay, az), (bx, by, bz) = volume.low, volume.high
+    return volume._replace(low=(ax + half[0], ay + half[1], az), high=(bx - half[0], by - half[1], bz))
+
+
+def _ahead(search: Search, situation: Situation, entity: str, support: str, state: int) -> tuple[Volume, ...]:
+    """Return where all of an object leaves ample room for what comes later, and where just enough."""
+    rooms = search.foresight.get((state, entity), ()) if support == TABLE else ()
+    spans = [span for span in search.spans.get((state, entity), ()) if span.other in situation.poses]
+    if not spans:
+        return rooms
+    found = []
+    for room, wide in zip(rooms or (Volume(), Volume()), (True, False), strict=True):
+        rings = []
+        for span in spans:
+            x, y, _ = situation.pose(span.other).position
+            rings.append(Ring(x, y, span.ample if wide else span.enough, math.inf))
+        found.append(room._replace(rings=tuple(rings)))
+    return tuple(found)
+
+
+def _volume(
+    situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact], height: float
+) -> Volume:
+    """Return where an object, turned as it will be, can be put down on a support, or above, as the facts want it.
+
+    What is put on the table has to be within reach, unless it is known not to be or there are several robots.
+    """
+    out_of_reach = any(fact.predicate.name == "reachable" and not fact.value for fact in about)
+    volume = _surface(situation, entity, support, quaternion, out_of_reach)
+    if height > 0.0:
+        (ax, ay, az), (bx, by, bz) = volume.low, volume.high
+        volume = volume._replace(low=(ax, ay, az + height), high=(bx, by, bz + height))
+    if support == TABLE and not out_of_reach and not situation.others:
+        volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
+    for fact in about:
+        on_it = fact.arguments == (entity, support) and fact.predicate.name in SUPPORTING
+        if not on_it and shapes_volume(fact, entity):
+            volume = volume.meet(allowed(situation, fact, entity, quaternion))
+    return volume
+
+
+def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
+    """Return the part of a volume around what an object is beside: there the relation is seen at a glance."""
+    for fact in about:
+        if fact.value and fact.predicate.name in SEEN_CLOSE:
+            other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
+            x, y, _ = situation.body(other).centre
+            half_x, half_y, _ = situation.half(other)
+            dx, dy = half_x + NEAR, half_y + NEAR
+            volume = volume.meet(Volume((x - dx, y - dy, -math.inf), (x + dx, y + dy, math.inf)))
+    return volume
+
+
+def _surface(situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool) -> Volume:
+    """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
+    if support != TABLE:
+        name = "inside" if situation.shape(support).kind in HOLLOW else "on_top"
+        return PREDICATES[name].volume(situation, (entity, support), quaternion)
+    half_x, half_y, z = extents(situation.shape(entity), quaternion)
+    low_x, high_x, low_y, high_y = situation.scene.workspace
+    if out_of_reach:
+        (x, y), (size_x, size_y) = situation.scene.table.centre, situation.scene.table.size
+        low_x, high_x = x - size_x / 2 + half_x + EDGE, x + size_x / 2 - half_x - EDGE
+        low_y, high_y = y - size_y / 2 + half_y + EDGE, y + size_y / 2 - half_y - EDGE
+    return Volume((low_x, low_y, z), (high_x, high_y, z))
+
+
+def _neighbours(situation: Situation, support: str, half: Vector, z: float) -> list[Neighbour]:
+    """Return what the bounding box of an object at a height can meet, but for a container that it is put into."""
+    found, shapes = [], situation.scene.shapes
+    for other in situation.poses:
+        kind = shapes[other].kind
+        if kind in HOLLOW and support != TABLE:
+            continue
+        boxes = _swept(situation, other) if kind in FURNITURE else (box(situation, other),)
+        for (x, y, other_z), (half_x, half_y, half_z) in boxes:
+            if abs(z - other_z) < half[2] + half_z + COLLISION:
+                found.append((x, y, half_x + half[0], half_y + half[1]))
+    return found
+
+
+def _swept(situation: Situation, furniture: str) -> tuple[Box, Box]:
+    """Return the bounding boxes of the body of furniture, and of all the places where its part can be."""
+    body, part = (
+        (((ax + bx) / 2, (ay + by) / 2, (az + bz) / 2), ((bx - ax) / 2, (by - ay) / 2, (bz - az) / 2))
+        for (ax, ay, az), (bx, by, bz) in swept(situation.shape(furniture), situation.pose(furniture))
+    )
+    return body, part
+
+
+def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) -> bool:
+    """Tell whether an object is `spacing` metres away from its neighbours along x or y."""
+    for other_x, other_y, near_x, near_y in neighbours:
+        if abs(x - other_x) < near_x + spacing and abs(y - other_y) < near_y + spacing:
+            return False
+    return True
+
+
+def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[Floor, float]]:
+    """Yield where to draw and how far from others in metres: first wide, then closer, on the table never close."""
+    yield from repeat((favourite, FINGER_ROOM), TRIES)
+    yield from repeat((favourite, FINGER_ROOM / 2), TRIES)
+    yield from repeat((everything, SPACING if support == TABLE else 0.0), TRIES)
+
+
+def _yaws(search: Search, situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
+    """Yield yaws in radians: of the ranges that facts want, else square to the support, else any, then square."""
+    wanted = yaw_ranges(situation, entity, about)
+    if wanted is not None:
+        yield from draw_yaws(search, wanted)
+        return
+    if support == TABLE:
+        yield search.uniform(-math.pi, math.pi)
+        along = int(search.rng.integers(2)) * math.pi / 2
+        yield from (along, math.pi / 2 - along)
+        return
+    quarter = int(search.rng.integers(4)) * math.pi / 2
+    yield yaw_of(situation.pose(support).quaternion) + quarter + search.uniform(-JITTER, JITTER)

@@ -1,0 +1,1 @@
+"""Bodies in PyBullet: simulators without and with forces, what collides, and what stands."""

@@ -1,0 +1,126 @@
+"""Make the table and the objects of a scene as PyBullet bodies of exact primitives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from prag_asp.domain.scene import FURNITURE, Material, Scene, Shape, Solid
+from prag_asp.errors import SceneError
+from prag_asp.physics.geometry import Vector, yaw_quaternion
+from prag_asp.physics.situation import TABLE_THICKNESS
+from prag_asp.physics.world.bullet import pybullet
+from prag_asp.physics.world.furniture import make_furniture
+from prag_asp.physics.world.primitives import Part, boxes, make_shapes
+from prag_asp.physics.world.solids import container_boxes, weight
+
+PARKING = (20.0, 20.0, 5.0)
+GREY = "#808080"
+PATCH = 0.001
+"""How far the colour of a zone stands out of the table, in metres."""
+
+
+def parking_place(i: int) -> Vector:
+    """Return the place where the body number `i` is in nobody's way, in metres."""
+    return (PARKING[0] + 2.0 * i, PARKING[1], PARKING[2])
+
+
+def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
+    """Make the table, its top at z = 0."""
+    table = scene.table
+    half = (table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2)
+    at = (*table.centre, -TABLE_THICKNESS / 2)
+    material = next((scene.material(e) for e, shape in scene.shapes.items() if shape.kind == "table"), Material())
+    return _make([Part(pybullet.GEOM_BOX, half=half)], material, 0.0, at, client, table.color if visual else None)
+
+
+def show_zone(client: int, scene: Scene, entity: str) -> None:
+    """Show where a zone is: a patch of colour on the table that nothing touches."""
+    (x, y, yaw), half, color = scene.fixed[entity], scene.shapes[entity].half, scene.colors.get(entity, GREY)
+    patch = pybullet.createVisualShape(
+        pybullet.GEOM_BOX,
+        halfExtents=(half[0], half[1], PATCH),
+        rgbaColor=_rgba(color),
+        physicsClientId=client,
+    )
+    pybullet.createMultiBody(0.0, -1, patch, (x, y, 0.0), yaw_quaternion(yaw), physicsClientId=client)
+
+
+def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False) -> int:
+    """Make the body of an object; one that is fixed in the scene has no mass.
+
+    `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism; furniture
+    is one.
+
+    Raises:
+        SceneError: PyBullet refuses its shape.
+    """
+    color = scene.colors.get(entity, GREY) if visual else None
+    shape, material = scene.shapes[entity], scene.material(entity)
+    if shape.kind in FURNITURE:
+        return make_furniture(client, shape, material, at, color)
+    return _make(_parts(shape), material, mass(scene, entity), at, client, color, free)
+
+
+def mass(scene: Scene, entity: str) -> float:
+    """Return the mass of an object in kilograms, 0 for one that is fixed."""
+    return 0.0 if entity in scene.fixed else weight(scene, entity)
+
+
+def _parts(shape: Shape) -> list[Part]:
+    """Return the primitives that make up a shape."""
+    if shape.kind == "sphere":
+        return [Part(pybullet.GEOM_SPHERE, radius=shape.half[0])]
+    if shape.kind == "cylinder":
+        return [Part(pybullet.GEOM_CYLINDER, radius=shape.half[0], height=shape.size[2])]
+    if shape.model is not None:
+        return [_solid(solid) for solid in shape.model.solids]
+    if shape.kind == "container":
+        return boxes(container_boxes(shape))
+    return [Part(pybullet.GEOM_BOX, half=shape.half)]
+
+
+def _solid(solid: Solid) -> Part:
+    """Return a solid of a URDF as a primitive."""
+    turn = tuple(pybullet.getQuaternionFromEuler(solid.turn))
+    x, y, z = solid.size
+    if solid.mesh:
+        return Part(pybullet.GEOM_MESH, at=solid.at, turn=turn, mesh=solid.mesh, scale=solid.size)
+    if solid.kind == "box":
+        return Part(pybullet.GEOM_BOX, half=(x / 2, y / 2, z / 2), at=solid.at, turn=turn)
+    if solid.kind == "sphere":
+        return Part(pybullet.GEOM_SPHERE, radius=x / 2, at=solid.at, turn=turn)
+    return Part(pybullet.GEOM_CYLINDER, radius=x / 2, height=z, at=solid.at, turn=turn)
+
+
+def _make(
+    parts: Sequence[Part],
+    material: Material,
+    mass: float,
+    at: Vector,
+    client: int,
+    color: str | None,
+    free: bool = False,
+) -> int:
+    """Make one body of several primitives; without a colour it cannot be seen.
+
+    Raises:
+        SceneError: PyBullet refuses a shape.
+    """
+    solid, looks = make_shapes(parts, client, color)
+    body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
+    if body < 0:
+        raise SceneError(f"PyBullet refuses a body of {list(parts)}")
+    rolls = len(parts) == 1 and parts[0].kind == pybullet.GEOM_SPHERE
+    pybullet.changeDynamics(
+        body,
+        -1,
+        lateralFriction=material.friction,
+        rollingFriction=material.rolling if rolls else 0.0,
+        physicsClientId=client,
+    )
+    return int(body)
+
+
+def _rgba(color: str) -> list[float]:
+    """Return the parts of a colour like ``#e4572e``, each at most 1, and that nothing shines through."""
+    return [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]

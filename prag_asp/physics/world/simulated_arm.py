@@ -1,0 +1,134 @@
+"""One arm in a simulator without forces: put it anywhere, and ask what its links touch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from prag_asp.errors import SceneError
+from prag_asp.physics.geometry import Pose, Vector
+from prag_asp.physics.robot import Joints, Robot
+from prag_asp.physics.robot.file import wheel_file, write_robot
+from prag_asp.physics.world.bullet import pybullet
+
+REMEMBERED = 64
+Corners = tuple[Vector, Vector]
+"""The lowest and the highest corner of a bounding box, in metres."""
+
+
+class SimulatedArm:
+    """The body of an arm, and what is known of it where it is."""
+
+    def __init__(self, client: int, robot: Robot, visual: bool):
+        self.client = client
+        self.robot = robot
+        self.body = _load_with_hand(client, robot, visual)
+        self._trunk, self._wrist = (sorted(set(links)) for links in zip(*robot.self_pairs, strict=True))
+        self._link_boxes: list[Corners] = []
+        self._at: tuple[Joints, float] | None = None
+        self._joints_at: Joints = ()
+        self._self_overlaps: dict[Joints, float] = {}
+        self._joints = [*robot.arm_links, *robot.finger_joints]
+
+    def pose(self, joints: Joints, width: float) -> None:
+        """Put the arm at seven joint angles in radians, the gripper at an opening in metres.
+
+        Raises:
+            SceneError: a number is not finite, or there are not seven joints.
+        """
+        if self._at == (joints, width):
+            return
+        if len(joints) != len(self.robot.lower) or not all(map(math.isfinite, (*joints, width))):
+            raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
+        values = [[angle] for angle in (*joints, width / 2, width / 2)]
+        pybullet.resetJointStatesMultiDof(self.body, self._joints, values, physicsClientId=self.client)
+        self._at, self._joints_at, self._link_boxes = (joints, width), joints, []
+
+    def contacts(self, body: int) -> list[tuple[int, float]]:
+        """Return the links of the arm that touch a body, with the distance in metres."""
+        points = pybullet.getClosestPoints(self.body, body, 0.0, physicsClientId=self.client)
+        return [(point[3], point[8]) for point in points]
+
+    def self_overlap(self) -> float:
+        """Return the smallest distance of two links of the arm that touch in metres, 0 where none do."""
+        known = self._self_overlaps.get(self._joints_at)
+        if known is not None:
+            return known
+        boxes = dict(zip(self.robot.links, self.link_boxes(), strict=True))
+        smallest = 0.0
+        trunk = _around([boxes[link] for link in self._trunk])
+        near = {link for link in self._wrist if boxes_touch(boxes[link], trunk)}
+        for low, high in self.robot.self_pairs:
+            if high not in near or not boxes_touch(boxes[low], boxes[high]):
+                continue
+            points = pybullet.getClosestPoints(
+                self.body, self.body, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
+            )
+            smallest = min(smallest, min((point[8] for point in points), default=0.0))
+        if len(self._self_overlaps) >= REMEMBERED:
+            self._self_overlaps.clear()
+        self._self_overlaps[self._joints_at] = smallest
+        return smallest
+
+    def link_boxes(self) -> list[Corners]:
+        """Return the bounding box of each link of the arm."""
+        if not self._link_boxes:
+            read, body, client = pybullet.getAABB, self.body, self.client
+            self._link_boxes = [read(body, link, client) for link in self.robot.links]
+        return self._link_boxes
+
+    def flange(self) -> Pose:
+        """Return the pose of the flange as the simulator's own kinematics has it."""
+        return read_flange(self.client, self.body, self.robot)
+
+
+def boxes_touch(one: Corners, two: Corners) -> bool:
+    """Tell whether two bounding boxes have a point in common."""
+    (ax, ay, az), (bx, by, bz) = one
+    (cx, cy, cz), (dx, dy, dz) = two
+    return ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz
+
+
+def _around(boxes: Sequence[Corners]) -> Corners:
+    """Return the bounding box of bounding boxes."""
+    lows, highs = zip(*boxes, strict=True)
+    (ax, ay, az), (bx, by, bz) = (map(min, zip(*lows, strict=True)), map(max, zip(*highs, strict=True)))
+    return (ax, ay, az), (bx, by, bz)
+
+
+def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False) -> int:
+    """Load an arm from a file, its base at a pose.
+
+    Raises:
+        SceneError: PyBullet cannot load it.
+    """
+    flags = 0 if visual else pybullet.URDF_IGNORE_VISUAL_SHAPES
+    try:
+        return int(pybullet.loadURDF(str(path), *base, useFixedBase=True, flags=flags, physicsClientId=client))
+    except pybullet.error as error:
+        raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
+
+
+def _load_with_hand(client: int, robot: Robot, visual: bool) -> int:
+    """Load an arm with its gripper where it stands.
+
+    Raises:
+        SceneError: PyBullet cannot load it.
+    """
+    if robot.hand is None:
+        return load_robot(client, wheel_file(robot), robot.base, visual=visual)
+    with TemporaryDirectory(prefix="prag_asp_") as folder:
+        return load_robot(client, write_robot(robot, Path(folder)), robot.base, visual=visual)
+
+
+def read_flange(client: int, arm: int, robot: Robot) -> Pose:
+    """Return the pose of an arm's flange as the simulator's own kinematics has it.
+
+    Its quaternion is off unit length by up to 1e-7, for the URDF's angles are rounded; it is made one.
+    """
+    state = pybullet.getLinkState(arm, robot.flange_link, computeForwardKinematics=True, physicsClientId=client)
+    length = math.hypot(*state[5])
+    x, y, z, w = (part / length for part in state[5])
+    return Pose(tuple(state[4]), (x, y, z, w))

@@ -1,0 +1,231 @@
+"""A PyBullet world with the robots, the table and one body for each object of the scene.
+
+Bodies are made once and reused: making and removing them leaks. Those that a task does not use are parked,
+each at its own place. PyBullet is silent about unknown bodies and about poses that are not finite, so both
+are checked here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+from prag_asp.domain.scene import BODILESS, Scene
+from prag_asp.errors import SceneError
+from prag_asp.physics.geometry import Pose, finite
+from prag_asp.physics.robot import Joints, Robot, robot_of
+from prag_asp.physics.verdict import Moment
+from prag_asp.physics.world.bodies import make_body, make_table, parking_place, show_zone
+from prag_asp.physics.world.bullet import pybullet
+from prag_asp.physics.world.furniture import set_opening
+from prag_asp.physics.world.silence import STDOUT, silenced
+from prag_asp.physics.world.simulated_arm import Corners, SimulatedArm
+
+COLLISION = -0.0015
+"""Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
+
+NOTHING_OPEN: Mapping[str, float] = {}
+CONTACT_BREAKING = 0.005
+"""Metres; with PyBullet's 20 mm, points of contact keep normals from before a held object was turned, and with 2 mm,
+a can that stands still sinks up to 5 mm into what is below.
+
+It is one number for all worlds of a process.
+"""
+
+
+class Simulator:
+    """One PyBullet client and the bodies in it; use `open_simulator`, which closes it."""
+
+    def __init__(self, scene: Scene, client: int, visual: bool):
+        self.scene = scene
+        self.client = client
+        start_world(client)
+        self.arms = {name: SimulatedArm(client, robot_of(scene, name), visual) for name in scene.mounts}
+        self._acting = next(iter(self.arms.values()))
+        self.table = make_table(client, scene, visual=visual)
+        self._pool = {
+            (entity, each): make_body(
+                client, scene.with_shapes({entity: each}), entity, parking_place(0), visual=visual
+            )
+            for entity, shape in scene.shapes.items()
+            if shape.kind not in BODILESS
+            for each in scene.ranges.get(entity, (shape,))
+        }
+        for entity, shape in scene.shapes.items() if visual else ():
+            if shape.kind == "zone":
+                show_zone(client, scene, entity)
+        self.bodies = self._chosen()
+        self._poses: dict[str, Pose] = {}
+        self._openings: dict[str, float] = {}
+        for i, body in enumerate(self._pool.values()):
+            self._put(body, Pose(parking_place(i)))
+
+    def use(self, scene: Scene) -> None:
+        """Take the bodies of a scene that has other sizes of the ranges of this one.
+
+        Raises:
+            SceneError: a size is none of theirs.
+        """
+        if scene is self.scene:
+            return
+        for entity in list(self._poses):
+            self._park(entity)
+        self.scene = scene
+        self.bodies = self._chosen()
+
+    def place(self, poses: Mapping[str, Pose], openings: Mapping[str, float] = NOTHING_OPEN) -> None:
+        """Put objects at poses, and park all others; `openings` of furniture are metres or radians.
+
+        Raises:
+            SceneError: an object has no body, or its pose or opening is not finite.
+        """
+        for entity, opening in openings.items():
+            if self._openings.get(entity) != opening:
+                if not math.isfinite(opening):
+                    raise SceneError(f"{entity} has the opening {opening}, which is not a finite number")
+                set_opening(self.client, self.body(entity), opening)
+                self._openings[entity] = opening
+        for entity, pose in poses.items():
+            known = self._poses.get(entity)
+            if known is not pose and known != pose:
+                if not finite(pose):
+                    raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
+                self._move(entity, pose)
+        for entity in [entity for entity in self._poses if entity not in poses]:
+            self._park(entity)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that acts."""
+        return self._acting.robot
+
+    @property
+    def arm(self) -> int:
+        """The id of the body of the arm that acts."""
+        return self._acting.body
+
+    def turn_to(self, robot: str) -> None:
+        """Let another robot be the one that acts."""
+        self._acting = self.arms[robot]
+
+    def pose_arm(self, joints: Joints, width: float) -> None:
+        """Put the arm that acts at seven joint angles in radians, its gripper at an opening in metres.
+
+        Raises:
+            SceneError: a number is not finite, or there are not seven joints.
+        """
+        self._acting.pose(joints, width)
+
+    def show(self, moment: Moment) -> None:
+        """Put everything where it is at a moment."""
+        self.place(moment.poses, moment.openings)
+        for name, (joints, width, *_) in moment.arms().items():
+            self.arms[name].pose(joints, width)
+
+    def overlap(self, one: int, two: int) -> float:
+        """Return the distance of two bodies that touch in metres: negative in each other, 0 where apart."""
+        points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=self.client)
+        return min((point[8] for point in points), default=0.0)
+
+    def arm_contacts(self, body: int) -> list[tuple[int, float]]:
+        """Return the links of the arm that acts which touch a body, with the distance in metres."""
+        return self._acting.contacts(body)
+
+    def self_overlap(self) -> float:
+        """Return the smallest distance of two links of the arm that acts which touch in metres, 0 where none do."""
+        return self._acting.self_overlap()
+
+    def link_boxes(self) -> list[Corners]:
+        """Return the bounding box of each link of the arm that acts."""
+        return self._acting.link_boxes()
+
+    def flange(self) -> Pose:
+        """Return the pose of the flange of the arm that acts as the simulator's own kinematics has it."""
+        return self._acting.flange()
+
+    def read(self, entity: str) -> Pose:
+        """Return where the simulator has an object.
+
+        Raises:
+            SceneError: it has no body.
+        """
+        return read_pose(self.client, self.body(entity))
+
+    def body(self, entity: str) -> int:
+        """Return the id of an object's body.
+
+        Raises:
+            SceneError: it has none.
+        """
+        if entity not in self.bodies:
+            raise SceneError(f"{entity} has no body; give its class a shape under [scene.shapes]")
+        return self.bodies[entity]
+
+    def _park(self, entity: str) -> None:
+        """Put one body where it is in nobody's way."""
+        i = list(self._pool).index((entity, self.scene.shapes[entity]))
+        self._put(self.bodies[entity], Pose(parking_place(i)))
+        del self._poses[entity]
+
+    def _move(self, entity: str, pose: Pose) -> None:
+        """Put an object at a pose."""
+        self._put(self.body(entity), pose)
+        self._poses[entity] = pose
+
+    def _put(self, body: int, pose: Pose) -> None:
+        """Put one body at a pose."""
+        pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=self.client)
+
+    def _chosen(self) -> dict[str, int]:
+        """Return the body of each object, of the size that the scene has now.
+
+        Raises:
+            SceneError: there is none of that size.
+        """
+        shapes, objects = self.scene.shapes, dict.fromkeys(entity for entity, _ in self._pool)
+        missing = [entity for entity in objects if (entity, shapes[entity]) not in self._pool]
+        if missing:
+            raise SceneError(f"{missing[0]} has no body of the size {shapes[missing[0]].size}; open another simulator")
+        return {entity: self._pool[entity, shapes[entity]] for entity in objects}
+
+
+def start_world(client: int) -> None:
+    """Make the world of a client empty, with gravity, and repeatable."""
+    pybullet.resetSimulation(physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(
+        deterministicOverlappingPairs=1, contactBreakingThreshold=CONTACT_BREAKING, physicsClientId=client
+    )
+    pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
+
+
+def read_pose(client: int, body: int) -> Pose:
+    """Return where a body is."""
+    position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    return Pose(tuple(position), tuple(quaternion))
+
+
+@contextmanager
+def open_client() -> Iterator[int]:
+    """Connect to a PyBullet without a window, and disconnect afterwards.
+
+    Raises:
+        SceneError: too many are open in this process.
+    """
+    with silenced(STDOUT):
+        client = pybullet.connect(pybullet.DIRECT)
+    if client < 0:
+        raise SceneError("PyBullet cannot open a simulator: too many are open in this process")
+    try:
+        yield client
+    finally:
+        pybullet.disconnect(physicsClientId=client)
+
+
+@contextmanager
+def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
+    """Open a simulator without a window, and close it afterwards; `visual` loads what pictures need."""
+    with open_client() as client:
+        with silenced(STDOUT):
+            simulator = Simulator(scene, client, visual)
+        yield simulator

@@ -1,0 +1,185 @@
+"""Whether bodies stay where they are put: contacts from below, and the centre of mass of what rests on them.
+
+Bodies stand upright. Of a stack the centre of mass of everything that rests on a body is used, not only its
+own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from prag_asp.domain.scene import HOLLOW
+from prag_asp.physics.geometry import (
+    Outline,
+    Point,
+    hull,
+    inside_by,
+    intersection,
+    outline,
+    rectangle,
+    yaw_of,
+)
+from prag_asp.physics.predicates.inside import floor_height, hollow
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.world.solids import weight
+
+CONTACT = 0.002
+BALANCE = 1e-6
+STEADY = 0.005
+"""How far within its base the centre of mass of what is put somewhere should be, in metres."""
+TABLE = ""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A body rests on another (or on the table, `TABLE`) where their outlines, seen from above, overlap."""
+
+    support: str
+    region: Outline
+
+
+def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[Contact]:
+    """Return what a body rests on: tops, floors of containers and the table that it touches from above."""
+    return _contacts(situation, entity, list(_tops(situation, others)))
+
+
+def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float]]) -> list[Contact]:
+    """Return what a body rests on, of surfaces with their heights in metres."""
+    bottom = situation.bottom(entity)
+    below: Outline = ()
+    found = []
+    for support, height in tops:
+        if support != entity and abs(bottom - height) <= CONTACT:
+            below = below or outline(situation.shape(entity), situation.pose(entity))
+            region = below if support == TABLE and _on_table(situation, below) else ()
+            region = region or intersection(below, _top(situation, support))
+            if region:
+                found.append(Contact(support, region))
+    return found
+
+
+def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> float:
+    """Return the height of the highest top under a body that is let down from where it is, in metres."""
+    below = outline(situation.shape(entity), situation.pose(entity))
+    bottom = situation.bottom(entity) + CONTACT
+    heights = [
+        height
+        for support, height in _tops(situation, others)
+        if support != entity and height <= bottom and intersection(below, _top(situation, support))
+    ]
+    return max(heights, default=0.0)
+
+
+def unsupported(situation: Situation, entities: Iterable[str], held: str | None, margin: float = 0.0) -> str | None:
+    """Return a body that would fall or tip over, None where all stay; a held body stays, and bears others.
+
+    With a `margin` in metres, so does one that is as near to tipping over. Of a small base half is enough.
+    """
+    bodies = list(entities)
+    still = {held, *(arm.held for arm in situation.others.values()), *situation.scene.fixed}
+    loose = [body for body in bodies if body not in still]
+    high = [body for body in loose if not _low_on_table(situation, body)]
+    tops = list(_tops(situation, bodies)) if high else []
+    resting = {body: _contacts(situation, body, tops) for body in high}
+    bearing = {contact.support for touching in resting.values() for contact in touching}
+    resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
+    for body, touching in resting.items():
+        base = _base(touching)
+        needed = min(margin, max(0.0, inside_by(base, _middle(base)) / 2)) if base else 0.0
+        if not base or inside_by(base, _load(situation, body, resting)[1]) < needed - BALANCE:
+            return body
+    return None
+
+
+def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str]:
+    """Return the bodies that rest on or in a body, directly or not, and so move with it."""
+    candidates = list(others)
+    found = [entity]
+    for current in found:
+        found += [other for other in candidates if other not in found and _rests_on(situation, other, current)]
+    return found[1:]
+
+
+def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, float]]:
+    """Yield every surface that a body can rest on: its owner and its height in metres."""
+    yield TABLE, 0.0
+    for other in others:
+        height = _surface(situation, other)
+        if height is not None:
+            yield other, height
+
+
+def _surface(situation: Situation, support: str) -> float | None:
+    """Return the height of a body's top or a container's floor in metres, None for a ball."""
+    shape = situation.shape(support)
+    if shape.kind in HOLLOW:
+        return floor_height(situation, support)
+    return None if shape.kind == "sphere" else situation.top(support)
+
+
+def _rests_on(situation: Situation, body: str, support: str) -> bool:
+    """Tell whether a body touches another from above."""
+    height = _surface(situation, support)
+    if height is None or abs(situation.bottom(body) - height) > CONTACT:
+        return False
+    return bool(intersection(outline(situation.shape(body), situation.pose(body)), _top(situation, support)))
+
+
+def _top(situation: Situation, support: str) -> Outline:
+    """Return the outline of the surface of a support, a container's floor between its walls."""
+    if support == TABLE:
+        x, y = situation.scene.table.centre
+        size_x, size_y = situation.scene.table.size
+        return rectangle(x, y, size_x / 2, size_y / 2, 0.0)
+    shape = situation.shape(support)
+    if shape.kind not in HOLLOW:
+        return outline(shape, situation.pose(support))
+    pose, inner = hollow(situation, support)
+    x, y, _ = pose.position
+    return rectangle(x, y, inner[0] / 2, inner[1] / 2, yaw_of(pose.quaternion))
+
+
+def _low_on_table(situation: Situation, body: str) -> bool:
+    """Tell whether a body stands on the table with its centre over it, the usual case."""
+    x, y, _ = situation.pose(body).position
+    centre_x, centre_y = situation.scene.table.centre
+    size_x, size_y = situation.scene.table.size
+    near = abs(x - centre_x) <= size_x / 2 and abs(y - centre_y) <= size_y / 2
+    return near and abs(situation.bottom(body)) <= CONTACT
+
+
+def _on_table(situation: Situation, below: Outline) -> bool:
+    """Tell whether an outline lies wholly on the table top."""
+    x, y = situation.scene.table.centre
+    size_x, size_y = situation.scene.table.size
+    return all(abs(px - x) <= size_x / 2 and abs(py - y) <= size_y / 2 for px, py in below)
+
+
+def _base(touching: Iterable[Contact]) -> Outline:
+    """Return the outline within which the centre of mass has to lie."""
+    return hull([point for contact in touching for point in contact.region])
+
+
+def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> tuple[float, Point]:
+    """Return the mass of a body and of all that it bears, and where this load acts, seen from above.
+
+    What rests on one body alone loads it at its own centre of mass; what bridges several loads each with an
+    equal share, at the middle of their contact.
+    """
+    total = weight(situation.scene, body)
+    x, y = (total * value for value in situation.pose(body).position[:2])
+    for rider, touching in resting.items():
+        for contact in touching:
+            if contact.support == body:
+                mass, at = _load(situation, rider, resting)
+                if len(touching) > 1:
+                    mass /= len(touching)
+                    at = _middle(contact.region)
+                total, x, y = total + mass, x + mass * at[0], y + mass * at[1]
+    return total, (x / total, y / total)
+
+
+def _middle(region: Outline) -> Point:
+    """Return the mean of the corners of an outline."""
+    return sum(x for x, _ in region) / len(region), sum(y for _, y in region) / len(region)
