@@ -16,13 +16,13 @@ from prag_asp.physics import (
     Verdict,
     check_demonstration,
     demonstrate,
-    dynamics,
     validate_tasks,
 )
 from prag_asp.physics.demonstration.perform import Performer, open_performer
 from prag_asp.physics.facts import problem
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED
+from prag_asp.physics.world import dynamics
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
 from tests.physics.random_tasks import random_tasks
