@@ -74,7 +74,7 @@ def _gap(simulator: Simulator, rows: np.ndarray, held: bool) -> float:
             x, y, z = tool_pose(PANDA, tuple(row)).position
             poses["cube_1"] = Pose((x, y, z - 0.005), (0, 0, 0, 1))
         simulator.place(poses)
-        smallest = min([smallest, *(gap for _, gap in simulator.arm_contacts(simulator.body("brick_1")))])
+        smallest = min([smallest, *(gap for _, gap in simulator.arm.contacts(simulator.body("brick_1"), PANDA.links))])
         if held:
             smallest = min(smallest, simulator.overlap(simulator.body("brick_1"), simulator.body("cube_1")))
     return smallest

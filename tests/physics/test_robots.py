@@ -113,8 +113,7 @@ def test_the_fingers_move_apart_along_the_tools_y_axis_as_the_opening_says(simul
     simulator, robot = simulators[name], ROBOTS[name]
     gaps = []
     for width in (0.0, 0.03, robot.opening):
-        simulator.pose_arm(robot.home, width)
-        boxes = dict(zip(robot.links, simulator.link_boxes(), strict=True))
+        boxes = dict(zip(robot.links, simulator.arm.link_boxes(robot.home, width), strict=True))
         left, right = sorted((boxes[link] for link in robot.finger_links), key=lambda box: -box[0][1])
         assert left[0][1] + right[1][1] == pytest.approx(0.0, abs=1e-4)
         gaps.append(left[0][1] - right[1][1])
@@ -123,19 +122,32 @@ def test_the_fingers_move_apart_along_the_tools_y_axis_as_the_opening_says(simul
 
 
 @robots
+def test_the_bounding_boxes_of_the_fingers_are_known_at_every_opening(simulators, name):
+    simulator, robot = simulators[name], ROBOTS[name]
+    rng = np.random.default_rng(1)
+    for row in rng.uniform(robot.lower, robot.upper, size=(20, 7)).tolist():
+        for width in (0.02, robot.opening, 0.0):
+            known = simulator.arm.link_boxes(tuple(row), width)
+            simulator.pose_arm(robot.home, 0.0)
+            simulator.pose_arm(tuple(row), width)
+            read = [pybullet.getAABB(simulator.arm.body, link, simulator.client) for link in robot.links]
+            assert np.array(known) == pytest.approx(np.array(read), abs=1e-9)
+
+
+@robots
 def test_the_arm_meets_neither_itself_nor_the_table_where_it_waits(simulators, name):
     simulator, robot = simulators[name], ROBOTS[name]
     assert robot.within_limits(robot.home) and robot.within_limits(robot.posture)
     simulator.pose_arm(robot.home, robot.opening)
-    assert simulator.self_overlap() == 0.0
-    assert {link for link, _ in simulator.arm_contacts(simulator.table)} <= {-1}
+    assert simulator.arm.self_overlap(robot.home, robot.opening) == 0.0
+    assert {link for link, _ in simulator.arm.contacts(simulator.table, robot.links)} <= {-1}
     assert turn_between(tool_pose(robot, robot.home).quaternion, DOWN) < 1e-6
 
 
 def test_the_limits_of_the_kukas_joints_are_those_of_its_file(simulators):
     simulator, robot = simulators["kuka"], ROBOTS["kuka"]
     for link, low, high in zip(robot.arm_links, robot.lower, robot.upper, strict=True):
-        info = pybullet.getJointInfo(simulator.arm, link, physicsClientId=simulator.client)
+        info = pybullet.getJointInfo(simulator.arm.body, link, physicsClientId=simulator.client)
         assert (info[8], info[9]) == pytest.approx((low, high), abs=1e-6)
 
 

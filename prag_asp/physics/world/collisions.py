@@ -38,15 +38,17 @@ def colliding(
     simulator: Simulator, situation: Situation, moved: Iterable[str], objects: Iterable[str]
 ) -> tuple[str, str] | None:
     """Return a moved object and another, or the table, that it collides with; None where none do."""
-    simulator.place(situation.poses, situation.openings)
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in moved:
         done.add(one)
-        if situation.bottom(one) < 0.0 and simulator.overlap(simulator.body(one), simulator.table) < COLLISION:
-            return one, "the table"
+        if situation.bottom(one) < 0.0:
+            simulator.place(situation.poses, situation.openings)
+            if simulator.overlap(simulator.body(one), simulator.table) < COLLISION:
+                return one, "the table"
         for two, other in boxes.items():
             if two in done or not boxes_meet(boxes[one], other):
                 continue
+            simulator.place(situation.poses, situation.openings)
             if simulator.overlap(simulator.body(one), simulator.body(two)) < COLLISION:
                 return one, two
     return None
@@ -59,56 +61,73 @@ def arm_collision(
 
     Where other arms stand around, neither the objects nor this arm may meet them.
     """
-    simulator.place(situation.poses, situation.openings)
     simulator.turn_to(situation.acting)
-    simulator.pose_arm(joints, width)
-    robot = simulator.robot
-    links = simulator.link_boxes()
-    if any(low[2] < 0.0 for low, _ in links[1:]):
-        for link, gap in simulator.arm_contacts(simulator.table):
-            if gap < COLLISION and link > BASE_LINK:
-                return ArmCollision("the table", link > robot.flange_link)
-    bodies = [(entity, situation.body(entity)) for entity in situation.poses]
-    highest = max([body.high[2] for _, body in bodies], default=0.0)
-    low_links = [corners for corners in links if corners[0][2] <= highest]
-    for entity, body in bodies:
-        if not _touches_one((body.low, body.high), low_links):
-            continue
-        for link, gap in simulator.arm_contacts(simulator.body(entity)):
-            if gap < COLLISION and not (entity == touched and link in robot.finger_links):
-                return ArmCollision(entity, link > robot.flange_link)
-    if simulator.self_overlap() < COLLISION:
+    arm, flange = simulator.arm, simulator.robot.flange_link
+    boxes = arm.link_boxes(joints, width)
+    for link, (low, _) in zip(arm.robot.links, boxes, strict=True):
+        if low[2] < 0.0 and link > BASE_LINK:
+            arm.pose(joints, width)
+            if _deep(arm.contacts(simulator.table, [link])) is not None:
+                return ArmCollision("the table", link > flange)
+    hit = _meets_object(simulator, situation, situation.acting, Standing(joints, situation.tool, width, touched))
+    if hit is not None:
+        entity, link = hit
+        return ArmCollision(entity, link > flange)
+    if arm.self_overlap(joints, width) < COLLISION:
         return ArmCollision("itself", False)
     for name, standing in situation.others.items():
-        hit = _meets_standing(simulator, situation, name, standing)
-        if hit is not None:
-            return hit
+        if _meets_object(simulator, situation, name, standing) is not None:
+            return ArmCollision(name, False)
+        met = _meets_arm(simulator, name, standing, joints, width)
+        if met is not None:
+            return ArmCollision(name, met > flange)
     return None
 
 
-def _meets_standing(simulator: Simulator, situation: Situation, name: str, standing: Standing) -> ArmCollision | None:
-    """Return that the arm that acts, or an object, collides with an arm that stands still; None where none does."""
-    other = simulator.arms[name]
+def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Standing) -> tuple[str, int] | None:
+    """Return an object and a link of an arm that collide, None where none do; its fingers may touch what it holds."""
+    simulated = simulator.arms[name]
+    robot = simulated.robot
+    bodies = [(entity, situation.body(entity)) for entity in situation.poses]
+    highest = max([body.high[2] for _, body in bodies], default=0.0)
+    boxes = zip(robot.links, simulated.link_boxes(arm.joints, arm.width), strict=True)
+    low_links = [(link, corners) for link, corners in boxes if corners[0][2] <= highest]
+    for entity, body in bodies:
+        links = _touching((body.low, body.high), low_links)
+        if entity == arm.held:
+            links = [link for link in links if link not in robot.finger_links]
+        if links:
+            simulator.place(situation.poses, situation.openings)
+            simulated.pose(arm.joints, arm.width)
+            link = _deep(simulated.contacts(simulator.body(entity), links))
+            if link is not None:
+                return entity, link
+    return None
+
+
+def _meets_arm(simulator: Simulator, name: str, standing: Standing, joints: Joints, width: float) -> int | None:
+    """Return a link of the arm that acts which collides with an arm that stands still, None where none does."""
+    acting, other = simulator.arm, simulator.arms[name]
+    boxes = [*zip(other.robot.links, other.link_boxes(standing.joints, standing.width), strict=True)]
+    links = zip(acting.robot.links, acting.link_boxes(joints, width), strict=True)
+    near = [link for link, corners in links if _touching(corners, boxes)]
+    if not near:
+        return None
+    acting.pose(joints, width)
     other.pose(standing.joints, standing.width)
-    boxes = other.link_boxes()
-    for entity in situation.poses:
-        body = situation.body(entity)
-        if not _touches_one((body.low, body.high), boxes):
-            continue
-        for link, gap in other.contacts(simulator.body(entity)):
-            if gap < COLLISION and not (entity == standing.held and link in other.robot.finger_links):
-                return ArmCollision(name, False)
-    if any(_touches_one(box, boxes) for box in simulator.link_boxes()):
-        for link, gap in simulator.arm_contacts(other.body):
-            if gap < COLLISION:
-                return ArmCollision(name, link > simulator.robot.flange_link)
-    return None
+    return _deep(acting.contacts(other.body, near))
 
 
-def _touches_one(body: Box, links: Iterable[Box]) -> bool:
-    """Tell whether a bounding box has a point in common with one of others, all as lowest and highest corner."""
+def _deep(contacts: Iterable[tuple[int, float]]) -> int | None:
+    """Return a link whose contact is a collision, None where there is none."""
+    return next((link for link, gap in contacts if gap < COLLISION), None)
+
+
+def _touching(body: Box, links: Iterable[tuple[int, Box]]) -> list[int]:
+    """Return the links whose bounding boxes have a point in common with one, all as lowest and highest corner."""
     (ax, ay, az), (bx, by, bz) = body
-    for (cx, cy, cz), (dx, dy, dz) in links:
-        if ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz:
-            return True
-    return False
+    return [
+        link
+        for link, ((cx, cy, cz), (dx, dy, dz)) in links
+        if ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz
+    ]

@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.geometry import Pose, Vector
+from prag_asp.physics.geometry import Pose, Vector, rotate
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.file import wheel_file, write_robot
+from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.world.bullet import pybullet
 
-REMEMBERED = 64
+REMEMBERED = 256
 Corners = tuple[Vector, Vector]
 """The lowest and the highest corner of a bounding box, in metres."""
+
+
+@dataclass
+class _Posture:
+    """What is known of an arm at joint angles: its links' bounding boxes at an opening, and how links overlap."""
+
+    width: float
+    boxes: list[Corners]
+    overlap: float | None = None
 
 
 class SimulatedArm:
@@ -26,11 +37,11 @@ class SimulatedArm:
         self.robot = robot
         self.body = _load_with_hand(client, robot, visual)
         self._trunk, self._wrist = (sorted(set(links)) for links in zip(*robot.self_pairs, strict=True))
-        self._link_boxes: list[Corners] = []
         self._at: tuple[Joints, float] | None = None
-        self._joints_at: Joints = ()
-        self._self_overlaps: dict[Joints, float] = {}
+        self._known: dict[Joints, _Posture] = {}
         self._joints = [*robot.arm_links, *robot.finger_joints]
+        sides = zip(robot.finger_links, robot.finger_names, strict=True)
+        self._fingers = [(robot.links.index(link), side) for link, (_, side) in sides]
 
     def pose(self, joints: Joints, width: float) -> None:
         """Put the arm at seven joint angles in radians, the gripper at an opening in metres.
@@ -44,40 +55,64 @@ class SimulatedArm:
             raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
         values = [[angle] for angle in (*joints, width / 2, width / 2)]
         pybullet.resetJointStatesMultiDof(self.body, self._joints, values, physicsClientId=self.client)
-        self._at, self._joints_at, self._link_boxes = (joints, width), joints, []
+        self._at = joints, width
 
-    def contacts(self, body: int) -> list[tuple[int, float]]:
-        """Return the links of the arm that touch a body, with the distance in metres."""
-        points = pybullet.getClosestPoints(self.body, body, 0.0, physicsClientId=self.client)
-        return [(point[3], point[8]) for point in points]
+    def contacts(self, body: int, links: Iterable[int]) -> list[tuple[int, float]]:
+        """Return which of some links of the arm touch a body, where both are now, with the distance in metres."""
+        found = []
+        for link in links:
+            points = pybullet.getClosestPoints(self.body, body, 0.0, linkIndexA=link, physicsClientId=self.client)
+            found += [(link, point[8]) for point in points]
+        return found
 
-    def self_overlap(self) -> float:
+    def link_boxes(self, joints: Joints, width: float) -> list[Corners]:
+        """Return the bounding box of each of the robot's links at joint angles in radians and an opening in metres.
+
+        The arm itself is moved only where they are not known.
+
+        Raises:
+            SceneError: a number is not finite, or there are not seven joints.
+        """
+        known = self._known.get(joints)
+        if known is None:
+            self.pose(joints, width)
+            read, body, client = pybullet.getAABB, self.body, self.client
+            known = _Posture(width, [read(body, link, client) for link in self.robot.links])
+            if len(self._known) >= REMEMBERED:
+                self._known.clear()
+            self._known[joints] = known
+        return known.boxes if known.width == width else self._opened(joints, known, width)
+
+    def _opened(self, joints: Joints, known: _Posture, width: float) -> list[Corners]:
+        """Return bounding boxes with the gripper open otherwise: the fingers slide along the y axis of the tool."""
+        axis = rotate(tool_pose(self.robot, joints).quaternion, (0.0, 1.0, 0.0))
+        boxes = list(known.boxes)
+        for i, side in self._fingers:
+            shift = side * (width - known.width) / 2
+            dx, dy, dz = axis[0] * shift, axis[1] * shift, axis[2] * shift
+            (ax, ay, az), (bx, by, bz) = boxes[i]
+            boxes[i] = (ax + dx, ay + dy, az + dz), (bx + dx, by + dy, bz + dz)
+        return boxes
+
+    def self_overlap(self, joints: Joints, width: float) -> float:
         """Return the smallest distance of two links of the arm that touch in metres, 0 where none do."""
-        known = self._self_overlaps.get(self._joints_at)
-        if known is not None:
-            return known
-        boxes = dict(zip(self.robot.links, self.link_boxes(), strict=True))
-        smallest = 0.0
+        boxes = dict(zip(self.robot.links, self.link_boxes(joints, width), strict=True))
+        known = self._known[joints]
+        if known.overlap is None:
+            known.overlap = min([0.0, *self._overlaps(joints, width, boxes)])
+        return known.overlap
+
+    def _overlaps(self, joints: Joints, width: float, boxes: Mapping[int, Corners]) -> Iterator[float]:
+        """Yield the distances of the links that touch in metres, of those whose bounding boxes do."""
         trunk = _around([boxes[link] for link in self._trunk])
         near = {link for link in self._wrist if boxes_touch(boxes[link], trunk)}
         for low, high in self.robot.self_pairs:
-            if high not in near or not boxes_touch(boxes[low], boxes[high]):
-                continue
-            points = pybullet.getClosestPoints(
-                self.body, self.body, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
-            )
-            smallest = min(smallest, min((point[8] for point in points), default=0.0))
-        if len(self._self_overlaps) >= REMEMBERED:
-            self._self_overlaps.clear()
-        self._self_overlaps[self._joints_at] = smallest
-        return smallest
-
-    def link_boxes(self) -> list[Corners]:
-        """Return the bounding box of each link of the arm."""
-        if not self._link_boxes:
-            read, body, client = pybullet.getAABB, self.body, self.client
-            self._link_boxes = [read(body, link, client) for link in self.robot.links]
-        return self._link_boxes
+            if high in near and boxes_touch(boxes[low], boxes[high]):
+                self.pose(joints, width)
+                points = pybullet.getClosestPoints(
+                    self.body, self.body, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
+                )
+                yield from (point[8] for point in points)
 
     def flange(self) -> Pose:
         """Return the pose of the flange as the simulator's own kinematics has it."""

@@ -20,7 +20,7 @@ from prag_asp.physics.world.bodies import make_body, make_table, parking_place, 
 from prag_asp.physics.world.bullet import pybullet
 from prag_asp.physics.world.furniture import set_opening
 from prag_asp.physics.world.silence import STDOUT, silenced
-from prag_asp.physics.world.simulated_arm import Corners, SimulatedArm
+from prag_asp.physics.world.simulated_arm import SimulatedArm
 
 COLLISION = -0.0015
 """Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
@@ -101,9 +101,9 @@ class Simulator:
         return self._acting.robot
 
     @property
-    def arm(self) -> int:
-        """The id of the body of the arm that acts."""
-        return self._acting.body
+    def arm(self) -> SimulatedArm:
+        """The arm that acts."""
+        return self._acting
 
     def turn_to(self, robot: str) -> None:
         """Let another robot be the one that acts."""
@@ -127,18 +127,6 @@ class Simulator:
         """Return the distance of two bodies that touch in metres: negative in each other, 0 where apart."""
         points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=self.client)
         return min((point[8] for point in points), default=0.0)
-
-    def arm_contacts(self, body: int) -> list[tuple[int, float]]:
-        """Return the links of the arm that acts which touch a body, with the distance in metres."""
-        return self._acting.contacts(body)
-
-    def self_overlap(self) -> float:
-        """Return the smallest distance of two links of the arm that acts which touch in metres, 0 where none do."""
-        return self._acting.self_overlap()
-
-    def link_boxes(self) -> list[Corners]:
-        """Return the bounding box of each link of the arm that acts."""
-        return self._acting.link_boxes()
 
     def flange(self) -> Pose:
         """Return the pose of the flange of the arm that acts as the simulator's own kinematics has it."""
