@@ -121,11 +121,11 @@ def problem(task: Task, scene: Scene) -> Problem:
 
 def _facts(scene: Scene, state: State, known: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
     """Return what a state says about space, each fluent read once into `known`."""
-    for atom, value in state.items():
-        if (atom, value) not in known:
-            known[atom, value] = _fact(scene, atom, value)
-    found = (known[item] for item in state.items())
-    return tuple(fact for fact in found if fact is not None)
+    for item in state.items():
+        if item not in known:
+            known[item] = _fact(scene, *item)
+    found = [known[item] for item in state.items()]
+    return tuple([fact for fact in found if fact is not None])
 
 
 def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:

@@ -164,6 +164,7 @@ def to_local(pose: Pose, x: float, y: float) -> Point:
     return (cosine * dx + sine * dy, cosine * dy - sine * dx)
 
 
+@lru_cache(maxsize=1 << 11)
 def outline(shape: Shape, pose: Pose) -> Outline:
     """Return the corners of an upright body from above, counter-clockwise; of a ball where it stands."""
     x, y, _ = pose.position
@@ -194,6 +195,7 @@ def inside_by(polygon: Outline, point: Point) -> float:
     return depth
 
 
+@lru_cache(maxsize=1 << 11)
 def intersection(subject: Outline, clip: Outline) -> Outline:
     """Return what two convex counter-clockwise polygons share, by Sutherland and Hodgman's clipping."""
     if len(subject) == 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 from prag_asp.domain.scene import FURNITURE, Scene, Shape
@@ -125,6 +126,11 @@ class Situation:
             body = _box(pose, extents(shape, pose.quaternion))
         self.measured[entity] = body
         return body
+
+    @cached_property
+    def bodies(self) -> tuple[tuple[str, Body], ...]:
+        """The objects with their poses and bounding boxes."""
+        return tuple([(entity, self.body(entity)) for entity in self.poses])
 
     def opening(self, entity: str) -> float:
         """Return how far furniture is open, in metres or radians."""

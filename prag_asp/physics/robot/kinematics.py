@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from operator import mul
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ def tool_matrix(robot: Robot, joints: Joints) -> Rows:
     return tuple(map(tuple, robot.solver.forward(joints).tolist()))
 
 
+@lru_cache(maxsize=1 << 8)
 def tool_pose(robot: Robot, joints: Joints) -> Pose:
     """Return the pose of a robot's tool."""
     rows = tool_matrix(robot, joints)
@@ -107,18 +109,17 @@ def _ranked(
     weights: tuple[float, ...],
 ) -> list[Joints]:
     """Return the solutions within the limits for some angles to choose, nearest to `start` first."""
-    found = []
+    found, origin = [], tuple(map(mul, start, weights))
     for row in robot.solver.solutions(flange, start, angles):
         # A branch without a solution is NaN, which no comparison lets through.
         if robot.within_limits(row):
-            parts = zip(row, start, weights, strict=True)
-            found.append((sum(((a - b) * weight) ** 2 for a, b, weight in parts), tuple(row)))
+            found.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
     return [joints for _, joints in sorted(found)]
 
 
 def _error(rows: Rows, goal: list[list[float]]) -> float:
-    """Return the largest difference of two homogeneous matrices."""
-    return max(abs(a - b) for row, other in zip(rows[:3], goal, strict=False) for a, b in zip(row, other, strict=True))
+    """Return the largest distance of two rows of homogeneous matrices."""
+    return max(map(math.dist, rows[:3], goal))
 
 
 def _facing(robot: Robot, tool: Pose) -> Joints:

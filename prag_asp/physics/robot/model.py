@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import le
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -103,7 +104,7 @@ class Robot:
 
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
         """Tell whether every joint is within its limits, widened by `tolerance` radians."""
-        for low, joint, high in zip(self.lower, joints, self.upper, strict=True):
-            if not low - tolerance <= joint <= high + tolerance:
-                return False
-        return True
+        lower, upper = self.lower, self.upper
+        if tolerance:
+            lower, upper = tuple(low - tolerance for low in lower), tuple(high + tolerance for high in upper)
+        return all(map(le, lower, joints)) and all(map(le, joints, upper))

@@ -6,7 +6,7 @@ This only steers draws; every check stays as it is.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import SUPPORTING, Effect, Fact, Problem
@@ -23,15 +23,20 @@ Rooms = dict[Side, float]
 def foresee(problem: Problem, scene: Scene) -> Foresight:
     """Return where the objects of a task should be put so that there is room for what is put beside them later."""
     found: dict[tuple[int, str], tuple[Volume, ...]] = {}
-    for k, facts in enumerate(problem.states):
-        named = {entity for fact in facts if fact.predicate.name in DIRECTIONS for entity in fact.arguments}
+    begun = [_named(effect.fresh) for effect in problem.effects]
+    for k in range(len(problem.states)):
+        concerned = set().union(*begun[k:], _named(problem.initial) if k == 0 else ())
         for entity in problem.objects if k == 0 else problem.effects[k - 1].moved:
-            later = any(_beside(fact, entity) for effect in problem.effects[k:] for fact in effect.fresh)
-            if entity not in scene.fixed and (later or (k == 0 and entity in named)):
+            if entity in concerned and entity not in scene.fixed:
                 volumes = [_volume(scene, _rooms(problem, scene, k, entity, wide)) for wide in (True, False)]
                 if any(volume != Volume() for volume in volumes):
                     found[k, entity] = tuple(volumes)
     return found
+
+
+def _named(facts: Iterable[Fact]) -> set[str]:
+    """Return the objects that facts put beside others, or beside which they put others."""
+    return {entity for fact in facts if fact.value and fact.predicate.name in DIRECTIONS for entity in fact.arguments}
 
 
 def _rooms(problem: Problem, scene: Scene, k: int, entity: str, wide: bool, depth: int = 0) -> Rooms:

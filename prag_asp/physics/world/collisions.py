@@ -88,7 +88,7 @@ def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: St
     """Return an object and a link of an arm that collide, None where none do; its fingers may touch what it holds."""
     simulated = simulator.arms[name]
     robot = simulated.robot
-    bodies = [(entity, situation.body(entity)) for entity in situation.poses]
+    bodies = situation.bodies
     highest = max([body.high[2] for _, body in bodies], default=0.0)
     boxes = zip(robot.links, simulated.link_boxes(arm.joints, arm.width), strict=True)
     low_links = [(link, corners) for link, corners in boxes if corners[0][2] <= highest]

@@ -96,10 +96,10 @@ class SimulatedArm:
 
     def self_overlap(self, joints: Joints, width: float) -> float:
         """Return the smallest distance of two links of the arm that touch in metres, 0 where none do."""
-        boxes = dict(zip(self.robot.links, self.link_boxes(joints, width), strict=True))
+        boxes = self.link_boxes(joints, width)
         known = self._known[joints]
         if known.overlap is None:
-            known.overlap = min([0.0, *self._overlaps(joints, width, boxes)])
+            known.overlap = min([0.0, *self._overlaps(joints, width, dict(zip(self.robot.links, boxes, strict=True)))])
         return known.overlap
 
     def _overlaps(self, joints: Joints, width: float, boxes: Mapping[int, Corners]) -> Iterator[float]:

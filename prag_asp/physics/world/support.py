@@ -142,11 +142,11 @@ def _top(situation: Situation, support: str) -> Outline:
 
 def _low_on_table(situation: Situation, body: str) -> bool:
     """Tell whether a body stands on the table with its centre over it, the usual case."""
-    x, y, _ = situation.pose(body).position
-    centre_x, centre_y = situation.scene.table.centre
-    size_x, size_y = situation.scene.table.size
-    near = abs(x - centre_x) <= size_x / 2 and abs(y - centre_y) <= size_y / 2
-    return near and abs(situation.bottom(body)) <= CONTACT
+    measured, table = situation.body(body), situation.scene.table
+    if abs(measured.low[2]) > CONTACT:
+        return False
+    x, y, _ = measured.pose.position
+    return abs(x - table.centre[0]) <= table.size[0] / 2 and abs(y - table.centre[1]) <= table.size[1] / 2
 
 
 def _on_table(situation: Situation, below: Outline) -> bool:
