@@ -16,7 +16,8 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import islice
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
 
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import PragError, QueryError, SceneError
@@ -129,8 +130,10 @@ class _Pool:
 
     def __init__(self, scene: Scene, workers: int, seed: int, budget: Budget):
         self._settings = (seed, budget)
+        context = get_context("spawn")
+        lifeline, self._held = context.Pipe(duplex=False)
         self._executor = ProcessPoolExecutor(
-            workers, mp_context=get_context("spawn"), initializer=_start_worker, initargs=(scene,)
+            workers, mp_context=context, initializer=_start_worker, initargs=(scene, lifeline)
         )
 
     def submit(self, chunk: Chunk) -> Future[list[Verdict]]:
@@ -142,9 +145,7 @@ class _Pool:
 
         Leaving the executor in peace would finish the chunks that it has already handed out.
         """
-        processes = getattr(self._executor, "_processes", None) or {}  # None once it is broken
-        for process in list(processes.values()):
-            process.terminate()
+        self._held.close()
         self._executor.shutdown(wait=True, cancel_futures=True)
 
 
@@ -160,21 +161,19 @@ class _Worker:
 _worker: list[_Worker] = []
 
 
-def _end_with_parent() -> None:
-    """End this process when the one that has spawned it is gone, which may have been killed."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+def _end_with(lifeline: Connection) -> None:
+    """End this process when the other end of a pipe is closed: by its parent, or because that has been killed."""
+    wait([lifeline])
+    os._exit(1)
 
 
-def _start_worker(scene: Scene) -> None:
+def _start_worker(scene: Scene, lifeline: Connection) -> None:
     """Prepare a spawned process: no output, no reaction to Ctrl-C (its parent ends it), one validator.
 
     An error is kept for the first chunk to raise: raised here it would only break the pool.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
     silence(STDOUT)
     resources = ExitStack()
     try:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from prag_asp.domain.scene import FURNITURE, Scene, Shape
 from prag_asp.errors import SceneError
-from prag_asp.physics.geometry import Pose, Vector, extents, raised, yaw_quaternion
+from prag_asp.physics.geometry import Pose, Vector, extents, finite, raised, yaw_quaternion
 from prag_asp.physics.mechanism import around, cavity_pose, part_pose
 from prag_asp.physics.robot import Joints, Robot, robot_of
 
@@ -109,7 +109,7 @@ class Situation:
         """Return the pose and the bounding box of an object, a zone, or the table's top.
 
         Raises:
-            SceneError: the entity has no shape, or does not take part in this situation.
+            SceneError: the entity has no shape, does not take part in this situation, or its pose is not finite.
         """
         known = self.measured.get(entity)
         pose = self.poses.get(entity)
@@ -119,6 +119,8 @@ class Situation:
             pose = self.pose(entity)
         if pose is None:
             return _box(self.pose(entity), (self.scene.table.size[0] / 2, self.scene.table.size[1] / 2, 0.0))
+        if not finite(pose):
+            raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
         shape = self.scene.shapes[entity]
         if shape.kind in FURNITURE:
             body = _between(pose, *around(shape, pose, self.opening(entity)))
