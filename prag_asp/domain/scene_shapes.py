@@ -5,22 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from prag_asp.domain.scene_model import FURNITURE, HOLLOW, Shape, Size
+from prag_asp.domain.scene_kinds import KINDS
+from prag_asp.domain.scene_model import Shape, Size
 from prag_asp.domain.scene_report import MAX_LENGTH, Report, is_number, suggest
 from prag_asp.errors import SceneError
 
-SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
-    "box": ("size",),
-    "cylinder": ("radius", "height"),
-    "sphere": ("radius",),
-    "container": ("size", "wall"),
-    "drawer": ("size", "wall"),
-    "cupboard": ("size", "wall"),
-    "urdf": ("path",),
-    "table": (),
-    "robot": (),
-    "zone": ("size",),
-}
 MIN_WALL = 0.003
 TRIPLE = 3
 SIZES = 8
@@ -53,16 +42,16 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
         report.add(key, f'needs a table like {{ kind = "box", size = [0.05, 0.05, 0.05] }}; got {value!r}')
         return ()
     kind = value.get("kind")
-    if not isinstance(kind, str) or kind not in SHAPE_KEYS:
-        report.add(f"{key}.kind", f"unknown shape {kind!r}; {suggest(str(kind), SHAPE_KEYS)}")
+    if not isinstance(kind, str) or kind not in KINDS:
+        report.add(f"{key}.kind", f"unknown shape {kind!r}; {suggest(str(kind), KINDS)}")
         return ()
-    before = len(report.problems)
-    report.unknown(key, value, ("kind", *SHAPE_KEYS[kind]))
+    before, traits = len(report.problems), KINDS[kind]
+    report.unknown(key, value, ("kind", *traits.keys))
     if kind == "urdf":
         return _urdf(report, f"{key}.path", value.get("path"))
     low, high = _sizes(report, key, kind, value)
-    wall = _wall(report, key, value, low) if kind in HOLLOW else 0.0
-    if kind in FURNITURE and (low != high or not all(side >= least for side, least in zip(low, LEAST, strict=True))):
+    wall = _wall(report, key, value, low) if traits.hollow else 0.0
+    if traits.furniture and (low != high or not all(side >= least for side, least in zip(low, LEAST, strict=True))):
         text = f"needs one size of at least {' x '.join(f'{side:g}' for side in LEAST)} m for a {kind}"
         report.add(f"{key}.size", f"{text}; got {value.get('size')!r}")
     if len(report.problems) > before:
@@ -99,7 +88,7 @@ def _between(low: Size, high: Size) -> list[Size]:
 
 def _sizes(report: Report, key: str, kind: str, value: Mapping[str, Any]) -> tuple[Size, Size]:
     """Return the sides of the smallest and of the largest bounding box of a shape in metres."""
-    names = SHAPE_KEYS[kind]
+    names = KINDS[kind].keys
     if kind == "zone":
         sides = report.lengths(f"{key}.size", value.get("size"), 2) or NOTHING
         return (sides[0], sides[1], 0.0), (sides[0], sides[1], 0.0)

@@ -11,7 +11,7 @@ from typing import Any
 
 from prag_asp.domain.scene_colors import read_colors
 from prag_asp.domain.scene_materials import read_materials
-from prag_asp.domain.scene_model import BODILESS, FURNITURE, IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
 from prag_asp.domain.scene_places import place_problems, read_fixed, read_table, read_workspace
 from prag_asp.domain.scene_report import Report, is_number, suggest
 from prag_asp.domain.scene_robots import ROBOTS, read_robots
@@ -66,9 +66,9 @@ def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> Non
     `given` is ``scene.shapes`` by class.
     """
     for entity, shape in scene.shapes.items():
-        if shape.kind in FURNITURE and entity not in scene.fixed:
+        if shape.traits.furniture and entity not in scene.fixed:
             report.add(f"scene.fixed.{entity}", f"missing: {entity} is a {shape.kind}, which does not move; say where")
-    bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.kind not in BODILESS}
+    bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.traits.body}
     for entity, shape in bodies.items():
         if _larger(shape, scene.table):
             owner = next(name for name in report.line(entity) if name in given)

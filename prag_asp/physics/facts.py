@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import BODILESS, Scene
+from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
@@ -247,4 +247,4 @@ def _known(state: Iterable[Fact], name: str, entity: str | None) -> bool | None:
 
 def _is_object(scene: Scene, entity: str) -> bool:
     """Tell whether an entity is a body of its own: it has a shape, and is no robot, table or zone."""
-    return entity in scene.shapes and scene.shapes[entity].kind not in BODILESS
+    return entity in scene.shapes and scene.shapes[entity].traits.body

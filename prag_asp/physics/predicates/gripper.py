@@ -64,7 +64,7 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
     robot, entity = arguments
     yield from _height_violations(situation, robot, entity)
     shape = situation.shape(entity)
-    if shape.kind == "box":
+    if shape.traits.even:
         x, y, _ = situation.hand(robot)[0].position
         places = to_local(situation.pose(entity), x, y)
         yield from (abs(at) - max(CENTRE_TOLERANCE, half - EDGE) for at, half in zip(places, shape.half, strict=False))
