@@ -8,12 +8,18 @@ from typing import NamedTuple
 from prag_asp.domain.scene_forms import Outline, Point, rectangle
 from prag_asp.domain.scene_model import Shape
 
+Place = tuple[float, float, float]
+"""x and y in metres, yaw in radians."""
+
+TOUCHING = 0.0015
+"""Fixed bodies may reach this far into each other, in metres, as all bodies may."""
+
 
 class Footprint(NamedTuple):
-    """An upright body and its place: x and y in metres, yaw in radians."""
+    """An upright body and its place."""
 
     shape: Shape
-    place: tuple[float, float, float]
+    place: Place = (0.0, 0.0, 0.0)
 
 
 def corners(footprint: Footprint) -> Outline:

@@ -7,17 +7,12 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 from typing import Any
 
-from prag_asp.domain.footprint import Footprint, apart, corners
+from prag_asp.domain.footprint import TOUCHING, Footprint, Place, apart, corners
 from prag_asp.domain.scene_model import Shape, Table
 from prag_asp.domain.scene_report import MAX_LENGTH, Problem, Report, is_number
 
-Place = tuple[float, float, float]
-"""x and y in metres, yaw in radians."""
-
 PAIR, TRIPLE = 2, 3
 PLACELESS = ("robot", "table")
-TOUCHING = 0.0015
-"""Fixed bodies may reach this far into each other, in metres, as all bodies may."""
 
 
 def read_table(report: Report, value: Mapping[str, Any]) -> Table:

@@ -7,10 +7,9 @@ from typing import Any
 
 from prag_asp.domain.scene_kinds import KINDS
 from prag_asp.domain.scene_model import Shape, Size
-from prag_asp.domain.scene_report import MAX_LENGTH, Report, is_number, suggest
+from prag_asp.domain.scene_report import MAX_LENGTH, SMALLEST, Report, is_number, suggest
 from prag_asp.errors import SceneError
 
-MIN_WALL = 0.003
 TRIPLE = 3
 SIZES = 8
 """How many sizes a range has: bodies are made once for each, for making and removing them leaks memory."""
@@ -94,9 +93,9 @@ def _sizes(report: Report, key: str, kind: str, value: Mapping[str, Any]) -> tup
         return (sides[0], sides[1], 0.0), (sides[0], sides[1], 0.0)
     if "size" in names:
         return _box(report, f"{key}.size", value.get("size"))
-    radius = _length(report, f"{key}.radius", value.get("radius")) if "radius" in names else (0.0, 0.0)
+    radius = _length(report, f"{key}.radius", value.get("radius"), SMALLEST / 2) if "radius" in names else (0.0, 0.0)
     diameter = (2 * radius[0], 2 * radius[1])
-    height = _length(report, f"{key}.height", value.get("height")) if "height" in names else diameter
+    height = _length(report, f"{key}.height", value.get("height"), SMALLEST) if "height" in names else diameter
     return (diameter[0], diameter[0], height[0]), (diameter[1], diameter[1], height[1])
 
 
@@ -113,10 +112,10 @@ def _box(report: Report, key: str, value: object) -> tuple[Size, Size]:
     return (ax, ay, az), (bx, by, bz)
 
 
-def _length(report: Report, key: str, value: object) -> tuple[float, float]:
+def _length(report: Report, key: str, value: object, least: float) -> tuple[float, float]:
     """Return the smallest and the largest of a length: a number, or a list of two."""
     count = 2 if isinstance(value, list) and len(value) == 2 else 1
-    found = report.lengths(key, value if count == 2 else [value], count) or (0.0,)
+    found = report.lengths(key, value if count == 2 else [value], count, least) or (0.0,)
     if found[0] > found[-1]:
         report.add(key, f"needs the smaller length first; got {value!r}")
     return found[0], found[-1]
@@ -125,10 +124,10 @@ def _length(report: Report, key: str, value: object) -> tuple[float, float]:
 def _wall(report: Report, key: str, value: Mapping[str, Any], size: Size) -> float:
     """Return the thickness of a container's walls and floor in metres; 6 mm where it is missing."""
     wall = value.get("wall", 0.006)
-    if is_number(wall) and wall >= MIN_WALL and all(2 * wall < side for side in size):
+    if is_number(wall) and wall >= SMALLEST and all(2 * wall < side for side in size):
         return float(wall)
     report.add(
         f"{key}.wall",
-        f"needs a thickness in metres of at least {MIN_WALL} that leaves a cavity in size; got {wall!r}",
+        f"needs a thickness in metres of at least {SMALLEST} that leaves a cavity in size; got {wall!r}",
     )
-    return MIN_WALL
+    return SMALLEST

@@ -14,7 +14,7 @@ from prag_asp.domain.scene_materials import read_materials
 from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
 from prag_asp.domain.scene_places import place_problems, read_fixed, read_table, read_workspace
 from prag_asp.domain.scene_report import Report, is_number, suggest
-from prag_asp.domain.scene_robots import ROBOTS, read_robots
+from prag_asp.domain.scene_robots import ROBOTS, base_problems, read_robots
 from prag_asp.domain.scene_shapes import read_shapes
 
 FRAMES = ("robot", "viewer")
@@ -61,7 +61,7 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
 
 
 def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> None:
-    """Report objects larger than the table, fixed ones off it or in each other, and furniture without a place.
+    """Report objects larger than the table, fixed ones off it or in each other or a robot, furniture without a place.
 
     `given` is ``scene.shapes`` by class.
     """
@@ -75,7 +75,7 @@ def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> Non
             sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
             text = f"{sides[1]:g} x {sides[0]:g} m is larger than the table, which is {room[1]:g} x {room[0]:g} m"
             report.add(f"scene.shapes.{owner}", f"{text}; make it smaller")
-    report.problems += place_problems(scene.table, scene.shapes, scene.fixed)
+    report.problems += [*place_problems(scene.table, scene.shapes, scene.fixed), *base_problems(scene)]
 
 
 def _larger(shape: Shape, table: Table) -> bool:
