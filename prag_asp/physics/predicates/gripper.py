@@ -18,6 +18,8 @@ EDGE = 0.01
 REACH_MARGIN = 0.003
 OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
+CLEARANCE = 0.006
+"""How much farther than an object is wide a gripper opens to close around it, in metres."""
 
 
 def grip_width(situation: Situation, entity: str, robot: str = "") -> float:

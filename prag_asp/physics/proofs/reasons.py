@@ -34,13 +34,14 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
 
 
 def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
-    """Yield why a body is too large for the gripper or a container however it is turned."""
+    """Yield why a body is too wide for the gripper, or too large for a container however it is turned."""
     name = fact.predicate.name
     if not fact.value:
         return
     if name == "holding":
         entity, opening = fact.arguments[1], robot_of(scene, fact.arguments[0]).opening
-        narrowest = min(scene.shapes[entity].size)
+        # Bodies stand upright and are gripped from above, so that their height does not count.
+        narrowest = scene.shapes[entity].breadth(widest=False)
         if narrowest > opening:
             yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
     elif name in ("inside", "located"):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from prag_asp.domain.scene import Shape
 from prag_asp.physics.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
+from prag_asp.physics.predicates.gripper import CLEARANCE
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import (
@@ -31,7 +32,6 @@ TOP_GRIP = 0.01
 LONG, FROM_END = 0.08, 0.03
 """Of several robots each grips a box that is at least twice as long so far from its end, in metres."""
 
-CLEARANCE = 0.006
 LARGEST_STEP = 1.2
 DOWN = (1.0, 0.0, 0.0, 0.0)
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator, Mapping
 
 from prag_asp.physics.facts import Problem
-from prag_asp.physics.geometry import Pose, compose, turn_between, yaw_quaternion
+from prag_asp.physics.geometry import Pose, Quaternion, Vector, compose, rotate, turn_between, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.situation import Situation, Standing, fixed_pose
 from prag_asp.physics.verdict import ArmState, Moment
 from prag_asp.physics.world.collisions import arm_collision, colliding
@@ -16,6 +17,7 @@ from prag_asp.physics.world.support import unsupported
 
 POSITION_TOLERANCE = 1e-4
 TURN_TOLERANCE = 1e-3
+UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 
 
 def state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator) -> Iterator[str]:
@@ -44,6 +46,23 @@ def state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator) 
             expected = compose(own.tool, arm.grasp)
             if not near(expected, poses[arm.held]):
                 yield f"{arm.held} is not where the gripper holds it"
+            yield from _grip_problems(own, name, arm.held)
+
+
+def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
+    """Yield what the proofs rely on and a grip lacks: it is from above, of an upright body that the gripper spans."""
+    if leaning(situation.hand(robot)[0].quaternion, DOWN) > TURN_TOLERANCE:
+        yield f"{held} is not held from above"
+    if situation.shape(held).traits.flat and leaning(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
+        yield f"{held} does not stand upright in the gripper"
+    if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
+        yield f"{held} is wider than the gripper opens"
+
+
+def leaning(quaternion: Quaternion, direction: Vector) -> float:
+    """Return by how many radians the z axis of a frame is away from a direction, a unit vector."""
+    along = sum(a * b for a, b in zip(rotate(quaternion, UP), direction, strict=True))
+    return math.acos(max(-1.0, min(1.0, along)))
 
 
 def situation_of(
