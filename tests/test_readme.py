@@ -22,7 +22,7 @@ from typing import NamedTuple
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.domain.scene import PREDICATE_ROLES, SCENE_KEYS, SHAPE_KEYS
+from prag_asp.domain.scene import KINDS, PREDICATE_ROLES, SCENE_KEYS
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
@@ -162,7 +162,7 @@ def test_every_link_and_picture_of_the_readme_exists() -> None:
 
 def test_the_readme_names_all_that_a_scene_may_say() -> None:
     text = README.read_text(encoding="utf-8")
-    names = {*SCENE_KEYS, *SHAPE_KEYS, *itertools.chain(*SHAPE_KEYS.values()), *PREDICATE_ROLES}
+    names = {*SCENE_KEYS, *KINDS, *itertools.chain(*(kind.keys for kind in KINDS.values())), *PREDICATE_ROLES}
     assert {name for name in names if f"`{name}" not in text and f"{name} =" not in text} == set()
 
 

@@ -10,7 +10,7 @@ from typing import IO, Any
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.learn import learn, require_proofs
+from prag_asp.cli.learn import learn, require_proofs, warn_of_grips
 from prag_asp.cli.options import Asked, Checking, Weighing, asks
 from prag_asp.cli.render import render
 from prag_asp.cli.split import split
@@ -52,6 +52,7 @@ def check(*, asked: Asked) -> None:
     if "own" in domain.settings.scene:
         options.scene_of(domain)
     require_proofs(domain)
+    warn_of_grips(domain)
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"

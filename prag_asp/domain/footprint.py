@@ -5,26 +5,27 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from prag_asp.domain.scene_forms import Outline, Point, rectangle
 from prag_asp.domain.scene_model import Shape
 
-Point = tuple[float, float]
-ROUND = ("sphere", "cylinder")
+Place = tuple[float, float, float]
+"""x and y in metres, yaw in radians."""
+
+TOUCHING = 0.0015
+"""Fixed bodies may reach this far into each other, in metres, as all bodies may."""
 
 
 class Footprint(NamedTuple):
-    """An upright body and its place: x and y in metres, yaw in radians."""
+    """An upright body and its place."""
 
     shape: Shape
-    place: tuple[float, float, float]
+    place: Place = (0.0, 0.0, 0.0)
 
 
-def corners(footprint: Footprint) -> list[Point]:
+def corners(footprint: Footprint) -> Outline:
     """Return the corners of what a body covers, counter-clockwise; of a round one those of the square around it."""
     (x, y, yaw), (half_x, half_y, _) = footprint.place, footprint.shape.half
-    angle = 0.0 if footprint.shape.kind in ROUND else yaw
-    cosine, sine = math.cos(angle), math.sin(angle)
-    offsets = ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))
-    return [(x + cosine * dx - sine * dy, y + sine * dx + cosine * dy) for dx, dy in offsets]
+    return rectangle(x, y, half_x, half_y, 0.0 if footprint.shape.traits.round else yaw)
 
 
 def apart(one: Footprint, two: Footprint, touching: float) -> bool:
@@ -36,11 +37,11 @@ def apart(one: Footprint, two: Footprint, touching: float) -> bool:
 def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
     """Return the unit normals of the sides of a body; of a round one the direction from the nearest part of another."""
     x, y, yaw = footprint.place
-    if footprint.shape.kind not in ROUND:
+    if not footprint.shape.traits.round:
         cosine, sine = math.cos(yaw), math.sin(yaw)
         return [(cosine, sine), (-sine, cosine)]
     nearest = other.place[:2]
-    if other.shape.kind not in ROUND:
+    if not other.shape.traits.round:
         nearest = min(corners(other), key=lambda corner: math.dist(corner, (x, y)))
     length = math.dist(nearest, (x, y))
     return [((nearest[0] - x) / length, (nearest[1] - y) / length)] if length > 0.0 else []
@@ -54,7 +55,7 @@ def _gap(one: Footprint, two: Footprint, direction: Point) -> float:
 
 def _shadow(footprint: Footprint, direction: Point) -> tuple[float, float]:
     """Return where a body begins and ends along a unit vector, in metres."""
-    if footprint.shape.kind in ROUND:
+    if footprint.shape.traits.round:
         middle = direction[0] * footprint.place[0] + direction[1] * footprint.place[1]
         return middle - footprint.shape.half[0], middle + footprint.shape.half[0]
     along = [direction[0] * x + direction[1] * y for x, y in corners(footprint)]

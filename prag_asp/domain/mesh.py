@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 
 from prag_asp.errors import SceneError
@@ -31,6 +32,15 @@ def mesh_points(path: str) -> list[Point]:
     if not points or not all(math.isfinite(value) for point in points for value in point):
         raise SceneError(f"{path}: not a mesh: it has no points, or some that are not finite; export it anew")
     return points
+
+
+def thickness(points: Sequence[Point]) -> float:
+    """Return how far points reach along the direction in which they are spread least."""
+    import numpy as np  # noqa: PLC0415 - few domains have meshes
+
+    centred = np.array(points) - np.mean(points, axis=0)
+    least = np.linalg.eigh(centred.T @ centred)[1][:, 0]
+    return float(np.ptp(centred @ least))
 
 
 def _obj(content: bytes) -> list[Point]:

@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
 from prag_asp.domain.own_table import read_own
+from prag_asp.domain.scene_kinds import KINDS
 from prag_asp.domain.scene_model import (
-    BODILESS,
-    FURNITURE,
-    HOLLOW,
     IGNORED,
     PREDICATE_ROLES,
     Box,
@@ -29,7 +27,6 @@ from prag_asp.domain.scene_model import (
     Table,
 )
 from prag_asp.domain.scene_report import Problem, Report, ancestors
-from prag_asp.domain.scene_shapes import SHAPE_KEYS
 from prag_asp.domain.scene_table import SCENE_KEYS, read_scene
 from prag_asp.errors import SceneError
 
@@ -37,13 +34,10 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 __all__ = [
-    "BODILESS",
-    "FURNITURE",
-    "HOLLOW",
     "IGNORED",
+    "KINDS",
     "PREDICATE_ROLES",
     "SCENE_KEYS",
-    "SHAPE_KEYS",
     "Box",
     "Material",
     "Mount",
@@ -122,7 +116,7 @@ def scene_problems(
 
 def _without_objects(scene: Scene) -> list[Problem]:
     """Return the problem of a scene that has no object."""
-    if any(shape.kind not in BODILESS for shape in scene.shapes.values()):
+    if any(shape.traits.body for shape in scene.shapes.values()):
         return []
     return [Problem("scene.shapes", "no entity has the shape of an object; give a class one, such as a box")]
 
@@ -155,12 +149,13 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
             yield Problem(f"scene.shapes.{kind}", f"missing: {fluent} speaks about {entity}, a {kind}")
         elif role != "rotation" and shape is not None and not _plays(role, shape):
             kind = entities.get(entity, entity)
-            wanted = " or ".join(FURNITURE) if role == "furniture" else role
+            furniture = " or ".join(name for name, each in KINDS.items() if each.furniture)
+            wanted = furniture if role == "furniture" else role
             yield Problem(f"scene.shapes.{kind}.kind", f"{fluent} needs {entity} to be of the kind {wanted}")
 
 
 def _plays(role: str, shape: Shape) -> bool:
     """Tell whether a body has the kind that an argument of a predicate asks for."""
     if role == "furniture":
-        return shape.kind in FURNITURE
+        return shape.traits.furniture
     return (role == "robot") == (shape.kind == "robot")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from prag_asp.domain.scene_model import FURNITURE, HOLLOW, Shape
+from prag_asp.domain.scene_model import Shape
 from prag_asp.domain.scene_report import Report, suggest
 
 PALETTE = ("#e4572e", "#2e86ab", "#f2b134", "#3a9d5d", "#8e5bb5", "#d64577", "#4bb3b8", "#a0714f")
@@ -21,8 +21,8 @@ def read_colors(report: Report, table: Mapping[str, Any], shapes: Mapping[str, S
     colors, position = {}, 0
     for entity, shape in shapes.items():
         own = next((given[name] for name in (entity, *report.line(entity)) if name in given), None)
-        if own is None and shape.kind in HOLLOW:
-            own = FURNITURE_COLOR if shape.kind in FURNITURE else CONTAINER_COLOR
+        if own is None and shape.traits.hollow:
+            own = FURNITURE_COLOR if shape.traits.furniture else CONTAINER_COLOR
         colors[entity] = own or PALETTE[position % len(PALETTE)]
         position += own is None
     return colors

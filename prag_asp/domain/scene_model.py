@@ -6,11 +6,13 @@ from the robot, y to the robot's left, z up.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
+from prag_asp.domain.scene_kinds import KINDS, Kind
 from prag_asp.errors import SceneError
 
 PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
@@ -37,18 +39,8 @@ PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
 }
 """The spatial predicates that every scene has, and what each of their arguments has to be."""
 
-BODILESS = ("robot", "table", "zone")
-"""The kinds of shapes that are no objects: a robot, the table, and a flat part of the table's top."""
-
 IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""
-
-
-FURNITURE = ("drawer", "cupboard")
-"""The kinds of bodies that have a part on a joint."""
-
-HOLLOW = ("container", *FURNITURE)
-"""The kinds of bodies that things can be in."""
 
 Size = tuple[float, float, float]
 """The sides of a bounding box in metres."""
@@ -57,7 +49,7 @@ SAME_SIZE = 1e-6
 
 
 class Solid(NamedTuple):
-    """A solid of a body from a URDF: box, cylinder, sphere or mesh, its middle relative to that of the body's box.
+    """A solid of a body: box, cylinder, sphere or mesh, its middle relative to that of the body's box.
 
     `size` is the sides of a box, the diameter twice and the height of a cylinder, the diameter of a ball in metres, or
     the scale of a mesh; `turn` is roll, pitch and yaw in radians; `mesh` is a file.
@@ -65,8 +57,8 @@ class Solid(NamedTuple):
 
     kind: str
     size: Size
-    at: Size
-    turn: Size
+    at: Size = (0.0, 0.0, 0.0)
+    turn: Size = (0.0, 0.0, 0.0)
     mesh: str = ""
 
 
@@ -78,7 +70,7 @@ class Model(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """A body: its kind (of `SHAPE_KEYS`), the size of its bounding box and a container's wall in metres.
+    """A body: its kind (of `KINDS`), the size of its bounding box and a container's wall in metres.
 
     One from a URDF has a `model`.
     """
@@ -89,9 +81,21 @@ class Shape(NamedTuple):
     model: Model | None = None
 
     @property
+    def traits(self) -> Kind:
+        """What it has in common with all bodies of its kind."""
+        return KINDS[self.kind]
+
+    @property
     def half(self) -> tuple[float, float, float]:
         """Half of each side of the bounding box, in metres."""
         return (self.size[0] / 2, self.size[1] / 2, self.size[2] / 2)
+
+    def breadth(self, widest: bool) -> float:
+        """Return how broad it is upright in metres, seen from the side where it is broadest, or narrowest."""
+        x, y, _ = self.size
+        if self.traits.round:
+            return x
+        return math.hypot(x, y) if widest else min(x, y)
 
 
 class Material(NamedTuple):

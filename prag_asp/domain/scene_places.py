@@ -7,17 +7,12 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 from typing import Any
 
-from prag_asp.domain.footprint import Footprint, apart, corners
+from prag_asp.domain.footprint import TOUCHING, Footprint, Place, apart, corners
 from prag_asp.domain.scene_model import Shape, Table
 from prag_asp.domain.scene_report import MAX_LENGTH, Problem, Report, is_number
 
-Place = tuple[float, float, float]
-"""x and y in metres, yaw in radians."""
-
 PAIR, TRIPLE = 2, 3
 PLACELESS = ("robot", "table")
-TOUCHING = 0.0015
-"""Fixed bodies may reach this far into each other, in metres, as all bodies may."""
 
 
 def read_table(report: Report, value: Mapping[str, Any]) -> Table:
@@ -76,6 +71,6 @@ def place_problems(table: Table, shapes: Mapping[str, Shape], fixed: Mapping[str
         if any(abs(at_x - x) > size_x / 2 or abs(at_y - y) > size_y / 2 for at_x, at_y in outer):
             text = f"{entity} is not wholly on the table; move it or enlarge the table"
             yield Problem(f"scene.fixed.{entity}", text)
-    for one, two in combinations([entity for entity in fixed if shapes[entity].kind != "zone"], 2):
+    for one, two in combinations([entity for entity in fixed if shapes[entity].traits.body], 2):
         if not apart(Footprint(shapes[one], fixed[one]), Footprint(shapes[two], fixed[two]), TOUCHING):
             yield Problem(f"scene.fixed.{two}", f"{two} overlaps {one}, which is fixed too; move one of them")

@@ -10,6 +10,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 MAX_LENGTH = 2.0
+SMALLEST = 0.003
+"""The smallest side of a body in metres.
+
+To PyBullet boxes, cylinders and the hulls of meshes are at least 2 mm thick, for it keeps 1 mm around them; and what is
+within 2 mm of a top rests on it. Of thinner bodies distances are wrong, and above and below cannot be told apart.
+"""
+
 FALLBACK_COLOR = "#808080"
 COUNTS = {1: "a positive length", 2: "two positive lengths", 3: "three positive lengths"}
 
@@ -81,13 +88,13 @@ class Report:
         self.add(f"scene.{name}", f"needs one of {', '.join(options)}; got {value!r}")
         return options[0]
 
-    def lengths(self, key: str, value: Any, count: int) -> tuple[float, ...] | None:
-        """Return `count` positive lengths in metres."""
+    def lengths(self, key: str, value: Any, count: int, least: float = SMALLEST) -> tuple[float, ...] | None:
+        """Return `count` lengths of at least `least` metres."""
         listed = isinstance(value, list) and len(value) == count
-        if listed and all(is_number(length) and 0 < length <= MAX_LENGTH for length in value):
+        if listed and all(is_number(length) and least <= length <= MAX_LENGTH for length in value):
             return tuple(map(float, value))
         shown = value[0] if count == 1 and isinstance(value, list) else value
-        self.add(key, f"needs {COUNTS[count]} in metres (at most {MAX_LENGTH:g}); got {shown!r}")
+        self.add(key, f"needs {COUNTS[count]} in metres (at least {least:g}, at most {MAX_LENGTH:g}); got {shown!r}")
         return None
 
     def color(self, key: str, value: object) -> str:

@@ -3,17 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from prag_asp.domain.scene_model import Mount, Shape
-from prag_asp.domain.scene_report import Report, is_number
+from prag_asp.domain.footprint import TOUCHING, Footprint, Place, apart
+from prag_asp.domain.scene_model import Mount, Scene, Shape
+from prag_asp.domain.scene_report import Problem, Report, is_number
 
 ROBOTS = ("panda", "kuka")
 BASE_LENGTH = 3
 FARTHEST = 2.0
 CLOSEST = 0.4
 """How far from each other the bases of two robots have to be, in metres."""
+
+BASES: Mapping[str, tuple[Footprint, ...]] = {
+    "panda": (
+        Footprint(Shape("cylinder", (0.142, 0.142, 0.0))),
+        Footprint(Shape("box", (0.198, 0.084, 0.0)), (-0.049, 0.0, 0.0)),
+        Footprint(Shape("box", (0.161, 0.137, 0.0)), (-0.0505, 0.0, 0.0)),
+        Footprint(Shape("box", (0.038, 0.177, 0.0)), (-0.011, 0.0, 0.0)),
+    ),
+    "kuka": (
+        Footprint(Shape("cylinder", (0.24, 0.24, 0.0))),
+        Footprint(Shape("box", (0.135, 0.127, 0.0)), (-0.0675, 0.0, 0.0)),
+    ),
+}
+"""What the base of a robot covers of the table, by pieces that lie wholly within it, in the robot's frame.
+
+Measured on the hull of the base's mesh, which is up to 12 mm wider in places.
+"""
 
 
 def read_robots(report: Report, value: Mapping[str, Any], shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
@@ -35,6 +53,24 @@ def read_robots(report: Report, value: Mapping[str, Any], shapes: Mapping[str, S
                 report.add(f"scene.robots.{entity}", "missing: write { base = [x, y, yaw] }, in metres and degrees")
     _check_apart(report, mounts)
     return mounts
+
+
+def base_problems(scene: Scene) -> Iterator[Problem]:
+    """Yield fixed bodies that stand on the base of a robot."""
+    for entity, place in scene.fixed.items():
+        shape = scene.shapes[entity]
+        for robot, mount in scene.mounts.items() if shape.traits.body else ():
+            pieces = (piece._replace(place=_placed(mount, piece.place)) for piece in BASES[mount.kind])
+            if not all(apart(Footprint(shape, place), piece, TOUCHING) for piece in pieces):
+                text = f"{entity} stands on the base of {robot or 'the robot'}; move it"
+                yield Problem(f"scene.fixed.{entity}", text)
+
+
+def _placed(mount: Mount, place: Place) -> Place:
+    """Return in the frame of the scene where something is in the frame of a robot."""
+    x, y, yaw = place
+    cosine, sine = math.cos(mount.yaw), math.sin(mount.yaw)
+    return mount.x + cosine * x - sine * y, mount.y + sine * x + cosine * y, mount.yaw + yaw
 
 
 def _mount(report: Report, key: str, table: object, usual: str) -> Mount | None:

@@ -5,23 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from prag_asp.domain.scene_model import FURNITURE, HOLLOW, Shape, Size
-from prag_asp.domain.scene_report import MAX_LENGTH, Report, is_number, suggest
+from prag_asp.domain.scene_kinds import KINDS
+from prag_asp.domain.scene_model import Shape, Size
+from prag_asp.domain.scene_report import MAX_LENGTH, SMALLEST, Report, is_number, suggest
 from prag_asp.errors import SceneError
 
-SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
-    "box": ("size",),
-    "cylinder": ("radius", "height"),
-    "sphere": ("radius",),
-    "container": ("size", "wall"),
-    "drawer": ("size", "wall"),
-    "cupboard": ("size", "wall"),
-    "urdf": ("path",),
-    "table": (),
-    "robot": (),
-    "zone": ("size",),
-}
-MIN_WALL = 0.003
 TRIPLE = 3
 SIZES = 8
 """How many sizes a range has: bodies are made once for each, for making and removing them leaks memory."""
@@ -53,16 +41,16 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
         report.add(key, f'needs a table like {{ kind = "box", size = [0.05, 0.05, 0.05] }}; got {value!r}')
         return ()
     kind = value.get("kind")
-    if not isinstance(kind, str) or kind not in SHAPE_KEYS:
-        report.add(f"{key}.kind", f"unknown shape {kind!r}; {suggest(str(kind), SHAPE_KEYS)}")
+    if not isinstance(kind, str) or kind not in KINDS:
+        report.add(f"{key}.kind", f"unknown shape {kind!r}; {suggest(str(kind), KINDS)}")
         return ()
-    before = len(report.problems)
-    report.unknown(key, value, ("kind", *SHAPE_KEYS[kind]))
+    before, traits = len(report.problems), KINDS[kind]
+    report.unknown(key, value, ("kind", *traits.keys))
     if kind == "urdf":
         return _urdf(report, f"{key}.path", value.get("path"))
     low, high = _sizes(report, key, kind, value)
-    wall = _wall(report, key, value, low) if kind in HOLLOW else 0.0
-    if kind in FURNITURE and (low != high or not all(side >= least for side, least in zip(low, LEAST, strict=True))):
+    wall = _wall(report, key, value, low) if traits.hollow else 0.0
+    if traits.furniture and (low != high or not all(side >= least for side, least in zip(low, LEAST, strict=True))):
         text = f"needs one size of at least {' x '.join(f'{side:g}' for side in LEAST)} m for a {kind}"
         report.add(f"{key}.size", f"{text}; got {value.get('size')!r}")
     if len(report.problems) > before:
@@ -99,15 +87,15 @@ def _between(low: Size, high: Size) -> list[Size]:
 
 def _sizes(report: Report, key: str, kind: str, value: Mapping[str, Any]) -> tuple[Size, Size]:
     """Return the sides of the smallest and of the largest bounding box of a shape in metres."""
-    names = SHAPE_KEYS[kind]
+    names = KINDS[kind].keys
     if kind == "zone":
         sides = report.lengths(f"{key}.size", value.get("size"), 2) or NOTHING
         return (sides[0], sides[1], 0.0), (sides[0], sides[1], 0.0)
     if "size" in names:
         return _box(report, f"{key}.size", value.get("size"))
-    radius = _length(report, f"{key}.radius", value.get("radius")) if "radius" in names else (0.0, 0.0)
+    radius = _length(report, f"{key}.radius", value.get("radius"), SMALLEST / 2) if "radius" in names else (0.0, 0.0)
     diameter = (2 * radius[0], 2 * radius[1])
-    height = _length(report, f"{key}.height", value.get("height")) if "height" in names else diameter
+    height = _length(report, f"{key}.height", value.get("height"), SMALLEST) if "height" in names else diameter
     return (diameter[0], diameter[0], height[0]), (diameter[1], diameter[1], height[1])
 
 
@@ -124,10 +112,10 @@ def _box(report: Report, key: str, value: object) -> tuple[Size, Size]:
     return (ax, ay, az), (bx, by, bz)
 
 
-def _length(report: Report, key: str, value: object) -> tuple[float, float]:
+def _length(report: Report, key: str, value: object, least: float) -> tuple[float, float]:
     """Return the smallest and the largest of a length: a number, or a list of two."""
     count = 2 if isinstance(value, list) and len(value) == 2 else 1
-    found = report.lengths(key, value if count == 2 else [value], count) or (0.0,)
+    found = report.lengths(key, value if count == 2 else [value], count, least) or (0.0,)
     if found[0] > found[-1]:
         report.add(key, f"needs the smaller length first; got {value!r}")
     return found[0], found[-1]
@@ -136,10 +124,10 @@ def _length(report: Report, key: str, value: object) -> tuple[float, float]:
 def _wall(report: Report, key: str, value: Mapping[str, Any], size: Size) -> float:
     """Return the thickness of a container's walls and floor in metres; 6 mm where it is missing."""
     wall = value.get("wall", 0.006)
-    if is_number(wall) and wall >= MIN_WALL and all(2 * wall < side for side in size):
+    if is_number(wall) and wall >= SMALLEST and all(2 * wall < side for side in size):
         return float(wall)
     report.add(
         f"{key}.wall",
-        f"needs a thickness in metres of at least {MIN_WALL} that leaves a cavity in size; got {wall!r}",
+        f"needs a thickness in metres of at least {SMALLEST} that leaves a cavity in size; got {wall!r}",
     )
-    return MIN_WALL
+    return SMALLEST

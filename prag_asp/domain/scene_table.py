@@ -11,10 +11,10 @@ from typing import Any
 
 from prag_asp.domain.scene_colors import read_colors
 from prag_asp.domain.scene_materials import read_materials
-from prag_asp.domain.scene_model import BODILESS, FURNITURE, IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
+from prag_asp.domain.scene_model import IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
 from prag_asp.domain.scene_places import place_problems, read_fixed, read_table, read_workspace
 from prag_asp.domain.scene_report import Report, is_number, suggest
-from prag_asp.domain.scene_robots import ROBOTS, read_robots
+from prag_asp.domain.scene_robots import ROBOTS, base_problems, read_robots
 from prag_asp.domain.scene_shapes import read_shapes
 
 FRAMES = ("robot", "viewer")
@@ -61,21 +61,21 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
 
 
 def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> None:
-    """Report objects larger than the table, fixed ones off it or in each other, and furniture without a place.
+    """Report objects larger than the table, fixed ones off it or in each other or a robot, furniture without a place.
 
     `given` is ``scene.shapes`` by class.
     """
     for entity, shape in scene.shapes.items():
-        if shape.kind in FURNITURE and entity not in scene.fixed:
+        if shape.traits.furniture and entity not in scene.fixed:
             report.add(f"scene.fixed.{entity}", f"missing: {entity} is a {shape.kind}, which does not move; say where")
-    bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.kind not in BODILESS}
+    bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.traits.body}
     for entity, shape in bodies.items():
         if _larger(shape, scene.table):
             owner = next(name for name in report.line(entity) if name in given)
             sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
             text = f"{sides[1]:g} x {sides[0]:g} m is larger than the table, which is {room[1]:g} x {room[0]:g} m"
             report.add(f"scene.shapes.{owner}", f"{text}; make it smaller")
-    report.problems += place_problems(scene.table, scene.shapes, scene.fixed)
+    report.problems += [*place_problems(scene.table, scene.shapes, scene.fixed), *base_problems(scene)]
 
 
 def _larger(shape: Shape, table: Table) -> bool:

@@ -11,13 +11,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
-from prag_asp.domain.mesh import mesh_points
+from prag_asp.domain.mesh import mesh_points, thickness
+from prag_asp.domain.scene_forms import FORMS
 from prag_asp.domain.scene_model import Model, Shape, Size, Solid
+from prag_asp.domain.scene_report import SMALLEST
 from prag_asp.errors import SceneError
 
 Rows = tuple[Size, Size, Size]
 ZEROS = "0 0 0"
-SQUARE: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 HULL_MARGIN = 0.001
 """How far PyBullet keeps other bodies off the hull of a mesh, in metres."""
 
@@ -82,12 +83,28 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
         _require_inside(file, folder)
         return Solid("mesh", _lengths(shape, "scale", 3, path, "1 1 1"), *place, str(file))
     if shape.tag == "box":
-        return Solid("box", _lengths(shape, "size", 3, path), *place)
+        return _thick(Solid("box", _lengths(shape, "size", 3, path), *place), path)
     if shape.tag in ("cylinder", "sphere"):
         diameter = 2 * _lengths(shape, "radius", 1, path)[0]
         height = _lengths(shape, "length", 1, path)[0] if shape.tag == "cylinder" else diameter
-        return Solid(shape.tag, (diameter, diameter, height), *place)
+        return _thick(Solid(shape.tag, (diameter, diameter, height), *place), path)
     raise SceneError(f"{path}: unknown geometry <{shape.tag}>; known are box, cylinder, sphere and mesh")
+
+
+def _thick(solid: Solid, path: Path) -> Solid:
+    """Return a solid that is nowhere too thin to collide with.
+
+    Raises:
+        SceneError: it is.
+    """
+    if min(solid.size) < SMALLEST:
+        raise SceneError(f"{path}: a <{solid.kind}> is {_thin(min(solid.size))}")
+    return solid
+
+
+def _thin(thickness: float) -> str:
+    """Return in words that a solid is too thin, and what to do."""
+    return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
 
 
 def _lengths(element: ElementTree.Element, name: str, count: int, path: Path, default: str = "") -> Size:
@@ -118,25 +135,25 @@ def _numbers(text: str, count: int, path: Path, name: str) -> Size:
 
 
 def _ends(solid: Solid) -> Iterator[Size]:
-    """Yield points of a solid in the frame of the link that have the same bounding box as all of it."""
+    """Yield points of a solid in the frame of the link that have the same bounding box as all of it.
+
+    Raises:
+        SceneError: a mesh cannot be read, or is too thin.
+    """
     rows, margin = _rotation(solid.turn), 0.0
-    half_x, half_y, half_z = (side / 2 for side in solid.size)
-    if solid.kind == "mesh":
+    if solid.mesh:
         points = [_size([a * b for a, b in zip(point, solid.size, strict=True)]) for point in mesh_points(solid.mesh)]
+        if thickness(points) < SMALLEST:
+            raise SceneError(f"{solid.mesh}: the mesh is {_thin(thickness(points))}")
+        turned = [[sum(a * b for a, b in zip(row, point, strict=True)) for row in rows] for point in points]
         margin = HULL_MARGIN
-    elif solid.kind == "box":
-        points = [(x, y, z) for x in (-half_x, half_x) for y in (-half_y, half_y) for z in (-half_z, half_z)]
-    elif solid.kind == "sphere":
-        rows = SQUARE
-        points = [(x, x, x) for x in (-half_x, half_x)]
     else:
-        reach = [abs(row[2]) * half_z + half_x * math.sqrt(max(0.0, 1.0 - row[2] ** 2)) for row in rows]
-        rows = SQUARE
-        points = [_size(reach), _size([-side for side in reach])]
-    for point in points:
-        turned = [sum(a * b for a, b in zip(row, point, strict=True)) for row in rows]
+        half = _size([side / 2 for side in solid.size])
+        reach = [FORMS[solid.kind].reach(half, row) for row in rows]
+        turned = [reach, [-side for side in reach]]
+    for point in turned:
         for side in (-margin, margin):
-            yield _size([a + b + side for a, b in zip(turned, solid.at, strict=True)])
+            yield _size([a + b + side for a, b in zip(point, solid.at, strict=True)])
 
 
 def _rotation(turn: Size) -> Rows:

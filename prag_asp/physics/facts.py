@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import BODILESS, Scene
+from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
@@ -32,6 +32,16 @@ class Fact(NamedTuple):
     def sentence(self) -> str:
         """Return the fact in plain words."""
         return self.predicate.sentence(self.arguments, self.value)
+
+
+class Step(NamedTuple):
+    """What a task says of one action: its number from 1, its subgoal, and the facts of the states around it."""
+
+    action: Atom
+    number: int
+    subgoal: tuple[Fact, ...]
+    before: tuple[Fact, ...]
+    after: tuple[Fact, ...]
 
 
 @dataclass(frozen=True)
@@ -105,7 +115,7 @@ def problem(task: Task, scene: Scene) -> Problem:
     held, effects = dict(start), list[Effect]()
     for k, action in enumerate(task.actions):
         subgoal = _facts(scene, task.subgoals[k], known)
-        effect = _effect(scene, action, k + 1, subgoal, states[k], states[k + 1], held)
+        effect = _effect(scene, Step(action, k + 1, subgoal, states[k], states[k + 1]), held)
         if effect.releases is not None:
             held.pop(effect.robot, None)
         if effect.giver is not None:
@@ -172,27 +182,19 @@ def _giver(subgoal: Iterable[Fact], robot: str, thing: str | None, all_held: Map
     return None
 
 
-def _effect(
-    scene: Scene,
-    action: Atom,
-    number: int,
-    whole: tuple[Fact, ...],
-    before: tuple[Fact, ...],
-    after: tuple[Fact, ...],
-    all_held: Mapping[str, str],
-) -> Effect:
+def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
     """Return what an action does, read off its whole subgoal and the states around it."""
-    robot = _acting(scene, whole)
-    held, subgoal = all_held.get(robot), of_robot(scene, whole, robot)
+    robot = _acting(scene, step.subgoal)
+    held, subgoal = all_held.get(robot), of_robot(scene, step.subgoal, robot)
     grasps = _only(subgoal, "holding")
     releases = held if _known(subgoal, "holding", held) is False else None
     visits = _only(subgoal, "at")
     holds = held if grasps is None and releases is None else None
     moved = [_moved(fact, held) for fact in subgoal if fact.value and _moves(fact)]
-    known_before = set(before)
+    known_before = set(step.before)
     return Effect(
-        action=action,
-        number=number,
+        action=step.action,
+        number=step.number,
         grasps=grasps,
         releases=releases,
         holds=holds,
@@ -200,15 +202,15 @@ def _effect(
         leaves=any(fact.predicate.name == "at" and not fact.value for fact in subgoal) and visits is None,
         lifts=grasps is not None
         and any(f.predicate.name in SUPPORTING and not f.value and f.arguments[0] == grasps for f in subgoal),
-        stays=releases is not None and _known(of_robot(scene, after, robot), "at", releases) is True,
+        stays=releases is not None and _known(of_robot(scene, step.after, robot), "at", releases) is True,
         moved=tuple(dict.fromkeys(moved)),
         turns=tuple(dict.fromkeys(fact.arguments[0] for fact in subgoal if _turns(fact, known_before))),
         closes=_closes(subgoal),
-        after=after,
-        fresh=tuple(fact for fact in after if fact not in known_before),
+        after=step.after,
+        fresh=tuple(fact for fact in step.after if fact not in known_before),
         over=_only(subgoal, "over"),
         robot=robot,
-        giver=_giver(whole, robot, grasps, all_held) if scene.robots else None,
+        giver=_giver(step.subgoal, robot, grasps, all_held) if scene.robots else None,
     )
 
 
@@ -247,4 +249,4 @@ def _known(state: Iterable[Fact], name: str, entity: str | None) -> bool | None:
 
 def _is_object(scene: Scene, entity: str) -> bool:
     """Tell whether an entity is a body of its own: it has a shape, and is no robot, table or zone."""
-    return entity in scene.shapes and scene.shapes[entity].kind not in BODILESS
+    return entity in scene.shapes and scene.shapes[entity].traits.body

@@ -20,7 +20,7 @@ Point = tuple[float, float]
 Outline = tuple[Point, ...]
 
 IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
-CIRCLE_SIDES = 16
+AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Pose(NamedTuple):
@@ -119,34 +119,16 @@ def finite(pose: Pose) -> bool:
 @lru_cache(maxsize=1 << 11)
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
     """Return half the sides of the world's bounding box of a turned shape, in metres."""
-    hx, hy, hz = shape.half
-    if shape.kind == "sphere":
-        return (hx, hx, hx)
-    columns = [rotate(quaternion, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
-    if shape.kind == "cylinder":
-        axis = columns[2]
-        return _triple([abs(a) * hz + hx * math.sqrt(max(0.0, 1.0 - a * a)) for a in axis])
-    return _triple([sum(abs(columns[j][i]) * (hx, hy, hz)[j] for j in range(3)) for i in range(3)])
+    half, reach = shape.half, shape.traits.form.reach
+    x, y, z, w = quaternion
+    along = [reach(half, rotate((-x, -y, -z, w), axis)) for axis in AXES]
+    return (along[0], along[1], along[2])
 
 
 def width_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> float:
     """Return how wide a turned shape is along a unit vector, in metres."""
     x, y, z, w = quaternion
-    local = rotate((-x, -y, -z, w), direction)
-    hx, hy, hz = shape.half
-    if shape.kind == "sphere":
-        return 2 * hx
-    if shape.kind == "cylinder":
-        return 2 * (abs(local[2]) * hz + hx * math.sqrt(max(0.0, 1.0 - local[2] ** 2)))
-    return 2 * (abs(local[0]) * hx + abs(local[1]) * hy + abs(local[2]) * hz)
-
-
-def cavity(shape: Shape) -> Vector:
-    """Return the inner sides and the depth of a container's cavity in metres; zeros for other shapes."""
-    if shape.kind != "container":
-        return (0.0, 0.0, 0.0)
-    x, y, z = shape.size
-    return (x - 2 * shape.wall, y - 2 * shape.wall, z - shape.wall)
+    return 2 * shape.traits.form.reach(shape.half, rotate((-x, -y, -z, w), direction))
 
 
 def heading(quaternion: Quaternion) -> tuple[float, float]:
@@ -168,19 +150,7 @@ def to_local(pose: Pose, x: float, y: float) -> Point:
 def outline(shape: Shape, pose: Pose) -> Outline:
     """Return the corners of an upright body from above, counter-clockwise; of a ball where it stands."""
     x, y, _ = pose.position
-    if shape.kind == "sphere":
-        return ((x, y),)
-    if shape.kind == "cylinder":
-        angles = [2 * math.pi * i / CIRCLE_SIDES for i in range(CIRCLE_SIDES)]
-        return tuple((x + shape.half[0] * math.cos(a), y + shape.half[0] * math.sin(a)) for a in angles)
-    return rectangle(x, y, shape.half[0], shape.half[1], yaw_of(pose.quaternion))
-
-
-def rectangle(x: float, y: float, half_x: float, half_y: float, yaw: float) -> Outline:
-    """Return the corners of a turned rectangle, counter-clockwise."""
-    cosine, sine = math.cos(yaw), math.sin(yaw)
-    corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
-    return tuple((x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in corners)
+    return shape.traits.form.outline(shape.half, x, y, yaw_of(pose.quaternion))
 
 
 def inside_by(polygon: Outline, point: Point) -> float:
@@ -243,8 +213,3 @@ def _chain(points: list[Point]) -> list[Point]:
             chain.pop()
         chain.append((x, y))
     return chain
-
-
-def _triple(values: list[float]) -> Vector:
-    """Return a list of three numbers as a tuple."""
-    return (values[0], values[1], values[2])

@@ -9,6 +9,7 @@ it. Handles are upright posts, gripped from above. All frames are metres; the fr
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -63,7 +64,18 @@ class Mechanism(NamedTuple):
 @lru_cache(maxsize=64)
 def mechanism(shape: Shape) -> Mechanism:
     """Return what a drawer or a cupboard is made of."""
-    return _drawer(shape) if shape.kind == "drawer" else _cupboard(shape)
+    return MAKERS[shape.kind](shape)
+
+
+@lru_cache(maxsize=1 << 8)
+def cavity(shape: Shape) -> Vector:
+    """Return the inner sides and the depth of the cavity of a hollow body in metres; zeros for other shapes."""
+    if shape.traits.furniture:
+        return mechanism(shape).cavity
+    if not shape.traits.hollow:
+        return (0.0, 0.0, 0.0)
+    x, y, z = shape.size
+    return (x - 2 * shape.wall, y - 2 * shape.wall, z - shape.wall)
 
 
 @lru_cache(maxsize=1 << 10)
@@ -159,6 +171,10 @@ def _cupboard(shape: Shape) -> Mechanism:
         cavity=(2 * (x - wall), 2 * (y - wall), rim + z - wall),
         middle=(0.0, 0.0, wall - z),
     )
+
+
+MAKERS: Mapping[str, Callable[[Shape], Mechanism]] = {"drawer": _drawer, "cupboard": _cupboard}
+"""What each kind of furniture is made of."""
 
 
 def _post(x: float, y: float, bottom: float) -> Box:

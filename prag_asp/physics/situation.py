@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
-from prag_asp.domain.scene import FURNITURE, Scene, Shape
+from prag_asp.domain.scene import Scene, Shape
 from prag_asp.errors import SceneError
 from prag_asp.physics.geometry import Pose, Vector, extents, finite, raised, yaw_quaternion
 from prag_asp.physics.mechanism import around, cavity_pose, part_pose
@@ -86,7 +86,7 @@ class Situation:
 
     def is_surface(self, entity: str) -> bool:
         """Tell whether an entity is the table, or a zone, which is a part of its top."""
-        return self.shape(entity).kind in ("table", "zone")
+        return self.shape(entity).traits.surface
 
     def pose(self, entity: str) -> Pose:
         """Return the pose of an object or a zone; the table's is the centre of its top.
@@ -122,7 +122,7 @@ class Situation:
         if not finite(pose):
             raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
         shape = self.scene.shapes[entity]
-        if shape.kind in FURNITURE:
+        if shape.traits.furniture:
             body = _between(pose, *around(shape, pose, self.opening(entity)))
         else:
             body = _box(pose, extents(shape, pose.quaternion))
@@ -141,12 +141,12 @@ class Situation:
     def part(self, entity: str) -> Pose:
         """Return the pose of the moving part of furniture, and of other bodies their own."""
         shape, pose = self.shape(entity), self.pose(entity)
-        return part_pose(shape, pose, self.opening(entity)) if shape.kind in FURNITURE else pose
+        return part_pose(shape, pose, self.opening(entity)) if shape.traits.furniture else pose
 
     def floor(self, entity: str) -> Pose:
         """Return the pose of the middle of the floor of something hollow."""
         shape, pose = self.shape(entity), self.pose(entity)
-        if shape.kind in FURNITURE:
+        if shape.traits.furniture:
             return cavity_pose(shape, pose, self.opening(entity))
         return raised(pose, shape.wall - self.half(entity)[2])
 

@@ -14,7 +14,7 @@ from prag_asp.physics import Budget, check_demonstration, check_witness, open_va
 from prag_asp.physics.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
 from prag_asp.physics.robot import ROBOTS, Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
-from prag_asp.physics.witness.check import tool_in
+from prag_asp.physics.witness.states import tool_in
 from prag_asp.physics.world.bullet import pybullet
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.space.task_space import TaskSpace

@@ -63,6 +63,26 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         ({"shapes": {"cube": {"kind": "box", "size": ["a", 1, 1]}}}, "scene.shapes.cube.size: needs"),
         ({"shapes": {"cube": {"kind": "box"}}}, "scene.shapes.cube.size: needs three positive lengths"),
         (
+            {"shapes": {"cube": {"kind": "box", "size": [0.05, 0.05, 1e-9]}}},
+            "scene.shapes.cube.size: needs three positive lengths in metres (at least 0.003, at most 2); got [0.05",
+        ),
+        (
+            {"shapes": {"cube": {"kind": "box", "size": {"low": [0.0029, 0.05, 0.05], "high": [0.05, 0.05, 0.05]}}}},
+            "scene.shapes.cube.size: needs three positive lengths in metres (at least 0.003",
+        ),
+        (
+            {"shapes": {"cube": {"kind": "cylinder", "radius": 0.001, "height": 0.1}}},
+            "scene.shapes.cube.radius: needs a positive length in metres (at least 0.0015, at most 2); got 0.001",
+        ),
+        (
+            {"shapes": {"cube": {"kind": "cylinder", "radius": 0.03, "height": 0.002}}},
+            "scene.shapes.cube.height: needs a positive length in metres (at least 0.003, at most 2); got 0.002",
+        ),
+        (
+            {"shapes": {"cube": {"kind": "sphere", "radius": [1e-9, 0.02]}}},
+            "scene.shapes.cube.radius: needs two positive lengths in metres (at least 0.0015",
+        ),
+        (
             {"shapes": {"cube": {"kind": "bx"}}},
             "scene.shapes.cube.kind: unknown shape 'bx'; did you mean box?",
         ),
@@ -103,6 +123,10 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         (
             {**FINE, "predicates": {"on": "ontop"}},
             "scene.predicates.on: unknown spatial predicate 'ontop'; did you mean on_top?",
+        ),
+        (
+            {**FINE, "fixed": {"cube_1": [0.05, 0.0]}},
+            "scene.fixed.cube_1: cube_1 stands on the base of the robot; move it",
         ),
         ({**FINE, "rotations": {"straight": "0"}}, "scene.rotations.straight: needs a yaw in degrees"),
     ],

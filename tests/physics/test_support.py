@@ -5,7 +5,8 @@ import math
 import pytest
 
 from prag_asp.domain.scene import Material, Scene, Shape
-from prag_asp.physics.geometry import Pose, hull, inside_by, intersection, rectangle, yaw_quaternion
+from prag_asp.domain.scene_forms import rectangle
+from prag_asp.physics.geometry import Pose, hull, inside_by, intersection, yaw_quaternion
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.support import riders, unsupported
 

@@ -24,7 +24,7 @@ from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import Snapshot
 from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.verdict import ArmState
-from prag_asp.physics.witness.check import tool_in
+from prag_asp.physics.witness.states import tool_in
 from prag_asp.physics.world.bullet import pybullet, pybullet_data
 from prag_asp.physics.world.simulator import open_client, open_simulator
 from prag_asp.space.task import Task

@@ -162,6 +162,7 @@ def test_a_mesh_stands_on_the_table_in_the_simulator_as_it_is_measured(tmp_path)
         ("x.urdf", BLOCK.replace("0.01 0 0.02", "nan 0 0"), "xyz is 'nan 0 0'; give 3 finite numbers"),
         ("x.urdf", BLOCK.replace("0.04 0.05 0.04", "4 5 4"), "m long; give its lengths in metres"),
         ("x.urdf", BLOCK.replace("cylinder", "capsule"), "unknown geometry <capsule>"),
+        ("x.urdf", BLOCK.replace("0.04 0.05 0.04", "1 1 1e-9"), "a <box> is 1e-09 m thin; make it at least 0.003 m"),
         ("x.urdf", MESH.format(suffix=".obj"), "box.obj: there is no such file"),
         ("x.urdf", MESH.format(suffix=".dae").replace("box.dae", "x.urdf"), "a mesh of unknown format"),
         ("x.urdf", MESH.format(suffix=".obj").replace("box.obj", "../../etc/passwd"), "lies outside the domain"),
@@ -185,6 +186,40 @@ def test_a_broken_mesh_is_refused(tmp_path):
         (tmp_path / "box.obj").write_bytes(content)
         with pytest.raises(SceneError, match=r"box\.obj: not a mesh: .*; export it anew"):
             scene_in(tmp_path, "m.urdf")
+
+
+def _turned(points: list[tuple[float, float, float]]) -> bytes:
+    """Return an .obj of points turned by 0.7 radians about x and then 0.4 about z, so that no side is along an axis."""
+    rows = []
+    for x, y, z in points:
+        tilted, up = math.cos(0.7) * y - math.sin(0.7) * z, math.sin(0.7) * y + math.cos(0.7) * z
+        ahead, left = math.cos(0.4) * x - math.sin(0.4) * tilted, math.sin(0.4) * x + math.cos(0.4) * tilted
+        rows.append(f"v {ahead!r} {left!r} {up!r}\n")
+    return "".join(rows).encode()
+
+
+@pytest.mark.parametrize("thick", [0.0, 1e-6, 2.9])
+def test_a_mesh_that_is_flat_is_refused_however_it_is_turned(tmp_path, thick):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    plate = [(x, y, z) for x in (0.0, 50.0) for y in (0.0, 40.0) for z in (0.0, thick)]
+    (tmp_path / "box.obj").write_bytes(_turned(plate))
+    with pytest.raises(SceneError, match=r"box\.obj: the mesh is .* m thin; make it at least 0\.003 m thick"):
+        scene_in(tmp_path, "m.urdf")
+
+
+@pytest.mark.parametrize("points", [[(20.0, 0.0, 0.0)] * 4, [(10.0 * k, 20.0 * k, 0.0) for k in range(4)]])
+def test_a_mesh_of_one_point_or_of_a_line_is_refused(tmp_path, points):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    (tmp_path / "box.obj").write_bytes(_turned(points))
+    with pytest.raises(SceneError, match=r"box\.obj: the mesh is .* m thin"):
+        scene_in(tmp_path, "m.urdf")
+
+
+def test_a_thin_mesh_that_is_thick_enough_is_read(tmp_path):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    plate = [(x, y, z) for x in (0.0, 50.0) for y in (0.0, 40.0) for z in (0.0, 3.1)]
+    (tmp_path / "box.obj").write_bytes(_turned(plate))
+    assert min(scene_in(tmp_path, "m.urdf").shapes["cube_1"].size) > 0.0031
 
 
 def test_measuring_a_urdf_loads_no_simulator(folder):

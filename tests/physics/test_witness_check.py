@@ -5,9 +5,14 @@ from dataclasses import replace
 
 import pytest
 
+from prag_asp.domain.scene import Shape
 from prag_asp.physics import Moment, Witness, check_witness
-from prag_asp.physics.geometry import Pose, multiply, yaw_quaternion
+from prag_asp.physics.geometry import Pose, compose, invert, multiply, yaw_quaternion
+from prag_asp.physics.robot import PANDA
+from prag_asp.physics.robot.kinematics import tool_pose
 from tests.physics.scenarios import stacking
+
+LEAN = (math.sin(0.01), 0.0, 0.0, math.cos(0.01))
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +62,33 @@ def test_a_false_fluent_that_holds_is_caught(witness, tabletop):
 def test_a_held_object_out_of_the_hand_is_caught(witness, tabletop):
     bad = _with_moment(witness, 1, poses=_moved(witness.moments[1], "cube_1", x=0.003))
     assert "state 1: cube_1 is not where the gripper holds it" in _problems(bad, tabletop)
+
+
+def test_an_object_that_leans_in_the_gripper_is_caught(witness, tabletop):
+    moment = witness.moments[1]
+    grasp = Pose(moment.grasp.position, multiply(moment.grasp.quaternion, LEAN))
+    pose = compose(tool_pose(PANDA, moment.joints), grasp)
+    bad = _with_moment(witness, 1, grasp=grasp, poses={**moment.poses, "cube_1": pose})
+    found = _problems(bad, tabletop)
+    assert "state 1: cube_1 does not stand upright in the gripper" in found
+    assert "not held from above" not in found and "not where the gripper holds it" not in found
+
+
+def test_a_grip_that_is_not_from_above_is_caught(witness, tabletop):
+    moment = witness.moments[1]
+    joints = (*moment.joints[:5], moment.joints[5] + 0.05, moment.joints[6])
+    upright = moment.poses["cube_1"].quaternion
+    pose = compose(tool_pose(PANDA, joints), moment.grasp)._replace(quaternion=upright)
+    grasp = compose(invert(tool_pose(PANDA, joints)), pose)
+    bad = _with_moment(witness, 1, joints=joints, grasp=grasp, poses={**moment.poses, "cube_1": pose})
+    found = _problems(bad, tabletop)
+    assert "state 1: cube_1 is not held from above" in found
+    assert "stand upright" not in found and "not where the gripper holds it" not in found
+
+
+def test_a_held_object_wider_than_the_gripper_opens_is_caught_whichever_way_it_is_held(witness, tabletop):
+    wide = replace(tabletop, shapes={**tabletop.shapes, "cube_1": Shape("box", (0.081, 0.081, 0.05))})
+    assert "state 1: cube_1 is wider than the gripper opens" in _problems(witness, wide)
 
 
 def test_a_body_that_nothing_moved_but_moves_is_caught(witness, tabletop):

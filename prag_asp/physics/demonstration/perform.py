@@ -275,7 +275,7 @@ def _corrected(
         return planned
     there = Situation(situation.scene, before.poses, planned, 0.0, openings=before.openings).part(target)
     here = situation.part(target)
-    round_body = situation.shape(target).kind in ("sphere", "cylinder")
+    round_body = situation.shape(target).traits.round
     turn = yaw_quaternion(0.0) if round_body else _turn(there, here)
     offset = rotate(turn, _minus(planned.position, there.position))
     x, y, z = (a + b for a, b in zip(here.position, offset, strict=True))

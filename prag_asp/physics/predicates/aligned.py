@@ -23,7 +23,7 @@ QUARTER = math.pi / 2
 
 def _has_sides(shape: Shape) -> bool:
     """Tell whether a body has sides that can be parallel to others."""
-    return shape.kind not in ("cylinder", "sphere")
+    return not shape.traits.round
 
 
 def _parallel(situation: Situation, arguments: Arguments) -> bool:

@@ -18,6 +18,8 @@ EDGE = 0.01
 REACH_MARGIN = 0.003
 OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
+CLEARANCE = 0.006
+"""How much farther than an object is wide a gripper opens to close around it, in metres."""
 
 
 def grip_width(situation: Situation, entity: str, robot: str = "") -> float:
@@ -64,7 +66,7 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
     robot, entity = arguments
     yield from _height_violations(situation, robot, entity)
     shape = situation.shape(entity)
-    if shape.kind == "box":
+    if shape.traits.even:
         x, y, _ = situation.hand(robot)[0].position
         places = to_local(situation.pose(entity), x, y)
         yield from (abs(at) - max(CENTRE_TOLERANCE, half - EDGE) for at, half in zip(places, shape.half, strict=False))

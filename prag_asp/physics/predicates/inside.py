@@ -8,22 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from prag_asp.domain.scene import FURNITURE, HOLLOW
+from prag_asp.domain.scene_forms import rectangle
 from prag_asp.physics.geometry import (
     Outline,
     Pose,
     Quaternion,
     Vector,
-    cavity,
     extents,
     heading,
     inside_by,
     multiply,
-    rectangle,
     to_local,
     yaw_of,
 )
-from prag_asp.physics.mechanism import mechanism
+from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, turned_box
 from prag_asp.physics.situation import Situation
@@ -37,15 +35,14 @@ MARGIN = 0.003
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
     """Return a pose in the middle of a cavity, seen from above, its inner sides and its depth in metres."""
     shape = situation.shape(container)
-    if shape.kind in FURNITURE:
-        return situation.floor(container), mechanism(shape).cavity
-    return situation.pose(container), cavity(shape)
+    middle = situation.floor(container) if shape.traits.furniture else situation.pose(container)
+    return middle, cavity(shape)
 
 
 def floor_height(situation: Situation, container: str) -> float:
     """Return the height of a container's floor in metres."""
     shape = situation.shape(container)
-    if shape.kind in FURNITURE:
+    if shape.traits.furniture:
         return situation.floor(container).position[2]
     return situation.bottom(container) + shape.wall
 
@@ -55,7 +52,7 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
     shape, pose = situation.shape(container), situation.pose(container)
     half_x, half_y, _ = shape.half
     yield rectangle(*pose.position[:2], half_x + margin, half_y + margin, yaw_of(pose.quaternion))
-    if shape.kind in FURNITURE:
+    if shape.traits.furniture:
         middle, (size_x, size_y, _) = hollow(situation, container)
         half_x, half_y = size_x / 2 + shape.wall + margin, size_y / 2 + shape.wall + margin
         yield rectangle(*middle.position[:2], half_x, half_y, yaw_of(middle.quaternion))
@@ -113,7 +110,7 @@ def _over_table(situation: Situation, subject: str, table: str) -> Iterator[floa
     yield abs(x - at_x) - half_x
     yield abs(y - at_y) - half_y
     for other in situation.poses:
-        if other != subject and situation.shape(other).kind in HOLLOW:
+        if other != subject and situation.shape(other).traits.hollow:
             yield from (inside_by(rim, (x, y)) for rim in rims(situation, other))
 
 
@@ -154,7 +151,7 @@ def _table_volume(situation: Situation, arguments: Arguments, quaternion: Quater
     subject, table = arguments
     (x, y, _), (half_x, half_y, _) = situation.pose(table).position, situation.half(table)
     z = extents(situation.shape(subject), quaternion)[2]
-    others = [other for other in situation.poses if other != subject and situation.shape(other).kind in HOLLOW]
+    others = [other for other in situation.poses if other != subject and situation.shape(other).traits.hollow]
     return Volume(
         (x - half_x + MARGIN, y - half_y + MARGIN, z),
         (x + half_x - MARGIN, y + half_y - MARGIN, z + HOVER - MARGIN),

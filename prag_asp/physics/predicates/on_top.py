@@ -12,7 +12,6 @@ from prag_asp.physics.situation import Situation
 
 TOLERANCE = 0.002
 MARGIN = 0.004
-ROUND = ("cylinder", "sphere")
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -23,7 +22,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     x, y, _ = above.pose.position
     dx, dy = to_local(below.pose, x, y)
     half = _half(situation, support)
-    if situation.shape(support).kind in ROUND:
+    if situation.shape(support).traits.round:
         yield math.hypot(dx, dy) - half[0]
     else:
         yield abs(dx) - half[0]
@@ -37,7 +36,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     x, y, _ = pose.position
     z = situation.top(support) + extents(situation.shape(subject), quaternion)[2]
     dx, dy = (side - min(MARGIN, side / 2) for side in half[:2])
-    if situation.shape(support).kind in ROUND:
+    if situation.shape(support).traits.round:
         return Volume((x - dx, y - dx, z), (x + dx, y + dx, z), rings=(Ring(x, y, 0.0, dx),))
     cosine, sine = heading(pose.quaternion)
     reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy

@@ -10,9 +10,10 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
 
-from prag_asp.domain.scene import BODILESS, FURNITURE, Scene, Shape
+from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import cavity, extents, yaw_quaternion
+from prag_asp.physics.geometry import extents, yaw_quaternion
+from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.predicates import gripper, inside, on_top
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, direction
 from prag_asp.physics.proofs.differences import ORIGIN, Gap, Node, between
@@ -26,7 +27,7 @@ Demand = tuple[int, Gap]
 def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
     """Return what a fact that holds demands; nothing where it says nothing about places, or speaks of furniture."""
     name = fact.predicate.name
-    if any(scene.shapes[entity].kind in FURNITURE for entity in bodies(fact, scene)):
+    if any(scene.shapes[entity].traits.furniture for entity in bodies(fact, scene)):
         return ()
     if name in DIRECTIONS:
         return (_beside(fact, scene),)
@@ -37,7 +38,7 @@ def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
 def standing(entity: str, scene: Scene) -> tuple[Demand, ...]:
     """Return what is so of a body in any state: how high it is, and where it is if no part of it ever moves."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
-    if shape.kind in FURNITURE:
+    if shape.traits.furniture:
         return ()
     tall = (2 * min(shape.half), 2 * math.hypot(*shape.half)) if place is None else (shape.size[2],) * 2
     found = [(Z, gap) for gap in between(_top(entity), _bottom(entity), *tall)]
@@ -108,7 +109,7 @@ def _located(scene: Scene, arguments: tuple[str, ...]) -> Iterator[Demand]:
 def _above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -> Iterator[Demand]:
     """Yield that the centre of a body is above a rectangle (or the circle in it) in the middle of another."""
     place = scene.fixed.get(support)
-    round_top = scene.shapes[support].kind in on_top.ROUND
+    round_top = scene.shapes[support].traits.round
     for axis in (0, 1):
         reach = half[0] if round_top else math.hypot(*half)
         if place is not None and not round_top:
@@ -157,7 +158,7 @@ DEMANDS: Mapping[str, Callable[[Scene, tuple[str, ...]], Iterator[Demand]]] = {
 def bodies(fact: Fact, scene: Scene) -> tuple[str, ...]:
     """Return the bodies that a fact speaks of: no robot, not the table, no zone, no rotation."""
     known = ((entity, scene.shapes.get(entity)) for entity in fact.arguments)
-    return tuple(entity for entity, shape in known if shape is not None and shape.kind not in BODILESS)
+    return tuple(entity for entity, shape in known if shape is not None and shape.traits.body)
 
 
 def all_demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:

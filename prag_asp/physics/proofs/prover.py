@@ -1,9 +1,9 @@
 """Proofs that no arrangement of the bodies can satisfy the facts of a state, whatever their poses.
 
-A proof takes for granted the definitions of the predicates, where the fixed bodies are, and three rules of every scene:
-a gripper holds one body at a time, it is not open while it holds one, and nothing rests on a ball. The workspace
-says where the search puts bodies, not where they can be, so no proof reads it. What is proved of some facts is so of
-more facts, too.
+A proof takes for granted the definitions of the predicates, where the fixed bodies are, and four rules of every scene:
+a gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, and a body is held from
+above while it stands upright. The check of a witness demands the last one as well. The workspace says where the search
+puts bodies, not where they can be, so no proof reads it. What is proved of some facts is so of more facts, too.
 """
 
 from __future__ import annotations

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
-from prag_asp.domain.scene import BODILESS, FURNITURE, Scene, Shape
+from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import IDENTITY, Pose, cavity, wrap
-from prag_asp.physics.mechanism import mechanism
+from prag_asp.physics.geometry import IDENTITY, Pose, wrap
+from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.predicates import rotated
 from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.proofs.demands import bodies
@@ -34,13 +34,14 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
 
 
 def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
-    """Yield why a body is too large for the gripper or a container however it is turned."""
+    """Yield why a body is too wide for the gripper, or too large for a container however it is turned."""
     name = fact.predicate.name
     if not fact.value:
         return
     if name == "holding":
         entity, opening = fact.arguments[1], robot_of(scene, fact.arguments[0]).opening
-        narrowest = min(scene.shapes[entity].size)
+        # Bodies stand upright and are gripped from above, so that their height does not count.
+        narrowest = scene.shapes[entity].breadth(widest=False)
         if narrowest > opening:
             yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
     elif name in ("inside", "located"):
@@ -48,12 +49,12 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
         shape = scene.shapes[container]
         if name == "located" and shape.kind == "table":
             return
-        inner = mechanism(shape).cavity if shape.kind in FURNITURE else cavity(shape)
+        inner = cavity(shape)
         if inner == NO_CONTAINER:
             yield f"{container} is not a container, so {entity} cannot be in it"
         elif _too_large(scene.shapes[entity], inner[0], inner[1]):
             yield f"{entity} is larger than the cavity of {container}"
-    elif name == "on_top" and scene.shapes[fact.arguments[1]].kind == "sphere":
+    elif name == "on_top" and not scene.shapes[fact.arguments[1]].traits.flat:
         yield f"nothing rests on {fact.arguments[1]}, which is a ball"
 
 
@@ -64,7 +65,7 @@ def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
     never less than that of its smallest shadow.
     """
     small, middle, _ = sorted(shape.size)
-    area = small * middle * (math.pi / 4 if shape.kind in ("sphere", "cylinder") else 1.0)
+    area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
     return small > min(inner_x, inner_y) or area > inner_x * inner_y
 
 
@@ -149,6 +150,6 @@ def _still(scene: Scene) -> Situation:
     poses = {
         entity: fixed_pose(scene, entity)
         for entity in scene.fixed
-        if scene.shapes[entity].kind not in (*FURNITURE, *BODILESS)
+        if scene.shapes[entity].traits.body and not scene.shapes[entity].traits.furniture
     }
     return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)

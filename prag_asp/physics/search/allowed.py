@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from prag_asp.domain.scene import BODILESS
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion
 from prag_asp.physics.predicates import Volume, Yaws, predicate_of
@@ -75,4 +74,4 @@ def all_satisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose
 def _has_place(situation: Situation, entity: str) -> bool:
     """Tell whether an argument of a fact needs no place of its own or has it."""
     shape = situation.scene.shapes.get(entity)
-    return shape is None or shape.kind in BODILESS or entity in situation.poses
+    return shape is None or not shape.traits.body or entity in situation.poses

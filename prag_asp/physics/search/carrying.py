@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from prag_asp.domain.scene import FURNITURE
 from prag_asp.physics.facts import Effect
-from prag_asp.physics.geometry import Pose, cavity, compose, invert, multiply, raised, yaw_of, yaw_quaternion
+from prag_asp.physics.geometry import Pose, compose, invert, multiply, raised, yaw_of, yaw_quaternion
+from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.allowed import draw_yaws, relevant, yaw_ranges
@@ -115,7 +115,7 @@ def _depth(situation: Situation, support: str) -> float:
     """Return how far the highest point of something hollow is above its floor, 0 for other supports; metres."""
     if support == TABLE:
         return 0.0
-    if situation.shape(support).kind in FURNITURE:
+    if situation.shape(support).traits.furniture:
         return situation.top(support) - situation.floor(support).position[2]
     return cavity(situation.shape(support))[2]
 

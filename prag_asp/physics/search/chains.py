@@ -6,11 +6,9 @@ of the three comes last.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from prag_asp.domain.scene import Shape
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.geometry import Quaternion, extents
 from prag_asp.physics.predicates import Volume
@@ -78,14 +76,6 @@ def _follow(
             if passed:
                 yield other, 0.0
             continue
-        room = _side(situation.shape(other), wide) + GAP + 2 * MARGIN
+        room = situation.shape(other).breadth(wide) + GAP + 2 * MARGIN
         for end, between in _follow(situation, other, links, wide, (*passed, entity)):
             yield end, between + room
-
-
-def _side(shape: Shape, wide: bool) -> float:
-    """Return how long an object that stands upright is at most, or at least, in metres."""
-    x, y, _ = shape.size
-    if shape.kind in ("sphere", "cylinder"):
-        return x
-    return math.hypot(x, y) if wide else min(x, y)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import SUPPORTING, Effect, Fact, Problem
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, INVERSES, MARGIN, direction
@@ -48,7 +48,7 @@ def _rooms(problem: Problem, scene: Scene, k: int, entity: str, wide: bool, dept
         if comer in scene.fixed or depth > len(problem.effects):
             continue
         axis, sign = direction(side, scene.frame)
-        radius = _radius(scene.shapes[comer], wide)
+        radius = scene.shapes[comer].breadth(wide) / 2
         beyond = _rooms(problem, scene, j, comer, wide, depth + 1).get((axis, sign)) if j > k else None
         room = GAP + 2 * MARGIN + radius + (0.0 if beyond is None else radius + beyond)
         rooms[axis, sign] = max(room, rooms.get((axis, sign), 0.0))
@@ -81,15 +81,7 @@ def _comes_to_table(scene: Scene, effect: Effect, fact: Fact, entity: str) -> bo
         for each in effect.after
         if each.value and each.predicate.name in SUPPORTING and each.arguments[0] == other
     ]
-    return other in effect.moved and all(scene.shapes[support].kind in ("table", "zone") for support in supports)
-
-
-def _radius(shape: Shape, wide: bool) -> float:
-    """Return half the side of an object that stands upright in metres, the longest or the shortest possible."""
-    x, y, _ = shape.half
-    if shape.kind in ("sphere", "cylinder"):
-        return x
-    return math.hypot(x, y) if wide else min(x, y)
+    return other in effect.moved and all(scene.shapes[support].traits.surface for support in supports)
 
 
 def _volume(scene: Scene, rooms: Rooms) -> Volume:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from prag_asp.domain.scene import Shape
 from prag_asp.physics.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
+from prag_asp.physics.predicates.gripper import CLEARANCE
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import (
@@ -31,7 +32,6 @@ TOP_GRIP = 0.01
 LONG, FROM_END = 0.08, 0.03
 """Of several robots each grips a box that is at least twice as long so far from its end, in metres."""
 
-CLEARANCE = 0.006
 LARGEST_STEP = 1.2
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
@@ -60,7 +60,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     height = max(z, z + half - search.robot.finger_depth, bottom)
     base_x, base_y, _ = search.robot.base.position
     heading = math.atan2(y - base_y, x - base_x)
-    round_body = shape.kind in ("sphere", "cylinder")
+    round_body = shape.traits.round
     first = heading if round_body else yaw_of(pose.quaternion)
     turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
     # Half a turn gives the same grip, so of each pair of opposite headings the nearer one is enough.
@@ -73,10 +73,10 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
             found.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
     if not found:
         raise Failure(NO_GRASP)
-    if situation.others and shape.kind == "box" and max(shape.half[:2]) >= LONG:
+    if situation.others and shape.traits.even and max(shape.half[:2]) >= LONG:
         found = [at_end for grasp in found for at_end in _at_ends(shape, pose, grasp)]
     rise = z + half - TOP_GRIP - height
-    if rise > 0.0 and shape.kind != "sphere":
+    if rise > 0.0 and shape.traits.flat:
         found += [(raised(tool, rise), width) for tool, width in found]
     return found
 

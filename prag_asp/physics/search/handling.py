@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from prag_asp.domain.scene import FURNITURE
 from prag_asp.physics.facts import OPENING, Fact
 from prag_asp.physics.geometry import IDENTITY, Pose, compose, invert, multiply, raised, wrap, yaw_of, yaw_quaternion
 from prag_asp.physics.mechanism import POST, mechanism, part_pose
@@ -50,7 +49,7 @@ class Pull(NamedTuple):
 def draw_openings(search: Search, situation: Situation, facts: Iterable[Fact]) -> dict[str, float]:
     """Draw how far all furniture of a situation is open, as facts want it."""
     known = list(facts)
-    furniture = [entity for entity in situation.poses if situation.shape(entity).kind in FURNITURE]
+    furniture = [entity for entity in situation.poses if situation.shape(entity).traits.furniture]
     return {entity: draw_opening(search, situation, entity, known) for entity in furniture}
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from itertools import repeat
+from typing import NamedTuple
 
-from prag_asp.domain.scene import FURNITURE, HOLLOW
 from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
 from prag_asp.physics.geometry import Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
 from prag_asp.physics.mechanism import swept
@@ -35,6 +35,20 @@ Neighbour = tuple[float, float, float, float]
 """The centre of a body seen from above, and how far from it along x and y another touches it; metres."""
 
 
+class Wanted(NamedTuple):
+    """An object that is wanted on a support, or `height` metres above it, as the facts `about` it want it.
+
+    `ahead` is room for what comes beside it later, `between` for what comes between it and others, ample room first.
+    """
+
+    entity: str
+    support: str
+    about: list[Fact]
+    height: float
+    ahead: tuple[Volume, ...]
+    between: tuple[list[Chain], ...]
+
+
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
     """Return what an object stands on or in by the facts, `TABLE` for the table, None where unknown."""
     for fact in facts:
@@ -58,9 +72,7 @@ def any_support(search: Search, situation: Situation, entity: str, facts: Iterab
         for fact in facts
         if not fact.value and fact.predicate.name in SUPPORTING and fact.arguments[0] == entity
     }
-    possible = [
-        other for other in situation.poses if other not in ruled_out and situation.shape(other).kind != "sphere"
-    ]
+    possible = [other for other in situation.poses if other not in ruled_out and situation.shape(other).traits.flat]
     if any(situation.is_table(support) for support in ruled_out):
         options = possible
     else:
@@ -96,8 +108,8 @@ def draw_pose(
     facts = list(facts)
     about = relevant(facts, entity, situation)
     ahead = _ahead(search, situation, entity, support, state)
-    between = chains(situation, entity, facts)
-    quaternion, volume, everything = _place(search, situation, entity, support, about, ahead, between, height)
+    wanted = Wanted(entity, support, about, height, ahead, chains(situation, entity, facts))
+    quaternion, volume, everything = _place(search, situation, wanted)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
@@ -120,16 +132,7 @@ def draw_pose(
     raise Failure(cause)
 
 
-def _place(
-    search: Search,
-    situation: Situation,
-    entity: str,
-    support: str,
-    about: list[Fact],
-    ahead: tuple[Volume, ...],
-    between: tuple[list[Chain], ...],
-    height: float,
-) -> tuple[Quaternion, Volume, Floor]:
+def _place(search: Search, situation: Situation, wanted: Wanted) -> tuple[Quaternion, Volume, Floor]:
     """Return how an object is turned, where it can be then, and the floor of that.
 
     A yaw is drawn; where it leaves no room, for the object or for what comes later, the object is put square
@@ -139,32 +142,29 @@ def _place(
         Failure: the volume is empty.
     """
     found: tuple[Quaternion, Volume, Floor] | None = None
-    for yaw in _yaws(search, situation, entity, support, about):
+    for yaw in _yaws(search, situation, wanted):
         quaternion = yaw_quaternion(yaw)
-        volume, floor = _roomy(
-            situation, entity, quaternion, _volume(situation, entity, support, quaternion, about, height), between
-        )
+        volume, floor = _roomy(situation, wanted, quaternion)
         if floor is None:
             continue
-        half = extents(situation.shape(entity), quaternion)
-        for wished in (volume.meet(_shrunk(room, half)) for room in ahead):
+        half = extents(situation.shape(wanted.entity), quaternion)
+        for wished in (volume.meet(_shrunk(room, half)) for room in wanted.ahead):
             wished_floor = wished.floor()
             if wished_floor and (wished.rings == volume.rings or Volume.draw(wished_floor, search.uniform)):
                 return quaternion, wished, wished_floor
         found = found or (quaternion, volume, floor)
-        if not ahead:
+        if not wanted.ahead:
             break
     if found is None:
         raise Failure(EMPTY_VOLUME)
     return found
 
 
-def _roomy(
-    situation: Situation, entity: str, quaternion: Quaternion, volume: Volume, between: tuple[list[Chain], ...]
-) -> tuple[Volume, Floor | None]:
-    """Return the part of a volume that leaves room for what comes between, ample room if there is, and its floor."""
-    for chained in between or ([],):
-        part = volume.meet(kept_apart(situation, entity, quaternion, chained)) if chained else volume
+def _roomy(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> tuple[Volume, Floor | None]:
+    """Return where an object can be that leaves room for what comes between, ample room if there is, and its floor."""
+    volume = _volume(situation, wanted, quaternion)
+    for chained in wanted.between or ([],):
+        part = volume.meet(kept_apart(situation, wanted.entity, quaternion, chained)) if chained else volume
         floor = part.floor()
         if floor is not None:
             return part, floor
@@ -193,13 +193,12 @@ def _ahead(search: Search, situation: Situation, entity: str, support: str, stat
     return tuple(found)
 
 
-def _volume(
-    situation: Situation, entity: str, support: str, quaternion: Quaternion, about: Iterable[Fact], height: float
-) -> Volume:
+def _volume(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> Volume:
     """Return where an object, turned as it will be, can be put down on a support, or above, as the facts want it.
 
     What is put on the table has to be within reach, unless it is known not to be or there are several robots.
     """
+    entity, support, about, height, *_ = wanted
     out_of_reach = any(fact.predicate.name == "reachable" and not fact.value for fact in about)
     volume = _surface(situation, entity, support, quaternion, out_of_reach)
     if height > 0.0:
@@ -229,7 +228,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 def _surface(situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool) -> Volume:
     """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
     if support != TABLE:
-        name = "inside" if situation.shape(support).kind in HOLLOW else "on_top"
+        name = "inside" if situation.shape(support).traits.hollow else "on_top"
         return PREDICATES[name].volume(situation, (entity, support), quaternion)
     half_x, half_y, z = extents(situation.shape(entity), quaternion)
     low_x, high_x, low_y, high_y = situation.scene.workspace
@@ -244,10 +243,10 @@ def _neighbours(situation: Situation, support: str, half: Vector, z: float) -> l
     """Return what the bounding box of an object at a height can meet, but for a container that it is put into."""
     found, shapes = [], situation.scene.shapes
     for other in situation.poses:
-        kind = shapes[other].kind
-        if kind in HOLLOW and support != TABLE:
+        traits = shapes[other].traits
+        if traits.hollow and support != TABLE:
             continue
-        boxes = _swept(situation, other) if kind in FURNITURE else (box(situation, other),)
+        boxes = _swept(situation, other) if traits.furniture else (box(situation, other),)
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
                 found.append((x, y, half_x + half[0], half_y + half[1]))
@@ -278,16 +277,16 @@ def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[
     yield from repeat((everything, SPACING if support == TABLE else 0.0), TRIES)
 
 
-def _yaws(search: Search, situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
+def _yaws(search: Search, situation: Situation, wanted: Wanted) -> Iterator[float]:
     """Yield yaws in radians: of the ranges that facts want, else square to the support, else any, then square."""
-    wanted = yaw_ranges(situation, entity, about)
-    if wanted is not None:
-        yield from draw_yaws(search, wanted)
+    ranges = yaw_ranges(situation, wanted.entity, wanted.about)
+    if ranges is not None:
+        yield from draw_yaws(search, ranges)
         return
-    if support == TABLE:
+    if wanted.support == TABLE:
         yield search.uniform(-math.pi, math.pi)
         along = int(search.rng.integers(2)) * math.pi / 2
         yield from (along, math.pi / 2 - along)
         return
     quarter = int(search.rng.integers(4)) * math.pi / 2
-    yield yaw_of(situation.pose(support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
+    yield yaw_of(situation.pose(wanted.support).quaternion) + quarter + search.uniform(-JITTER, JITTER)

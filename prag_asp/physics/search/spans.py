@@ -5,11 +5,10 @@ This only steers draws; every check stays as it is.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.predicates.between import GAP, MARGIN
 
@@ -55,7 +54,7 @@ def foresee_spans(problem: Problem, scene: Scene) -> Spans:
 def _span(problem: Problem, scene: Scene, k: int, pair: tuple[str, str], wide: bool, depth: int = 0) -> float:
     """Return how far apart the centres of two objects should be in state `k`, in metres."""
     one, two = pair
-    need = _radius(scene.shapes[one], wide) + _radius(scene.shapes[two], wide)
+    need = scene.shapes[one].breadth(wide) / 2 + scene.shapes[two].breadth(wide) / 2
     need += FINGER_ROOM if wide else GAP + 2 * MARGIN
     if depth < DEPTH:
         for i, fact in _between(problem, k, pair):
@@ -79,11 +78,3 @@ def _between(problem: Problem, k: int, pair: tuple[str, str]) -> Iterator[tuple[
 def _parts(fact: Fact, pair: tuple[str, str]) -> bool:
     """Tell whether a fact puts something between two objects."""
     return fact.value and fact.predicate.name == "between" and {*fact.arguments[1:]} == {*pair}
-
-
-def _radius(shape: Shape, wide: bool) -> float:
-    """Return half the side of an object in metres, as it is turned at worst, or at best."""
-    x, y, _ = shape.half
-    if shape.kind in ("sphere", "cylinder"):
-        return x
-    return math.hypot(x, y) if wide else min(x, y)

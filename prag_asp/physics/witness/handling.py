@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from prag_asp.domain.scene import FURNITURE, Scene
+from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import Problem
 from prag_asp.physics.geometry import Pose, compose, invert, turn_between
 from prag_asp.physics.mechanism import POST, mechanism, part_pose
@@ -22,7 +22,7 @@ Openings = Mapping[str, float]
 
 def opening_problems(moment: Moment, seen: Problem, scene: Scene) -> Iterator[str]:
     """Yield furniture without an opening or beyond its limits, and openings of what is no furniture."""
-    furniture = {entity for entity in seen.objects if scene.shapes[entity].kind in FURNITURE}
+    furniture = {entity for entity in seen.objects if scene.shapes[entity].traits.furniture}
     for entity in sorted(furniture):
         opening = moment.openings.get(entity, math.nan)
         limit = mechanism(scene.shapes[entity]).limit

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from prag_asp.domain.scene import FURNITURE, Material, Scene, Shape, Solid
+from prag_asp.domain.scene import Material, Scene, Solid
 from prag_asp.errors import SceneError
 from prag_asp.physics.geometry import Vector, yaw_quaternion
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.world.bullet import pybullet
 from prag_asp.physics.world.furniture import make_furniture
-from prag_asp.physics.world.primitives import Part, boxes, make_shapes
-from prag_asp.physics.world.solids import container_boxes, weight
+from prag_asp.physics.world.primitives import make_shapes
+from prag_asp.physics.world.solids import solids, weight
 
 PARKING = (20.0, 20.0, 5.0)
 GREY = "#808080"
@@ -27,10 +27,10 @@ def parking_place(i: int) -> Vector:
 def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
     """Make the table, its top at z = 0."""
     table = scene.table
-    half = (table.size[0] / 2, table.size[1] / 2, TABLE_THICKNESS / 2)
+    top = Solid("box", (*table.size, TABLE_THICKNESS))
     at = (*table.centre, -TABLE_THICKNESS / 2)
     material = next((scene.material(e) for e, shape in scene.shapes.items() if shape.kind == "table"), Material())
-    return _make([Part(pybullet.GEOM_BOX, half=half)], material, 0.0, at, client, table.color if visual else None)
+    return _make([top], material, 0.0, at, client, table.color if visual else None)
 
 
 def show_zone(client: int, scene: Scene, entity: str) -> None:
@@ -56,9 +56,9 @@ def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: boo
     """
     color = scene.colors.get(entity, GREY) if visual else None
     shape, material = scene.shapes[entity], scene.material(entity)
-    if shape.kind in FURNITURE:
+    if shape.traits.furniture:
         return make_furniture(client, shape, material, at, color)
-    return _make(_parts(shape), material, mass(scene, entity), at, client, color, free)
+    return _make(solids(shape), material, mass(scene, entity), at, client, color, free)
 
 
 def mass(scene: Scene, entity: str) -> float:
@@ -66,34 +66,8 @@ def mass(scene: Scene, entity: str) -> float:
     return 0.0 if entity in scene.fixed else weight(scene, entity)
 
 
-def _parts(shape: Shape) -> list[Part]:
-    """Return the primitives that make up a shape."""
-    if shape.kind == "sphere":
-        return [Part(pybullet.GEOM_SPHERE, radius=shape.half[0])]
-    if shape.kind == "cylinder":
-        return [Part(pybullet.GEOM_CYLINDER, radius=shape.half[0], height=shape.size[2])]
-    if shape.model is not None:
-        return [_solid(solid) for solid in shape.model.solids]
-    if shape.kind == "container":
-        return boxes(container_boxes(shape))
-    return [Part(pybullet.GEOM_BOX, half=shape.half)]
-
-
-def _solid(solid: Solid) -> Part:
-    """Return a solid of a URDF as a primitive."""
-    turn = tuple(pybullet.getQuaternionFromEuler(solid.turn))
-    x, y, z = solid.size
-    if solid.mesh:
-        return Part(pybullet.GEOM_MESH, at=solid.at, turn=turn, mesh=solid.mesh, scale=solid.size)
-    if solid.kind == "box":
-        return Part(pybullet.GEOM_BOX, half=(x / 2, y / 2, z / 2), at=solid.at, turn=turn)
-    if solid.kind == "sphere":
-        return Part(pybullet.GEOM_SPHERE, radius=x / 2, at=solid.at, turn=turn)
-    return Part(pybullet.GEOM_CYLINDER, radius=x / 2, height=z, at=solid.at, turn=turn)
-
-
 def _make(
-    parts: Sequence[Part],
+    made_of: Sequence[Solid],
     material: Material,
     mass: float,
     at: Vector,
@@ -101,16 +75,16 @@ def _make(
     color: str | None,
     free: bool = False,
 ) -> int:
-    """Make one body of several primitives; without a colour it cannot be seen.
+    """Make one body of several solids; without a colour it cannot be seen.
 
     Raises:
         SceneError: PyBullet refuses a shape.
     """
-    solid, looks = make_shapes(parts, client, color)
+    solid, looks = make_shapes(made_of, client, color)
     body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
     if body < 0:
-        raise SceneError(f"PyBullet refuses a body of {list(parts)}")
-    rolls = len(parts) == 1 and parts[0].kind == pybullet.GEOM_SPHERE
+        raise SceneError(f"PyBullet refuses a body of {list(made_of)}")
+    rolls = len(made_of) == 1 and made_of[0].kind == "sphere"
     pybullet.changeDynamics(
         body,
         -1,

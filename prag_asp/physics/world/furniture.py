@@ -7,7 +7,8 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.geometry import Vector
 from prag_asp.physics.mechanism import mechanism
 from prag_asp.physics.world.bullet import pybullet
-from prag_asp.physics.world.primitives import boxes, make_shapes
+from prag_asp.physics.world.primitives import make_shapes
+from prag_asp.physics.world.solids import boxes, volume
 
 JOINT = 0
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -26,7 +27,7 @@ def make_furniture(client: int, shape: Shape, material: Material, at: Vector, co
     made = mechanism(shape)
     solid, looks = make_shapes(boxes(made.body), client, color)
     part, part_looks = make_shapes(boxes(made.part), client, color and lighter(color))
-    weight = material.density * sum(8 * half[0] * half[1] * half[2] for _, half in made.part)
+    weight = material.density * volume(boxes(made.part))
     body = pybullet.createMultiBody(
         0.0,
         solid,

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
-from prag_asp.domain.scene import BODILESS, Scene
+from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.geometry import Pose, finite
 from prag_asp.physics.robot import Joints, Robot, robot_of
@@ -49,7 +49,7 @@ class Simulator:
                 client, scene.with_shapes({entity: each}), entity, parking_place(0), visual=visual
             )
             for entity, shape in scene.shapes.items()
-            if shape.kind not in BODILESS
+            if shape.traits.body
             for each in scene.ranges.get(entity, (shape,))
         }
         for entity, shape in scene.shapes.items() if visual else ():

@@ -1,15 +1,44 @@
-"""How much material a body is made of."""
+"""What a body is made of: solids, and how much they weigh."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
 
-from prag_asp.domain.scene import FURNITURE, Scene, Shape
+from prag_asp.domain.scene import Scene, Shape, Solid
+from prag_asp.domain.scene_forms import FORMS
 from prag_asp.physics.geometry import Vector
 from prag_asp.physics.mechanism import mechanism
 
 
-def container_boxes(shape: Shape) -> list[tuple[Vector, Vector]]:
+def boxes(places: Iterable[tuple[Vector, Vector]]) -> tuple[Solid, ...]:
+    """Return boxes, each given by its centre and half its sides in metres."""
+    return tuple(Solid("box", (2 * x, 2 * y, 2 * z), at) for at, (x, y, z) in places)
+
+
+def solids(shape: Shape) -> tuple[Solid, ...]:
+    """Return the solids of a body in its own frame, furniture closed."""
+    if shape.model is not None:
+        return shape.model.solids
+    if shape.traits.furniture:
+        made = mechanism(shape)
+        return (*boxes(made.body), *boxes(made.part))
+    if shape.traits.hollow:
+        return boxes(_container(shape))
+    return (Solid(shape.kind, shape.size),)
+
+
+def weight(scene: Scene, entity: str) -> float:
+    """Return what a body weighs in kilograms: what its URDF says, or by its volume and its density."""
+    shape = scene.shapes[entity]
+    return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
+
+
+def volume(made_of: Iterable[Solid]) -> float:
+    """Return the volume of solids in cubic metres, none of them a mesh."""
+    return sum(FORMS[solid.kind].volume((solid.size[0] / 2, solid.size[1] / 2, solid.size[2] / 2)) for solid in made_of)
+
+
+def _container(shape: Shape) -> list[tuple[Vector, Vector]]:
     """Return centre and half sides of a container's floor and four walls, in its own frame."""
     x, y, z = shape.half
     thin = shape.wall / 2
@@ -21,24 +50,3 @@ def container_boxes(shape: Shape) -> list[tuple[Vector, Vector]]:
         ((x - thin, 0.0, thin), (thin, inner, z - thin)),
         ((thin - x, 0.0, thin), (thin, inner, z - thin)),
     ]
-
-
-def weight(scene: Scene, entity: str) -> float:
-    """Return what a body weighs in kilograms: what its URDF says, or by its volume and its density."""
-    shape = scene.shapes[entity]
-    return scene.material(entity).density * volume(shape) if shape.model is None else shape.model.mass
-
-
-def volume(shape: Shape) -> float:
-    """Return the volume of a body's material in cubic metres, of one from a URDF that of its box."""
-    x, y, z = shape.size
-    if shape.kind == "sphere":
-        return math.pi * x**3 / 6
-    if shape.kind == "cylinder":
-        return math.pi * x * x / 4 * z
-    if shape.kind == "container":
-        return sum(8 * half[0] * half[1] * half[2] for _, half in container_boxes(shape))
-    if shape.kind in FURNITURE:
-        made = mechanism(shape)
-        return sum(8 * half[0] * half[1] * half[2] for _, half in (*made.body, *made.part))
-    return x * y * z

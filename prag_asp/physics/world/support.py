@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from prag_asp.domain.scene import HOLLOW
+from prag_asp.domain.scene_forms import rectangle
 from prag_asp.physics.geometry import (
     Outline,
     Point,
@@ -17,7 +17,6 @@ from prag_asp.physics.geometry import (
     inside_by,
     intersection,
     outline,
-    rectangle,
     yaw_of,
 )
 from prag_asp.physics.predicates.inside import floor_height, hollow
@@ -113,9 +112,9 @@ def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, fl
 def _surface(situation: Situation, support: str) -> float | None:
     """Return the height of a body's top or a container's floor in metres, None for a ball."""
     shape = situation.shape(support)
-    if shape.kind in HOLLOW:
+    if shape.traits.hollow:
         return floor_height(situation, support)
-    return None if shape.kind == "sphere" else situation.top(support)
+    return situation.top(support) if shape.traits.flat else None
 
 
 def _rests_on(situation: Situation, body: str, support: str) -> bool:
@@ -133,7 +132,7 @@ def _top(situation: Situation, support: str) -> Outline:
         size_x, size_y = situation.scene.table.size
         return rectangle(x, y, size_x / 2, size_y / 2, 0.0)
     shape = situation.shape(support)
-    if shape.kind not in HOLLOW:
+    if not shape.traits.hollow:
         return outline(shape, situation.pose(support))
     pose, inner = hollow(situation, support)
     x, y, _ = pose.position

@@ -1,0 +1,41 @@
+"""Bodies that no proof excludes from a gripper, though it never closes around them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from prag_asp.domain.atom import parse_atom
+from prag_asp.domain.load import Domain
+from prag_asp.domain.scene import Scene, ancestors
+from prag_asp.physics.predicates.gripper import CLEARANCE
+from prag_asp.physics.robot import robot_of
+
+
+def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
+    """Yield a warning for each body that could be held, but leaves a gripper no room to close around it.
+
+    A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above; of a range of
+    sizes that of the smallest.
+    """
+    seen: set[tuple[str, float]] = set()
+    for fluent in map(parse_atom, map(str, domain.facts.fluents)):
+        if scene.meaning(fluent) != "holding":
+            continue
+        robot, entity = fluent.arguments
+        opening = robot_of(scene, robot).opening
+        width = min(shape.breadth(widest=False) for shape in scene.ranges.get(entity, (scene.shapes[entity],)))
+        most = opening - CLEARANCE
+        if most < width <= opening and (entity, opening) not in seen:
+            seen.add((entity, opening))
+            yield (
+                f"{_place(domain, entity)}: {entity} is {width * 1000:.3g} mm wide and the gripper opens "
+                f"{opening * 1000:.3g} mm; it never closes around more than {most * 1000:.3g} mm, so make it narrower"
+            )
+
+
+def _place(domain: Domain, entity: str) -> str:
+    """Return the file and the line of the shape of an entity."""
+    classes = {str(each): name for each, name in domain.facts.entities.items()}
+    given = domain.settings.scene["shapes"]
+    owner = next(name for name in ancestors(classes[entity], domain.facts.parents) if name in given)
+    return f"{domain.settings.path}:{domain.settings.line_of('scene', 'shapes', owner)}"

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+import math
+import random
+
+import pybullet
+import pytest
+
+from prag_asp.domain.scene import Mount, Scene, Shape
+from prag_asp.domain.scene_robots import base_problems
+from prag_asp.physics.geometry import Pose, yaw_quaternion
+from prag_asp.physics.world.simulator import open_simulator
+
+CUBE = Shape("box", (0.05, 0.05, 0.05))
+BASE = -1
+
+
+@pytest.mark.parametrize("mount", [Mount("panda"), Mount("kuka"), Mount("panda", 0.3, -0.2, 2.0)])
+def test_a_fixed_body_stands_on_a_base_where_the_simulator_says_that_the_two_collide(mount: Mount) -> None:
+    rng = random.Random(3)
+    scene = Scene({"arm": Shape("robot"), "cube": CUBE}, robots={"arm": mount})
+    touching = deep = 0
+    with open_simulator(scene) as simulator:
+        for _ in range(500):
+            x, y, yaw = (
+                mount.x + rng.uniform(-0.3, 0.3),
+                mount.y + rng.uniform(-0.3, 0.3),
+                rng.uniform(-math.pi, math.pi),
+            )
+            simulator.place({"cube": Pose((x, y, 0.025), yaw_quaternion(yaw))})
+            points = pybullet.getClosestPoints(
+                simulator.arms["arm"].body, simulator.body("cube"), 0.0, BASE, physicsClientId=simulator.client
+            )
+            depth = -min((point[8] for point in points), default=0.0)
+            fixed = Scene(scene.shapes, robots=scene.robots, fixed={"cube": (x, y, yaw)})
+            refused = [str(problem) for problem in base_problems(fixed)]
+            assert refused in ([], ["scene.fixed.cube: cube stands on the base of arm; move it"])
+            assert not refused or depth > 0.0015
+            assert refused or depth < 0.015
+            touching, deep = touching + bool(refused), deep + (depth > 0.015)
+    assert touching > 50 and deep > 30
+
+
+def test_a_zone_may_lie_where_a_robot_stands() -> None:
+    scene = Scene({"here": Shape("zone", (0.3, 0.3, 0.0))}, fixed={"here": (0.0, 0.0, 0.0)})
+    assert list(base_problems(scene)) == []
