@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain, load_domain
     from prag_asp.domain.scene import Scene, load_scene
     from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
-    from prag_asp.space.conditions import Condition
+    from prag_asp.space.conditions.condition import Condition
     from prag_asp.space.task import Task
     from prag_asp.space.task_space import TaskSpace
 

@@ -10,8 +10,8 @@ import clingo
 from prag_asp.domain.sources import Program
 from prag_asp.errors import DomainError
 
-POSITION = re.compile(r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *")
-UNSAFE = re.compile(r"'([^']+)' is unsafe")
+POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
+UNSAFE = r"'([^']+)' is unsafe"
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
@@ -61,13 +61,13 @@ class Grounder:
 
 def located(program: Program, message: str) -> str:
     """Return a message of clingo as one line that begins with the file and line it speaks of."""
-    place = POSITION.search(message)
+    place = re.search(POSITION, message)
     if not place:
         return " ".join(message.split())
     path, line = program.locate(int(place["line"]))
-    unsafe = sorted({"_" if name.startswith("#") else name for name in UNSAFE.findall(message)})
+    unsafe = sorted({"_" if name.startswith("#") else name for name in re.findall(UNSAFE, message)})
     if unsafe:
         told = f"{path}:{line}: unsafe variable {', '.join(unsafe)}"
         return f"{told}; bind it in the body by an atom without `not`"
-    words = " ".join(POSITION.sub("", message).split())
+    words = " ".join(re.sub(POSITION, "", message).split())
     return f"{path}:{line}: {words}"

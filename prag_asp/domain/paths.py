@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 
+from prag_asp.domain.misspelling import most_similar
 from prag_asp.errors import DomainError
 
 PACKAGE = Path(__file__).resolve().parent.parent
@@ -37,6 +37,6 @@ def domain_folder(name_or_path: str | Path) -> Path:
         raise DomainError(f"{folder}: this folder has no domain.lp; `prag-asp new NAME` writes one")
     if folder.is_file():
         raise DomainError(f"{folder}: a file, not a folder; give the folder of the domain, {folder.parent}")
-    near = difflib.get_close_matches(str(name_or_path), shipped, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"shipped are {', '.join(shipped)}; or give a folder"
+    near = most_similar(str(name_or_path), shipped)
+    hint = f"did you mean {near}?" if near else f"shipped are {', '.join(shipped)}; or give a folder"
     raise DomainError(f"{name_or_path}: no such domain; {hint}")

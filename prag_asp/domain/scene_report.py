@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from prag_asp.domain.misspelling import most_similar
 
 MAX_LENGTH = 2.0
 SMALLEST = 0.003
@@ -42,8 +43,8 @@ def ancestors(name: str, classes: Mapping[str, Sequence[str]]) -> list[str]:
 def suggest(name: str, known: Iterable[str]) -> str:
     """Return a hint that names the nearest of `known`, or all of them."""
     options = sorted(known)
-    near = difflib.get_close_matches(name, options, n=1)
-    return f"did you mean {near[0]}?" if near else f"known are {', '.join(options) or 'none'}"
+    near = most_similar(name, options)
+    return f"did you mean {near}?" if near else f"known are {', '.join(options) or 'none'}"
 
 
 def is_number(value: object) -> bool:

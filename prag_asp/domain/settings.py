@@ -21,9 +21,10 @@ else:
 
 KEYS = ("title", "description", "weights", "language", "scene")
 MAX_EXPONENT = 1000
-HEADER = re.compile(r"\s*\[{1,2}(?P<name>[^\[\]]*)\]{1,2}\s*(?:#.*)?$")
-KEY = re.compile(r"""\s*(?P<name>(?:"[^"]*"|'[^']*'|[\w.\- ])+?)\s*=""")
-KEY_PART = re.compile(r""""([^"]*)"|'([^']*)'|([\w-]+)""")
+HEADER = r"\s*\[{1,2}(?P<name>[^\[\]]*)\]{1,2}\s*(?:#.*)?$"
+KEY = r"""\s*(?P<name>(?:"[^"]*"|'[^']*'|[\w.\- ])+?)\s*="""
+INNER_KEY = r"""(?<=[{,])\s*([\w.-]+|"[^"]*")\s*="""
+KEY_PART = r""""([^"]*)"|'([^']*)'|([\w-]+)"""
 
 
 @dataclass(frozen=True)
@@ -129,20 +130,20 @@ def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
         if until:
             until = "" if until in line else until
             continue
-        header = HEADER.match(line)
+        header = re.match(HEADER, line)
         if header:
             table = _parts(header["name"])
             yield number, table
             continue
-        key = KEY.match(line)
+        key = re.match(KEY, line)
         if key:
             name = (*table, *_parts(key["name"]))
             yield number, name
-            for inner in re.finditer(r"""(?<=[{,])\s*([\w.-]+|"[^"]*")\s*=""", line[key.end() :]):
+            for inner in re.finditer(INNER_KEY, line[key.end() :]):
                 yield number, (*name, *_parts(inner[1]))
         for quotes in ('"""', "'''"):
             until = quotes if line.count(quotes) % 2 else until
 
 
 def _parts(name: str) -> tuple[str, ...]:
-    return tuple(weight_key("".join(part)) for part in KEY_PART.findall(name))
+    return tuple(weight_key("".join(part)) for part in re.findall(KEY_PART, name))

@@ -68,11 +68,15 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
         DomainError: clingo cannot ground the program.
     """
     seeds = _seeds(facts, reads)
+    started = _start(program)
+    if _initial(started[0], reads) <= seeds:
+        ground = _ground_once(started, program, seeds, facts, reads)
+        if not _unforeseen(ground, seeds, reads):  # nothing but the state is carried along
+            return ground
     endless = _add_carried(seeds, program, reads)
     for _ in range(_most_steps(program, reads)):
-        ground = _ground_once(program, seeds, facts, reads)
-        made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
-        new = (made | ground.initial) - seeds
+        ground = _ground_once(_start(program), program, seeds, facts, reads)
+        new = _unforeseen(ground, seeds, reads)
         if not new or endless:
             break
         seeds |= new
@@ -85,6 +89,12 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
         f"{where}: {endless[0]}/{endless[1]} takes new values at every step without end; add a condition that ends it"
     )
     return replace(ground, obstacles=(*ground.obstacles, told))
+
+
+def _unforeseen(ground: GroundStep, seeds: set[clingo.Symbol], reads: StepReads) -> set[clingo.Symbol]:
+    """Return what the start or a step makes that the next step reads, but that was not left open before it."""
+    made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
+    return (made | ground.initial) - seeds
 
 
 def _most_steps(program: Program, reads: StepReads) -> int:
@@ -165,8 +175,10 @@ class _Recorder(clingo.Observer):
         self.obstacles.append("the program uses a theory")
 
 
-def _ground_once(program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads) -> GroundStep:
-    grounder, recorder = _start(program)
+def _ground_once(
+    started: tuple[Grounder, _Recorder], program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads
+) -> GroundStep:
+    grounder, recorder = started
     # What `not p(_,t)` reads is defined by rules that clingo makes as soon as the atoms p(X,t) are there.
     recorder.part = "step"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.

@@ -21,6 +21,12 @@ def growing_heads(rule: AST, timed: Collection[Signature]) -> Iterator[Signature
 
     What bounds a variable is a comparison other than !=, or an atom that takes its values from what does not change.
     """
+    made = [
+        (signature_of(atom), {name for argument in atom.arguments[:-1] for name in _made_of(argument)})
+        for atom in heads_of(rule.head)
+    ]
+    if not any(names for _, names in made):
+        return
     bounded: set[str] = set()
     for literal in rule.body:
         if literal.ast_type != ASTType.Literal or literal.sign != Sign.NoSign:
@@ -30,9 +36,7 @@ def growing_heads(rule: AST, timed: Collection[Signature]) -> Iterator[Signature
                 bounded.update(variables_in(literal.atom))
         elif any(signature_of(atom) in FINITE or signature_of(atom) not in timed for atom in atoms_in(literal.atom)):
             bounded.update(variables_in(literal.atom))
-    for atom in heads_of(rule.head):
-        if any(not bounded.issuperset(_made_of(argument)) for argument in atom.arguments[:-1]):
-            yield signature_of(atom)
+    yield from (head for head, names in made if not bounded.issuperset(names))
 
 
 def _made_of(term: AST) -> Iterator[str]:

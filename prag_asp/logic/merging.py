@@ -112,6 +112,10 @@ class Merging:
             found.append(self._alike(bits, keys, np.broadcast_to(np.arange(self.size), keys.shape))[0])
         return np.concatenate(found)
 
+    def classes(self, twins: NDArray[np.bool_]) -> Twins:
+        """Return the classes of twins in some states, where `twins` says which entities are those of the one before."""
+        return Twins.between(self.actions, twins)
+
     def free(self, states: Rows) -> NDArray[np.bool_]:
         """Return which entities may be renamed in which states, shape (states, entities)."""
         free = np.ones((len(states), self.size), dtype=np.bool_)

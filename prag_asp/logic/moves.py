@@ -98,7 +98,7 @@ def _left_of_rules(
                 constants[atom] = True
             elif atom not in inside and all(body is False for body in left):
                 constants[atom] = False
-            bodies[atom] = tuple(body for body in left if isinstance(body, Body))
+            bodies[atom] = tuple([body for body in left if isinstance(body, Body)])
         open_atoms = tuple(atom for atom in stratum.atoms if atom not in constants)
         if open_atoms:
             strata.append(Stratum(open_atoms, stratum.recursive))

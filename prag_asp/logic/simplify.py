@@ -15,12 +15,15 @@ def simplified(body: Body, constants: Constants) -> Body | bool:
     """Return a body without its literals of known truth, or its truth where that decides it."""
     if body.weights:
         return _simplified_sum(body, constants)
-    unknown = [literal for literal in body.literals if abs(literal) not in constants]
+    unknown = []
+    for literal in body.literals:
+        known = constants.get(abs(literal))
+        if known is None:
+            unknown.append(literal)
+        elif known == (literal < 0):
+            return False
     if len(unknown) == len(body.literals):
         return body if unknown else True
-    for literal in body.literals:
-        if constants.get(abs(literal)) == (literal < 0):
-            return False
     return Body(tuple(unknown)) if unknown else True
 
 

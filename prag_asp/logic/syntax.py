@@ -23,16 +23,23 @@ def children_of(node: AST) -> Iterator[AST]:
 
 
 def atoms_in(node: AST) -> Iterator[AST]:
-    """Yield the functions that stand as atoms."""
+    """Yield the functions that stand as atoms, each one of a pool."""
     if node.ast_type == ASTType.SymbolicAtom:
-        symbol = node.symbol
-        while symbol.ast_type == ASTType.UnaryOperation:
-            symbol = symbol.argument
-        if symbol.ast_type == ASTType.Function:
-            yield symbol
+        yield from _functions(node.symbol)
     else:
         for child in children_of(node):
             yield from atoms_in(child)
+
+
+def _functions(symbol: AST) -> Iterator[AST]:
+    kind = symbol.ast_type
+    if kind == ASTType.Pool:
+        for each in symbol.arguments:
+            yield from _functions(each)
+    elif kind == ASTType.UnaryOperation:
+        yield from _functions(symbol.argument)
+    elif kind == ASTType.Function:
+        yield symbol
 
 
 def heads_of(head: AST) -> Iterator[AST]:
@@ -57,8 +64,3 @@ def variables_in(node: AST) -> Iterator[str]:
 def signature_of(atom: AST) -> Signature:
     """Return the name and the number of arguments of an atom."""
     return atom.name, len(atom.arguments)
-
-
-def time_of(atom: AST) -> str:
-    """Return the last argument of an atom as text."""
-    return str(atom.arguments[-1]) if len(atom.arguments) else ""

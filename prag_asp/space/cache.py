@@ -16,7 +16,6 @@ from hashlib import blake2b
 from itertools import accumulate
 from math import prod
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 from typing import Any
 
 import numpy as np
@@ -37,17 +36,6 @@ class Entry:
 
     texts: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]]
-
-
-def cache_folder() -> Path | None:
-    """Return the folder of the cache: ``PRAG_ASP_CACHE``, or one in the user's; None where that variable is empty."""
-    own = os.environ.get("PRAG_ASP_CACHE")
-    if own is not None:
-        return Path(own) if own else None
-    try:
-        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "prag_asp"
-    except RuntimeError:  # there is no home
-        return None
 
 
 def read_entry(folder: Path, key: str) -> Entry | None:
@@ -83,6 +71,8 @@ def _parsed(content: bytes, key: str) -> Entry | None:
 
 def write_entry(folder: Path, key: str, entry: Entry) -> bool:
     """Keep something under a key, in one stroke; return whether that was possible."""
+    from tempfile import NamedTemporaryFile  # noqa: PLC0415 - little is written
+
     table = [[name, str(array.dtype), list(array.shape)] for name, array in entry.arrays.items()]
     header = json.dumps({"key": key, "texts": entry.texts, "arrays": table})
     parts = [

@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.merging import Merging, Orders
 from prag_asp.logic.packed import Rows
 from prag_asp.logic.transition import Successors, Transition
-from prag_asp.logic.twins import Twins
 from prag_asp.space.automaton import Automaton
 from prag_asp.space.numbering import Numbering
+
+if TYPE_CHECKING:
+    from prag_asp.logic.merging import Merging, Orders
+    from prag_asp.logic.twins import Twins
 
 MOST, FEWEST = 16_384, 64
 """States that are expanded together: enough to make NumPy's overhead small, few enough for the memory at hand."""
@@ -120,7 +123,7 @@ class _Search:
         twins = None
         if self._merging:
             self._twins.append(self._merging.twins(rows))
-            twins = Twins.between(self._merging.actions, self._twins[-1])
+            twins = self._merging.classes(self._twins[-1])
         if not expanding:
             self._degrees.append(np.zeros(len(rows), dtype=np.int64))
             return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import resource
 import sys
@@ -14,7 +15,7 @@ from prag_asp.errors import LimitReached, QueryError
 UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
 DURATIONS = {"": 1, "s": 1, "m": 60, "min": 60, "h": 3600}
-QUANTITY = re.compile(r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)")
+QUANTITY = r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)"
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,17 @@ def stopped_at(limit: str, found: int, level: str, length: int) -> LimitReached:
     )
 
 
+def cache_folder() -> Path | None:
+    """Return the folder of the cache: ``PRAG_ASP_CACHE``, or one in the user's; None where that variable is empty."""
+    own = os.environ.get("PRAG_ASP_CACHE")
+    if own is not None:
+        return Path(own) if own else None
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "prag_asp"
+    except RuntimeError:  # there is no home
+        return None
+
+
 def memory_in_use() -> int:
     """Return the memory of this process in bytes: what is resident now, or the most that ever was."""
     try:
@@ -99,6 +111,6 @@ def parse_time(text: str) -> float:
 
 
 def _quantity(text: str) -> tuple[float | None, str]:
-    found = QUANTITY.fullmatch(text.strip().lower())
+    found = re.fullmatch(QUANTITY, text.strip().lower())
     number = float(found["number"]) if found else 0.0
     return (number, found["unit"]) if found and number else (None, "")

@@ -12,19 +12,19 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.merging import Merging, find_merging
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name, mentioned_entities
 from prag_asp.logic.transition import Transition
 from prag_asp.space.automaton import Automaton, Completions
 from prag_asp.space.explore import Explored, Extent, Watch, explore
 from prag_asp.space.limits import Budget
-from prag_asp.space.merged import Merged
 from prag_asp.space.skeletons import skeleton_automaton
 from prag_asp.space.weights import Weights, weigh, weighing_facts
 
 if TYPE_CHECKING:
+    from prag_asp.logic.merging import Merging
     from prag_asp.space.engines.protocol import Level
+    from prag_asp.space.merged import Merged
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
 """Edges of a space beyond which its states are merged, where these take few words, and have so many renamings."""
@@ -128,6 +128,8 @@ class Explorer:
         return explored, None
 
     def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
+        from prag_asp.logic.merging import find_merging
+
         groups = self.model.groups(0)
         return find_merging(transition, equal_groups(groups, weights), groups if self.level == "task" else ())
 
@@ -147,6 +149,8 @@ def _known(transition: Transition, explored: Explored, merging: Merging | None, 
     letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
     if merging is None or explored.renamings is None:
         return Reach(letters, names, Completions(automaton), None, explored.stopped)
+    from prag_asp.space.merged import Merged
+
     base = explored.automaton
     merged = Merged(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
     return Reach.of_merged(letters, names, merged, explored.stopped)

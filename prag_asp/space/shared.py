@@ -5,21 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
-from prag_asp.space.drawing.bits import SeededBits
-from prag_asp.space.drawing.drawers import Drawer, Over
-from prag_asp.space.drawing.draws import log_probability, make_drawer
 from prag_asp.space.engines import Engine, Level, select
 from prag_asp.space.engines.protocol import Letters, Progress
 from prag_asp.space.limits import Limits
-from prag_asp.space.narrate import Narrator
-from prag_asp.space.ranks import distinct_ranks
-from prag_asp.space.readings import Hierarchy, hierarchy_of
-from prag_asp.space.task import Task
-from prag_asp.space.weights import Weights
+
+if TYPE_CHECKING:
+    from prag_asp.space.drawing.drawers import Drawer, Over
+    from prag_asp.space.narrate import Narrator
+    from prag_asp.space.readings import Hierarchy
+    from prag_asp.space.task import Task
+    from prag_asp.space.weights import Weights
 
 
 @dataclass
@@ -49,6 +48,8 @@ class Shared:
 
     def drawer_for(self, by: Level, length: int, weights: Weights, over: Over | None) -> Drawer:
         """Return the way to draw words, and keep the last one made."""
+        from prag_asp.space.drawing.draws import make_drawer
+
         key = (by, length, weights, over)
         if self._drawer is None or self._drawer[0] != key:
             made = make_drawer(self.engine_for(by), self.model.domain.facts, by, length, weights, over)
@@ -61,6 +62,10 @@ class Shared:
         Raises:
             QueryError: there are fewer.
         """
+        from prag_asp.space.drawing.bits import SeededBits
+        from prag_asp.space.drawing.draws import log_probability
+        from prag_asp.space.ranks import distinct_ranks
+
         total = self.count(by, length)
         if count > total:
             raise QueryError(f"cannot draw {count} distinct {by}s: there are {total}")
@@ -72,9 +77,13 @@ class Shared:
     @cached_property
     def hierarchy(self) -> Hierarchy:
         """The composites of the domain."""
+        from prag_asp.space.readings import hierarchy_of
+
         return hierarchy_of(self.model.domain.facts)
 
     @cached_property
     def narrator(self) -> Narrator:
         """Tells tasks from plans."""
+        from prag_asp.space.narrate import Narrator
+
         return Narrator(self.model)

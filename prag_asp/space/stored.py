@@ -17,13 +17,10 @@ import prag_asp
 from prag_asp.domain.load import Domain
 from prag_asp.logic.patterns import read_patterns
 from prag_asp.space.automaton import Automaton, Completions
-from prag_asp.space.cache import Entry, cache_folder, read_entry, write_entry
+from prag_asp.space.cache import Entry, read_entry, write_entry
 from prag_asp.space.explore import Renamings
 from prag_asp.space.merged import Merged
 from prag_asp.space.reach import Reach
-
-WORTH_KEEPING = 0.2
-"""Seconds of work from which it is kept."""
 
 RENAMINGS = {"multiplicities": ("i", 1), "order_of": ("i", 1), "orders": ("i", 2), "twins": ("b", 2)}
 ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accepting": ("b", 1), **RENAMINGS}
@@ -64,14 +61,11 @@ class Shelf:
         return write_entry(self.folder, self.key, Entry(texts, arrays))
 
 
-def shelf_for(domain: Domain, level: str, merge: bool | None) -> Shelf | None:
-    """Return the place for a level of a domain, or None where no cache is wanted.
+def shelf_for(folder: Path, domain: Domain, level: str, merge: bool | None) -> Shelf | None:
+    """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
     The key covers all that the arrays depend on: the program, the rules of tasks, and the code that explores.
     """
-    folder = cache_folder()
-    if folder is None:
-        return None
     names = domain.encodings / "rules" / "canonical_names.lp"
     try:
         told = [domain.program.text, names.read_text(encoding="utf-8") if level == "task" else "", _code()]

@@ -1,4 +1,7 @@
-"""The task space of a domain at one length: the one face that users see."""
+"""The task space of a domain at one length: the one face that users see.
+
+What only some questions need is imported where they are asked, so that a count starts at once.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from itertools import islice
-from typing import overload
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, overload
 
 from prag_asp.domain.atom import Atom, parse_atom
 from prag_asp.domain.load import Domain
@@ -17,23 +17,24 @@ from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
-from prag_asp.space.conditions import Condition, Part, conditioned
-from prag_asp.space.drawing.bits import SeededBits
-from prag_asp.space.drawing.drawers import Over
-from prag_asp.space.drawing.draws import drawn_words, log_probability
+from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.prefix import parse_prefix
-from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
-from prag_asp.space.readings import Readings
 from prag_asp.space.shared import Shared
-from prag_asp.space.shuffle import Shuffle
-from prag_asp.space.split import classes_for, divided, held_out, parse_shares
-from prag_asp.space.statistics import Statistics, statistics_of
 from prag_asp.space.task import Task
-from prag_asp.space.temperature import Temperature, tempered
 from prag_asp.space.weights import Number, Weights, parse_weights
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from prag_asp.space.drawing.drawers import Over
+    from prag_asp.space.ranked import RankedTasks
+    from prag_asp.space.readings import Readings
+    from prag_asp.space.statistics import Statistics
+    from prag_asp.space.temperature import Temperature
 
 Prefix = Sequence[str | Atom]
 """What a word begins with: for each of the first steps an action or the name of one."""
@@ -82,6 +83,8 @@ class TaskSpace:
         for condition in conditions:
             space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
         if space.condition != self.condition:
+            from prag_asp.space.conditions.conditioned import conditioned
+
             domain = conditioned(self.domain, space.condition)
             shared = self._shared
             space._shared = Shared(Model(domain), shared.engine, shared.progress, shared.limits)
@@ -135,6 +138,8 @@ class TaskSpace:
         return self._ranked()[rank]
 
     def _ranked(self) -> RankedTasks:
+        from prag_asp.space.ranked import Interval, RankedTasks
+
         return RankedTasks(Interval(range(self.count())), self._told, self.index)
 
     def _told(self, ranks: Iterable[int]) -> Iterator[Task]:
@@ -148,6 +153,10 @@ class TaskSpace:
         Raises:
             QueryError: the shares do not add up to 1.
         """
+        from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
+        from prag_asp.space.shuffle import Shuffle
+        from prag_asp.space.split import divided, parse_shares
+
         order = Shuffle(self.count(), seed)
         parts = divided(order.size, parse_shares(shares))
         return {
@@ -161,6 +170,9 @@ class TaskSpace:
         Raises:
             QueryError: the shares do not add up to 1.
         """
+        from prag_asp.space.conditions.clauses import Part
+        from prag_asp.space.split import classes_for, divided, parse_shares
+
         found = parse_shares(shares)
         classes = classes_for(found)
         parts = divided(classes, found)
@@ -176,6 +188,8 @@ class TaskSpace:
         Raises:
             QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
         """
+        from prag_asp.space.split import held_out
+
         without, having = held_out(what, self.domain.facts, self._shared.model.groups(self.length))
         return self.where(without), self.where(having)
 
@@ -195,6 +209,8 @@ class TaskSpace:
 
     def readings(self, task: Task) -> Readings:
         """Return the ways to read a task's plan as whole composites and free actions; its validity is not checked."""
+        from prag_asp.space.readings import Readings
+
         return Readings(task.actions, self._shared.hierarchy)
 
     def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
@@ -240,6 +256,8 @@ class TaskSpace:
         over: Over | None = None,
     ) -> Iterator[Task]:
         """Yield tasks drawn as by `sample`, without end."""
+        from prag_asp.space.drawing.draws import log_probability
+
         draws = self.draw_words(seed=seed, weights=weights, by=_drawn(by), temperature=temperature, over=over)
         return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
 
@@ -256,6 +274,9 @@ class TaskSpace:
 
         Skeletons are drawn uniformly alone.
         """
+        from prag_asp.space.drawing.bits import SeededBits
+        from prag_asp.space.drawing.draws import drawn_words
+
         drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
         return drawn_words(drawer, self._engine(by), SeededBits(seed))
 
@@ -274,6 +295,8 @@ class TaskSpace:
 
         It holds places in `letters`. Draws are independent of each other, so portions may be made apart.
         """
+        from prag_asp.space.drawing.bits import SeededBits
+
         drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
         return drawer.draw(SeededBits(seed), first, _drawable(count), tell=False).letters
 
@@ -294,9 +317,13 @@ class TaskSpace:
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
+        from prag_asp.space.statistics import statistics_of
+
         return statistics_of(self._engine(by), self.domain.facts, by, self.length, self._tempered(weights, temperature))
 
     def _tempered(self, weights: Mapping[str, Number] | None, temperature: Temperature) -> Weights:
+        from prag_asp.space.temperature import tempered
+
         return tempered(self.weights(weights), temperature)
 
     def weights(self, weights: Mapping[str, Number] | None = None) -> Weights:

@@ -12,9 +12,9 @@ import pytest
 from prag_asp import TaskSpace, load_domain
 from prag_asp.logic.model import Model
 from prag_asp.space import cache, stored
-from prag_asp.space.cache import Entry, cache_folder, read_entry, write_entry
+from prag_asp.space.cache import Entry, read_entry, write_entry
 from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.limits import Limits
+from prag_asp.space.limits import Limits, cache_folder
 
 KEY = "0123"
 ENTRY = Entry(
@@ -164,7 +164,7 @@ def test_arrays_that_do_not_make_an_automaton_are_not_believed(folder: Path) -> 
     key = files(folder)[0].stem
     entry = read_entry(folder, key)
     assert entry is not None
-    shelf = stored.shelf_for(domain, "plan", None)
+    shelf = stored.shelf_for(folder, domain, "plan", None)
     assert shelf is not None and shelf.key == key and shelf.read() is not None
     for name, array in entry.arrays.items():
         for wrong in (array[:-1], array.astype(np.int64) + 10**6, array.reshape(1, -1)):

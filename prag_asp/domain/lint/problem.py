@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
+from prag_asp.domain.misspelling import most_similar
 from prag_asp.errors import DomainError
 
 Signature = tuple[str, int]
@@ -37,8 +37,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that `name` is most likely a misspelling of."""
-    near = difflib.get_close_matches(name, sorted(set(known) - {name}), n=1, cutoff=0.7)
-    return near[0] if near else None
+    return most_similar(name, set(known) - {name}, cutoff=0.7)
 
 
 def suggestion(name: str, known: Iterable[str], otherwise: str) -> str:

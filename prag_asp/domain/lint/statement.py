@@ -84,22 +84,23 @@ class Statement:
 
     @cached_property
     def _head(self) -> tuple[list[Atom], list[Atom]]:
-        if not self.is_rule:
-            return [], []
-        head = self.node.head
-        text = str(head)
-        plain = plain_atom(head, text)
-        if plain:
-            return [plain], []
-        derived, conditions = _split_head(head)
-        return (
-            [atom for node in derived for atom in atoms(node, str(node))],
-            [atom for node in conditions for atom in atoms(node, str(node))],
-        )
+        return head_atoms(self.node.head) if self.is_rule else ([], [])
 
     def problem(self, text: str, line: int | None = None) -> Problem:
         """Return a problem of this statement."""
         return Problem(self.path, self.line if line is None else line, text)
+
+
+def head_atoms(head: AST) -> tuple[list[Atom], list[Atom]]:
+    """Return the atoms that the head of a rule derives, and those of the conditions that it derives them under."""
+    plain = plain_atom(head, str(head))
+    if plain:
+        return [plain], []
+    derived, conditions = _split_head(head)
+    return (
+        [atom for node in derived for atom in atoms(node, str(node))],
+        [atom for node in conditions for atom in atoms(node, str(node))],
+    )
 
 
 def _split_head(head: AST) -> tuple[list[AST], list[AST]]:

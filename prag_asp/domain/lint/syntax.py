@@ -12,9 +12,9 @@ from prag_asp.domain.lint.statement import Statement
 from prag_asp.domain.sources import Source
 from prag_asp.domain.tokens import blanked, open_comment
 
-MESSAGE = re.compile(r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>.*)", re.S)
-TOKEN = re.compile(r"#?[\w']+|:-|\S")
-EXPECTED = re.compile(r"expecting (.*)")
+MESSAGE = r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>(?s:.*))"
+TOKEN = r"#?[\w']+|:-|\S"
+EXPECTED = r"expecting (.*)"
 STAND_IN = "$"
 """A character that clingo reads in strings and comments only."""
 
@@ -74,7 +74,7 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
 
 
 def _syntax_problem(source: Source, messages: list[str]) -> Problem:
-    said = MESSAGE.match(messages[0]) if messages else None
+    said = re.match(MESSAGE, messages[0]) if messages else None
     if not said:
         return Problem(
             source.path,
@@ -86,14 +86,14 @@ def _syntax_problem(source: Source, messages: list[str]) -> Problem:
         return _unfinished(source)
     column = int(said["column"])
     code = source.text.split("\n")[line - 1]
-    found = TOKEN.match(code.encode()[column - 1 :].decode(errors="replace"))
+    found = re.match(TOKEN, code.encode()[column - 1 :].decode(errors="replace"))
     problem = f"unexpected {found[0] if found else 'end of line'} at column {column}"
     if "lexer error" in words:
         todo = "close the string on the line it begins on" if found and found[0] == '"' else "remove it"
     elif not code.encode()[: column - 1].strip():
         todo = "end the statement before it with a period"
     else:
-        expected = EXPECTED.search(words)
+        expected = re.search(EXPECTED, words)
         todo = f"clingo expects {expected[1]} here" if expected else "mend the statement before it"
     return Problem(source.path, line, f"{problem}; {todo}")
 

@@ -68,24 +68,22 @@ def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     entities = set(map(str, facts.entities))
     known = Counter([*actions, *entities, *facts.parents, *(str(each) for each in facts.actions if each.arguments)])
     for key in settings.weights:
-        line = settings.line_of("weights", key)
         parts = key.split(">")
         for part in parts:
             if len(parts) > 1 and part not in actions:
                 hint = suggestion(part, actions, f"actions are {', '.join(sorted(actions))}")
-                yield Problem(settings.path, line, f"weight of {key}: there is no action {part or '(empty)'}; {hint}")
+                text = f"weight of {key}: there is no action {part or '(empty)'}; {hint}"
+                yield _problem(settings, "weights", key, text)
             elif part not in known:
                 hint = suggestion(part, known, "give the name of an action, a class or an entity")
-                yield Problem(
-                    settings.path, line, f"weight of {part}: no action, class or entity has that name; {hint}"
-                )
+                text = f"weight of {part}: no action, class or entity has that name; {hint}"
+                yield _problem(settings, "weights", key, text)
             elif len(parts) == 1 and known[part] > 1:
                 text = f"weight of {part}: more than one of action, class and entity has that name"
-                yield Problem(settings.path, line, f"{text}; rename one in domain.lp")
+                yield _problem(settings, "weights", key, f"{text}; rename one in domain.lp")
         if len(parts) > 2:
-            yield Problem(
-                settings.path, line, f"weight of {key}: more than two actions; write pairs such as grasp>move"
-            )
+            text = f"weight of {key}: more than two actions; write pairs such as grasp>move"
+            yield _problem(settings, "weights", key, text)
 
 
 def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
@@ -93,13 +91,18 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     for term in (*facts.fluents, *facts.actions):
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
     for name, sentence in settings.language.items():
-        line = settings.line_of("language", name)
         if name not in arities:
             hint = suggestion(name, arities, "give the name of an action or a fluent")
-            yield Problem(settings.path, line, f"sentence of {name}: no action or fluent has that name; {hint}")
+            text = f"sentence of {name}: no action or fluent has that name; {hint}"
+            yield _problem(settings, "language", name, text)
         elif not _is_template(sentence, arities[name]):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
-            yield Problem(settings.path, line, f"sentence of {name} has braces that name no argument; use {places}")
+            text = f"sentence of {name} has braces that name no argument; use {places}"
+            yield _problem(settings, "language", name, text)
+
+
+def _problem(settings: Settings, table: str, key: str, text: str) -> Problem:
+    return Problem(settings.path, settings.line_of(table, key), text)
 
 
 def _is_template(sentence: str, arity: int) -> bool:

@@ -5,24 +5,29 @@ from __future__ import annotations
 from prag_asp.errors import EngineError, QueryError
 from prag_asp.logic.model import Model
 from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.engines.clingo import ClingoEngine
 from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEngine, Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 
 
+def _clingo(model: Model, level: Level, progress: Progress | None, limits: Limits) -> Engine:
+    from prag_asp.space.engines.clingo import ClingoEngine
+
+    return ClingoEngine(model, level, progress, limits)
+
+
 def _sat(model: Model, level: Level, progress: Progress | None, limits: Limits) -> Engine:
-    from prag_asp.space.engines.sat import SatEngine  # noqa: PLC0415 - the command starts faster without
+    from prag_asp.space.engines.sat import SatEngine
 
     return SatEngine(model, level, progress, limits)
 
 
 def _sharp(model: Model, level: Level, progress: Progress | None, limits: Limits) -> Engine:
-    from prag_asp.space.engines.sharp import SharpEngine  # noqa: PLC0415 - the command starts faster without
+    from prag_asp.space.engines.sharp import SharpEngine
 
     return SharpEngine(model, level, progress, limits)
 
 
-ENGINES: dict[str, MakeEngine] = {"automaton": AutomatonEngine, "clingo": ClingoEngine, "sat": _sat, "sharp": _sharp}
+ENGINES: dict[str, MakeEngine] = {"automaton": AutomatonEngine, "clingo": _clingo, "sat": _sat, "sharp": _sharp}
 AUTO = "auto"
 
 
@@ -41,7 +46,7 @@ def select(
         except EngineError as error:
             if progress:
                 progress(f"engine clingo, because {error}")
-            return ClingoEngine(model, level, progress, limits)
+            return _clingo(model, level, progress, limits)
     if name not in ENGINES:
         raise QueryError(f"no engine {name!r}; there are {', '.join((AUTO, *ENGINES))}")
     return ENGINES[name](model, level, progress, limits)

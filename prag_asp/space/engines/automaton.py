@@ -5,21 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from time import monotonic
+from typing import TYPE_CHECKING
 
 from prag_asp.errors import LimitReached
-from prag_asp.logic.hindsight import Hindsight
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.logic.transition import Transition
 from prag_asp.space.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.bounded import count_within
 from prag_asp.space.engines.protocol import Letters, Level, Progress
-from prag_asp.space.goals import numbered_goals
-from prag_asp.space.limits import UNLIMITED, Budget, Limits
-from prag_asp.space.merged import MergedRanking, accepts_merged, count_merged, merged_words
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, cache_folder
 from prag_asp.space.reach import Explorer, Reach
-from prag_asp.space.stored import WORTH_KEEPING, shelf_for
 from prag_asp.space.weights import Weighed, Weights, refuse_weights
+
+if TYPE_CHECKING:
+    from prag_asp.space.merged import MergedRanking
+    from prag_asp.space.stored import Shelf
+
+WORTH_KEEPING = 0.2
+"""Seconds of exploring from which what was found is kept for the next run."""
 
 
 class AutomatonEngine:
@@ -46,7 +50,7 @@ class AutomatonEngine:
         self._limits = limits
         self._explorer = Explorer(model, level, progress, merge)
         self._plain = Explorer(model, level, progress, merge=False)
-        self._shelf = shelf_for(model.domain, level, merge) if limits.cached else None
+        self._shelf = _shelf_for(model, level, merge) if limits.cached else None
         self._reached: Reach | None = self._shelf.read() if self._shelf else None
         self._ranked: tuple[int, Ranking | MergedRanking] | None = None
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
@@ -101,6 +105,8 @@ class AutomatonEngine:
         reach = self.explored(length)
         sets = self._sets(prefix)
         if reach.merged:
+            from prag_asp.space.merged import merged_words
+
             found = merged_words(reach.merged, reach.completions, length, sets)
         else:
             found = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
@@ -114,6 +120,8 @@ class AutomatonEngine:
         reach = self.explored(len(word))
         numbers = [self._numbers[letter] for letter in word]
         if reach.merged:
+            from prag_asp.space.merged import accepts_merged
+
             return accepts_merged(reach.merged, numbers)
         return accepts(reach.completions.automaton, numbers)
 
@@ -149,6 +157,8 @@ class AutomatonEngine:
     def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
         sets = self._sets(prefix)
         if reach.merged:
+            from prag_asp.space.merged import count_merged
+
             return count_merged(reach.merged, reach.completions, length, sets)
         return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
 
@@ -184,6 +194,9 @@ class AutomatonEngine:
         return self._ranked[1]
 
     def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
+        from prag_asp.logic.hindsight import Hindsight
+        from prag_asp.space.goals import numbered_goals
+
         hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
         read = hindsight.last_read if hindsight else ()
         explorer = self._plain if plain or goals else self._explorer
@@ -198,8 +211,22 @@ class AutomatonEngine:
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 
 
+def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
+    """Return the place in the cache for a level of a domain, or None where there is no cache."""
+    folder = cache_folder()
+    if folder is None:
+        return None
+    from prag_asp.space.stored import shelf_for
+
+    return shelf_for(folder, model.domain, level, merge)
+
+
 def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
-    return MergedRanking(reach.merged, reach.completions, length) if reach.merged else None
+    if not reach.merged:
+        return None
+    from prag_asp.space.merged import MergedRanking
+
+    return MergedRanking(reach.merged, reach.completions, length)
 
 
 def limit_reached(reach: Reach, limit: str, found: int, level: Level, length: int) -> LimitReached:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from prag_asp.logic.model import Model
 from prag_asp.logic.program import action_name
 from prag_asp.space.limits import Limits
-from prag_asp.space.weights import Weighed, Weights
+
+if TYPE_CHECKING:
+    from prag_asp.space.weights import Weighed, Weights
 
 Level = Literal["plan", "task", "skeleton"]
 LEVELS: tuple[Level, ...] = ("plan", "task", "skeleton")

@@ -1,0 +1,13 @@
+"""The known name that an unknown one is most likely a misspelling of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def most_similar(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+    """Return the most similar of the names `known`, None where none is as similar as `cutoff`, from 0 to 1."""
+    import difflib  # noqa: PLC0415 - most names are right, and the command starts faster without
+
+    near = difflib.get_close_matches(name, sorted(known), n=1, cutoff=cutoff)
+    return near[0] if near else None

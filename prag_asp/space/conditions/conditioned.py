@@ -1,0 +1,49 @@
+"""A domain under a condition: the encodings that test its clauses, and the facts that they are asked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import clingo
+
+from prag_asp.domain.facts import Facts
+from prag_asp.domain.load import Domain
+from prag_asp.domain.sources import Program, Source, read_sources
+from prag_asp.logic.program import ADDED
+from prag_asp.space.conditions.clauses import Clause, Ends
+from prag_asp.space.conditions.condition import Condition
+
+
+def conditioned(domain: Domain, condition: Condition) -> Domain:
+    """Return a domain whose plans are those of `domain` that satisfy a condition.
+
+    The condition becomes part of the program, so every engine answers for it as for any rule, and entities that it
+    tells apart are no longer interchangeable.
+
+    Raises:
+        QueryError: the condition speaks of something that the domain does not have.
+    """
+    facts, files, asked = domain.facts, [], []
+    for number, clause in enumerate(condition.clauses):
+        goal = _goal(clause, facts)
+        if goal is not None:
+            facts = replace(facts, goal=tuple(dict.fromkeys((*facts.goal, *goal))))
+            asked += [f"goal({fluent},{value})." for fluent, value in goal]
+            continue
+        files.append(clause.file)
+        asked += [f"asked({term})." for term in clause.asked(number, domain.facts)]
+    folder = domain.encodings / "conditions"
+    read = (source for file in dict.fromkeys(files) for source in read_sources(folder / f"{file}.lp", domain.encodings))
+    sources = {source.path.resolve(): source for source in (*domain.program.sources, *read)}
+    added = [Source(ADDED, " ".join(dict.fromkeys(asked)))] if asked else []
+    return replace(domain, program=Program((*sources.values(), *added)), facts=facts)
+
+
+def _goal(clause: Clause, facts: Facts) -> list[tuple[clingo.Symbol, str]] | None:
+    """Return a clause as a goal, where it asks for one conjunction of fluents at the end."""
+    if not isinstance(clause, Ends):
+        return None
+    found = clause.conjunctions(facts)
+    if len(found) != 1:
+        return None
+    return [(clingo.parse_term(fluent), "true" if value else "false") for fluent, value in found[0].items()]
