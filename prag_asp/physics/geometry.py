@@ -97,17 +97,20 @@ def raised(pose: Pose, height: float) -> Pose:
     return Pose((x, y, z + height), pose.quaternion)
 
 
+def rows(pose: Pose) -> list[list[float]]:
+    """Return the rows of a pose as a homogeneous matrix."""
+    (px, py, pz), (x, y, z, w) = pose
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), px],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), py],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), pz],
+        [0.0, 0.0, 0.0, 1.0],
+    ]
+
+
 def matrix(pose: Pose) -> NDArray[np.float64]:
     """Return a pose as a homogeneous matrix, shape (4, 4)."""
-    (px, py, pz), (x, y, z, w) = pose
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), px],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), py],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), pz],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
-    )
+    return np.array(rows(pose))
 
 
 def finite(pose: Pose) -> bool:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from operator import mul
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose, Quaternion, compose, invert, matrix, yaw_quaternion
+from prag_asp.physics.geometry import Pose, Quaternion, compose, invert, matrix, rows, yaw_quaternion
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.model import ORIGIN
 
@@ -36,8 +36,8 @@ def tool_matrix(robot: Robot, joints: Joints) -> Rows:
 @lru_cache(maxsize=1 << 8)
 def tool_pose(robot: Robot, joints: Joints) -> Pose:
     """Return the pose of a robot's tool."""
-    rows = tool_matrix(robot, joints)
-    pose = Pose((rows[0][3], rows[1][3], rows[2][3]), _quaternion(rows))
+    at = tool_matrix(robot, joints)
+    pose = Pose((at[0][3], at[1][3], at[2][3]), _quaternion(at))
     return pose if robot.base is ORIGIN else compose(robot.base, pose)
 
 
@@ -48,9 +48,7 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
     and forward kinematics puts it within 0.01 mm of the target. Nothing is yielded where nothing is found.
     """
     tool = _from_base(robot, tool)
-    target = matrix(tool)
-    flange = matrix(compose(tool, _from_tool(robot)))
-    goal = target.tolist()
+    goal, flange = rows(tool), matrix(compose(tool, _from_tool(robot)))
     start = _facing(robot, tool) if near is None else near
     weights = robot.solver.weights if near is None else EVEN
     found: list[Joints] = []
@@ -117,9 +115,9 @@ def _ranked(
     return [joints for _, joints in sorted(found)]
 
 
-def _error(rows: Rows, goal: list[list[float]]) -> float:
+def _error(found: Rows, goal: list[list[float]]) -> float:
     """Return the largest distance of two rows of homogeneous matrices."""
-    return max(map(math.dist, rows[:3], goal))
+    return max(map(math.dist, found[:3], goal))
 
 
 def _facing(robot: Robot, tool: Pose) -> Joints:
@@ -133,6 +131,7 @@ def _from_base(robot: Robot, tool: Pose) -> Pose:
     return tool if robot.base is ORIGIN else compose(invert(robot.base), tool)
 
 
+@cache
 def _from_tool(robot: Robot) -> Pose:
     """Return the pose of the flange in the frame of the tool."""
     return Pose((0.0, 0.0, -robot.tool_offset), yaw_quaternion(-robot.tool_turn))
