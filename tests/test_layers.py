@@ -47,13 +47,23 @@ def test_physics_knows_of_task_spaces_only_the_task() -> None:
 def loaded_by(*arguments: str) -> set[str]:
     code = "import sys; from prag_asp.cli import cli; cli.main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
     run = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
-    return {name.partition(".")[0] for name in run.stderr.split()}
+    return set(run.stderr.split())
 
 
 def test_counting_loads_neither_the_simulator_nor_data_packages() -> None:
     loaded = loaded_by("count", "prag", "--length", "3")
     assert "clingo" in loaded
     assert not loaded & {"pybullet", "frankik", "pyarrow", "rich", "PIL", "multiprocessing", "pysat", "pyganak"}
+
+
+def test_counting_loads_only_those_of_our_own_modules_that_count() -> None:
+    loaded = loaded_by("count", "prag", "--length", "3", "--by", "skeleton", "--no-cache")
+    space = {name.removeprefix("prag_asp.space.") for name in loaded if name.startswith("prag_asp.space.")}
+    assert {"task_space", "engines.automaton"} <= space
+    assert not {name.partition(".")[0] for name in space} & {
+        "drawing", "merged", "narrate", "ranked", "readings", "shuffle", "split", "statistics", "stored", "temperature",
+    }  # fmt: skip
+    assert not loaded & {"prag_asp.space.conditions.clauses", "prag_asp.logic.merging"}
 
 
 def test_asking_for_help_loads_no_solver() -> None:

@@ -45,6 +45,8 @@ def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[Literal, L
     With `given`, the first of them is one of its reasons.
     """
     against = reasons if given is None else given
+    if not against:
+        return None
     for (fluent, value), start in reasons.items():
         other = against.get((fluent, not value))
         if other is not None:

@@ -36,23 +36,22 @@ TIMED = frozenset([("occurs", 2), ("holds", 3)])
 
 def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the statements that a domain may not hold and the program parts that nothing would ground."""
-    reserved = names(
-        argument
-        for each in statements
-        if not each.own
-        for atom in (*each.heads, *each.body)
-        for argument in atom.arguments
-    )
     for statement in statements:
         if statement.own:
             yield from _refused(statement)
             if statement.kind == ASTType.Program:
                 yield from _part_problems(statement)
-            if statement.kind == ASTType.Definition and statement.node.name in reserved:
+            if statement.kind == ASTType.Definition and statement.node.name in _reserved(statements):
                 name = statement.node.name
                 yield statement.problem(f"#const {name} would change what {name} means; choose another name")
         elif statement.kind == ASTType.Script:
             yield statement.problem(REFUSED[ASTType.Script])
+
+
+def _reserved(statements: Sequence[Statement]) -> set[str]:
+    """Return the names that the encodings speak of."""
+    encodings = [each for each in statements if not each.own]
+    return names(argument for each in encodings for atom in (*each.heads, *each.body) for argument in atom.arguments)
 
 
 def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:

@@ -59,17 +59,19 @@ def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 def _unread_heads(statements: Iterable[Statement], contract: set[Signature]) -> dict[Signature, tuple[Statement, Atom]]:
     """Return the own heads outside of the contract that no body reads, where they first stand."""
-    read = set(contract)
-    for statement in statements:
-        read |= {atom.signature for atom in statement.body}
-        if statement.own and statement.kind in SHOWN:
-            read.add((statement.node.name, statement.node.arity))
     found: dict[Signature, tuple[Statement, Atom]] = {}
     for statement in statements:
         if statement.own:
             for atom in statement.heads:
-                if atom.signature not in read:
+                if atom.signature not in contract:
                     found.setdefault(atom.signature, (statement, atom))
+    for statement in sorted(statements, key=lambda each: not each.own):
+        if not found:
+            break
+        for atom in statement.body:
+            found.pop(atom.signature, None)
+        if statement.own and statement.kind in SHOWN:
+            found.pop((statement.node.name, statement.node.arity), None)
     return found
 
 
