@@ -111,10 +111,10 @@ def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, fl
 
 def _surface(situation: Situation, support: str) -> float | None:
     """Return the height of a body's top or a container's floor in metres, None for a ball."""
-    shape = situation.shape(support)
-    if shape.traits.hollow:
+    traits = situation.shape(support).traits
+    if traits.hollow:
         return floor_height(situation, support)
-    return situation.top(support) if shape.traits.flat else None
+    return situation.top(support) if traits.flat else None
 
 
 def _rests_on(situation: Situation, body: str, support: str) -> bool:
