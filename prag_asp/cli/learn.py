@@ -12,7 +12,7 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, Checking, asks
-from prag_asp.cli.terminal import progress, writer
+from prag_asp.cli.terminal import progress, require_writable, writer
 from prag_asp.errors import DomainError
 
 if TYPE_CHECKING:
@@ -42,9 +42,12 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     from prag_asp.physics.proofs.learning import proved
     from prag_asp.physics.proofs.schemas import rules, text_of
 
+    checking.tries()
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
         domain, scene = before.domain, options.scene_of(before.domain)
+        if write:
+            require_writable(str(domain.folder / LEARNED))
         found = rules(proved(domain.facts, scene, tell), domain.facts)
         path, text = domain.folder / LEARNED, text_of(found, domain.name)
         after = asked.space(tell, with_learned(domain, (Source(path, text),))) if found else before

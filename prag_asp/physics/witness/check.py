@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import pairwise
 
@@ -76,20 +76,20 @@ def _problems(seen: Problem, witness: Witness, simulator: Simulator) -> Iterator
     """Yield what is wrong with a witness, state by state."""
     for k, moment in enumerate(witness.moments):
         where = f"state {k}"
-        broken = list(_broken_numbers(moment, seen, simulator))
+        broken = list(broken_numbers(moment, seen, simulator))
         yield from (f"{where}: {text}" for text in broken)
         if not broken:
             yield from (f"{where}: {text}" for text in _state_problems(moment, seen, k, simulator))
     for k, motion in enumerate(witness.motions):
         before, after = witness.moments[k], witness.moments[k + 1]
         where = f"action {k + 1}, {seen.effects[k].action}"
-        broken = [text for moment in (before, after) for text in _broken_numbers(moment, seen, simulator)]
+        broken = [text for moment in (before, after) for text in broken_numbers(moment, seen, simulator)]
         if not broken:
             yield from (f"{where}: {text}" for text in _motion_problems(motion, before, after, simulator))
             yield from (f"{where}: {text}" for text in _stray(seen.effects[k], before, after, simulator))
 
 
-def _broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iterator[str]:
+def broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iterator[str]:
     """Yield missing objects, numbers that are not finite, and what is beyond the limits of the robot."""
     for entity in seen.objects:
         if entity not in moment.poses:
@@ -101,7 +101,7 @@ def _broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iter
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
     if sorted(moment.arms()) != sorted(simulator.arms):
-        yield f"it has the arms {', '.join(moment.arms())}; the scene has {', '.join(simulator.arms)}"
+        yield f"it has {_arms(moment.arms())}; the scene has {_arms(simulator.arms)}"
         return
     for name, arm in moment.arms().items():
         yield from _broken_arm(name, arm.joints, arm.width, simulator)
@@ -109,6 +109,11 @@ def _broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iter
             yield "a held object and its grasp go together"
         elif arm.held is not None and (arm.held not in moment.poses or not finite(arm.grasp or Pose((0, 0, 0)))):
             yield f"the grasp of {arm.held} is not a finite position and rotation"
+
+
+def _arms(names: Iterable[str]) -> str:
+    """Return the arms of some robots in words; a single robot has no name."""
+    return ", ".join(f"the arm of {name}" if name else "one arm without a name" for name in names)
 
 
 def _broken_arm(name: str, joints: tuple[float, ...], width: float, simulator: Simulator) -> Iterator[str]:
@@ -181,6 +186,8 @@ def _motion_problems(
     heights: list[Pose] = []
     for waypoint in motion:
         broken = list(_broken_arm(waypoint.robot, waypoint.joints, waypoint.width, simulator))
+        if waypoint.held is not None and waypoint.held not in before.poses:
+            broken.append(f"it holds {waypoint.held}, which has no pose")
         if broken:
             yield from (f"{waypoint.name}: {text}" for text in broken)
             return
