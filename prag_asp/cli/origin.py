@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import DomainError, QueryError
+from prag_asp.errors import DomainError, QueryError, SceneError
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
@@ -65,9 +65,11 @@ def told_with_place(record: Record, domain: Domain | None = None, advice: str = 
 
     Raises:
         QueryError: what is done with the record raises one.
+        SceneError: the same.
     """
     try:
         yield
-    except QueryError as error:
-        parts = [f"{record.place}: {error}", foreign(record, domain) if domain is not None else "", advice]
-        raise QueryError("; ".join(filter(None, parts))) from None
+    except (QueryError, SceneError) as error:
+        other = foreign(record, domain) if domain is not None else ""
+        parts = [f"{record.place}: {error}", other, advice if isinstance(error, QueryError) else ""]
+        raise type(error)("; ".join(filter(None, parts))) from None
