@@ -113,6 +113,8 @@ def scene_problems(
     problems = list(report.problems)
     seen: set[tuple[str, str]] = set()
     for fluent in fluents:
+        if not report.doubtful.isdisjoint(fluent.arguments):
+            continue
         for problem in _fluent_problems(scene, entities, fluent):
             if tuple(problem) not in seen:
                 seen.add((problem.key, problem.message))
