@@ -17,6 +17,7 @@ from prag_asp.cli.split import split
 from prag_asp.cli.statistics import stats
 from prag_asp.cli.task import task
 from prag_asp.cli.terminal import FAILED, LIMITED, Command, progress, require_writable, whole_lines, writer
+from prag_asp.domain.plural import plural
 from prag_asp.errors import LimitReached, QueryError
 
 DRAWS_FOR_EACH = 1000
@@ -55,12 +56,16 @@ def check(*, asked: Asked) -> None:
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
-    composites = f"{len(facts.composites)} composites, " if facts.composites else ""
-    learned = f"{len(domain.learned)} learned invariants, " if domain.learned else ""
-    click.echo(
-        f"{domain.name}: ok; {world} world, {len(facts.entities)} entities, {len(facts.fluents)} fluents, "
-        f"{len(facts.actions)} actions, {composites}{learned}{scene}"
-    )
+    parts = [
+        f"{world} world",
+        plural(len(facts.entities), "entity", "entities"),
+        plural(len(facts.fluents), "fluent"),
+        plural(len(facts.actions), "action"),
+        *([plural(len(facts.composites), "composite")] if facts.composites else []),
+        *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
+        scene,
+    ]
+    click.echo(f"{domain.name}: ok; {', '.join(parts)}")
 
 
 @cli.command()
@@ -220,7 +225,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         from prag_asp.cli.tally import Tally
 
         budget = checking.limits()
-        tally = Tally("tasks", f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}")
+        tally = Tally(("task", "tasks"), f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}")
         outcomes = check_again(
             read_lines(lines, file),
             asked,

@@ -80,7 +80,7 @@ def first_feasible(
     Raises:
         OutputError: they are fewer.
     """
-    tally = Tally("drawn", f"budget {checking.limits()}")
+    tally = Tally(("drawn", "drawn"), f"budget {checking.limits()}")
     try:
         for record in islice(feasible(islice(tasks, limit), scene, seed, checking, tally), wanted):
             yield record

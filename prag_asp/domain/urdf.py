@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from prag_asp.domain.mesh import mesh_points
+from prag_asp.domain.plural import plural
 from prag_asp.domain.scene_model import Model, Shape, Size, Solid
 from prag_asp.errors import SceneError
 
@@ -37,7 +38,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     links = root.findall("link")
     if len(links) != 1:
         named = ", ".join(f"{link.get('name')} in line {lines[link]}" for link in links)
-        found = f"{len(links)} links{f' ({named})' if named else ''}"
+        found = f"{plural(len(links), 'link')}{f' ({named})' if named else ''}"
         raise SceneError(f"{path}:{lines[root]}: has {found}; give a URDF of one rigid link")
     (link,) = links
     name = f"link {link.get('name', 'without a name')}"

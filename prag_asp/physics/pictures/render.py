@@ -209,7 +209,7 @@ def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
         QueryError: there is not.
     """
     if headings is not None and len(headings) != len(task.actions):
-        raise QueryError(f"{len(headings)} headings are given for {len(task.actions)} actions")
+        raise QueryError(f"{plural(len(headings), 'heading')} for {_actions(task)}; give one for each")
 
 
 def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str] | None) -> tuple[str, str]:
