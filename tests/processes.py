@@ -37,6 +37,12 @@ def interrupt(process: subprocess.Popen[str]) -> str:
     return process.communicate(timeout=30)[1]
 
 
+def terminate(process: subprocess.Popen[str]) -> str:
+    """Ask a process alone to end, as `kill` does, and return what it then says on stderr."""
+    process.terminate()
+    return process.communicate(timeout=30)[1]
+
+
 def children(of: int | str = "self") -> list[int]:
     """Return the processes that a process has started, and that still run."""
     return [

@@ -16,7 +16,8 @@ from prag_asp.cli.render import render
 from prag_asp.cli.split import split
 from prag_asp.cli.statistics import stats
 from prag_asp.cli.task import task
-from prag_asp.cli.terminal import FAILED, LIMITED, Command, progress, writer
+from prag_asp.cli.terminal import FAILED, LIMITED, Command, progress, require_writable, whole_lines, writer
+from prag_asp.domain.plural import plural
 from prag_asp.errors import LimitReached, QueryError
 
 DRAWS_FOR_EACH = 1000
@@ -56,12 +57,16 @@ def check(*, asked: Asked) -> None:
     facts = domain.facts
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
-    composites = f"{len(facts.composites)} composites, " if facts.composites else ""
-    learned = f"{len(domain.learned)} learned invariants, " if domain.learned else ""
-    click.echo(
-        f"{domain.name}: ok; {world} world, {len(facts.entities)} entities, {len(facts.fluents)} fluents, "
-        f"{len(facts.actions)} actions, {composites}{learned}{scene}"
-    )
+    parts = [
+        f"{world} world",
+        plural(len(facts.entities), "entity", "entities"),
+        plural(len(facts.fluents), "fluent"),
+        plural(len(facts.actions), "action"),
+        *([plural(len(facts.composites), "composite")] if facts.composites else []),
+        *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
+        scene,
+    ]
+    click.echo(f"{domain.name}: ok; {', '.join(parts)}")
 
 
 @cli.command()
@@ -117,6 +122,7 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
     from prag_asp.dataset.jsonl import Record
 
     first = _split(prefix)
+    require_writable(output)
     with progress() as tell:
         space = asked.space(tell)
         words = islice(space.words(by, first), limit)
@@ -163,24 +169,27 @@ def sample(
     """Draw tasks of length N, each with a probability proportional to its weight, exactly."""
     from prag_asp.dataset.jsonl import Record
 
+    require_writable(output)
+    checking.tries()
     with progress() as tell:
         space = asked.space(tell)
         line = options.line_form(form, space.domain)
         drawn = space.draw(seed=seed, by=by, over=over, **weighing.arguments(space.domain)) if wanted else iter(())
         if physics is None:
             physics = bool(space.domain.settings.scene)
-        with writer(output) as write:
-            if not physics:
-                checking.refuse_without_physics()
+        if not physics:
+            checking.refuse_without_physics({"--max-draws": max_draws is not None})
+            with writer(output) as write:
                 for task in islice(drawn, wanted):
                     write(line(Record(task)))
-                return
-            from prag_asp.cli.physics import first_feasible
+            return
+        from prag_asp.cli.physics import first_feasible
 
-            scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
-            with closing(first_feasible(drawn, wanted, scene, seed, checking, limit, tell)) as records:
-                for record in records:
-                    write(line(record))
+        scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
+        records = first_feasible(drawn, wanted, scene, seed, checking, limit, tell)
+        with writer(output) as write, closing(records):
+            for record in records:
+                write(line(record))
 
 
 @cli.command()
@@ -204,6 +213,11 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
     """
     from prag_asp.dataset.jsonl import read_lines
 
+    checking.tries()
+    if witness_only and checking.budget != options.BUDGET:
+        raise QueryError(
+            f"--budget {checking.budget} is for a search; --witness-only makes none, so leave one of them out"
+        )
     with click.open_file(file, encoding="utf-8", errors="replace") as lines, progress() as tell:
         total = _tasks_in(lines)
         if total == 0:
@@ -212,7 +226,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         from prag_asp.cli.tally import Tally
 
         budget = checking.limits()
-        tally = Tally("tasks", f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}")
+        tally = Tally(("task", "tasks"), f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}")
         outcomes = check_again(
             read_lines(lines, file),
             asked,
@@ -222,7 +236,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             witness_only=witness_only,
         )
         try:
-            with closing(outcomes):
+            with whole_lines(), closing(outcomes):
                 for status, reason, causes, _ in outcomes:
                     tally.count(status, reason, causes)
                     click.echo(f"{tally.seen}\t{status}\t{reason}".rstrip())

@@ -9,7 +9,7 @@ import click
 from prag_asp.cli import options
 from prag_asp.cli.commands import cli
 from prag_asp.cli.options import Asked, asks
-from prag_asp.cli.terminal import writer
+from prag_asp.cli.terminal import require_writable, writer
 
 
 @cli.command()
@@ -27,6 +27,7 @@ def export(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
     from prag_asp.logic.model import Model
     from prag_asp.space.engines.formula import word_formula
 
+    require_writable(output)
     domain = asked.domain()
     formula = word_formula(Model(domain), by, asked.length)
     with writer(output) as write:

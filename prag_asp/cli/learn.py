@@ -12,7 +12,8 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, Checking, asks
-from prag_asp.cli.terminal import progress, writer
+from prag_asp.cli.terminal import progress, require_writable, writer
+from prag_asp.domain.plural import plural
 from prag_asp.errors import DomainError
 
 if TYPE_CHECKING:
@@ -42,13 +43,17 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     from prag_asp.physics.proofs.learning import proved
     from prag_asp.physics.proofs.schemas import rules, text_of
 
+    checking.tries()
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
         domain, scene = before.domain, options.scene_of(before.domain)
+        if write:
+            require_writable(str(domain.folder / LEARNED))
         found = rules(proved(domain.facts, scene, tell), domain.facts)
         path, text = domain.folder / LEARNED, text_of(found, domain.name)
         after = asked.space(tell, with_learned(domain, (Source(path, text),))) if found else before
-        lines = [f"{len(found)} rules state {sum(len(rule.proofs) for rule in found)} proofs"]
+        stated = plural(sum(len(rule.proofs) for rule in found), "proof")
+        lines = [f"{plural(len(found), 'rule')} {'states' if len(found) == 1 else 'state'} {stated}"]
         lines += _aligned(_figures(before, after, scene, wanted, seed, checking, tell))
     if write:
         with writer(str(path)) as put:
@@ -113,7 +118,7 @@ def _tally(
     from prag_asp.cli.tally import Tally
     from prag_asp.physics import validate_tasks
 
-    tally = Tally("drawn", f"budget {checking.limits()}")
+    tally = Tally(("drawn", "drawn"), f"budget {checking.limits()}")
     if wanted == 0 or space.count() == 0:
         return tally
     tasks = islice(space.draw(seed=seed, weights={}), wanted)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from typing import TYPE_CHECKING, Any
@@ -142,8 +142,8 @@ class Checking:
     tier: str
     demonstrate: str | None
 
-    def refuse_without_physics(self) -> None:
-        """Refuse options of physics where it is not asked.
+    def refuse_without_physics(self, others: Mapping[str, bool]) -> None:
+        """Refuse options of physics where it is not asked; `others` of a command say whether they are given.
 
         Raises:
             QueryError: one is given.
@@ -152,10 +152,22 @@ class Checking:
             "--demonstrate": self.demonstrate is not None,
             "--tier": self.tier != TIER,
             "--budget": self.budget != BUDGET,
+            **others,
         }
         for option, is_given in given.items():
             if is_given:
                 raise QueryError(f"{option} needs physics; leave it out, or use a domain with a [scene]")
+
+    def tries(self) -> tuple[int, int]:
+        """Return how many first states are tried for a task, and how often each action.
+
+        Raises:
+            QueryError: --budget is not of the form RxS with positive numbers.
+        """
+        restarts, _, samples = self.budget.partition("x")
+        if not (restarts.isdecimal() and samples.isdecimal() and int(restarts) and int(samples)):
+            raise QueryError(f"--budget {self.budget}: write RESTARTSxSAMPLES, two positive numbers such as 10x10")
+        return int(restarts), int(samples)
 
     def limits(self) -> Budget:
         """Return the budget; whoever asks for recordings asks for demonstrations.
@@ -165,11 +177,8 @@ class Checking:
         """
         from prag_asp.physics import TIERS, Budget
 
-        restarts, _, samples = self.budget.partition("x")
-        if not (restarts.isdecimal() and samples.isdecimal()):
-            raise QueryError(f"--budget {self.budget}: write RESTARTSxSAMPLES, such as 10x10")
         dearest = "demonstration" if self.demonstrate is not None else self.tier
-        return Budget(int(restarts), int(samples), TIERS[TIERS.index(dearest)])
+        return Budget(*self.tries(), TIERS[TIERS.index(dearest)])
 
 
 def checks(function: Function) -> Function:

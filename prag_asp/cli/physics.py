@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from prag_asp.cli.options import Checking
 from prag_asp.cli.tally import Tally
 from prag_asp.dataset.jsonl import Record
+from prag_asp.domain.plural import plural
 from prag_asp.errors import OutputError
 from prag_asp.physics import Demonstration, validate_tasks
 
@@ -79,12 +80,14 @@ def first_feasible(
     Raises:
         OutputError: they are fewer.
     """
-    tally = Tally("drawn", f"budget {checking.limits()}")
+    tally = Tally(("drawn", "drawn"), f"budget {checking.limits()}")
     try:
         for record in islice(feasible(islice(tasks, limit), scene, seed, checking, tally), wanted):
             yield record
             tell(str(tally), tally.passed, wanted)
     finally:
-        tally.show()
+        if tally.seen:
+            tally.show()
     if tally.passed < wanted:
-        raise OutputError(f"only {tally.passed} of {wanted} tasks were found in {limit} draws; raise --max-draws")
+        found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
+        raise OutputError(f"{found}; raise --max-draws" if tally.seen == limit else found)

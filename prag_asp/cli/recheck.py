@@ -6,19 +6,18 @@ from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import replace
-from itertools import groupby, islice
+from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from prag_asp.cli.options import Asked, Checking, scene_of
+from prag_asp.cli.origin import foreign, named_domain, read_witness, told_with_place
 from prag_asp.cli.physics import Recordings
 from prag_asp.dataset.jsonl import Record
-from prag_asp.domain.paths import domain_folder
-from prag_asp.errors import DomainError, QueryError
+from prag_asp.errors import QueryError
 from prag_asp.physics import (
     Demonstration,
     Verdict,
-    Witness,
     demonstrate,
     open_settling,
     open_witness_check,
@@ -29,6 +28,7 @@ from prag_asp.physics import (
 from prag_asp.physics.search.attempt import NO_PATH
 
 if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
     from prag_asp.domain.scene import Scene
     from prag_asp.space.task import Task
     from prag_asp.space.task_space import TaskSpace
@@ -57,29 +57,16 @@ def check_again(
     Where `asked` has no domain, each record names its own: a shipped one, or a folder, here or in `folder`.
     """
     number, recordings = 0, Recordings(checking.demonstrate)
-    for own, group in groupby(records, key=lambda record: record.task.domain):
-        space = replace(asked, name=asked.name or _found(own, folder)).space()
-        told, scene = _told(group, space), scene_of(space.domain)
+    for _, several in groupby(records, key=lambda record: record.task.domain):
+        group = iter(several)
+        first = next(group)
+        space = replace(asked, name=asked.name or named_domain(first, folder)).space()
+        told, scene = _told(chain([first], group), space), scene_of(space.domain)
         check = _witnesses(told, scene, checking) if witness_only else _anew(told, scene, seed, checking)
         for outcome in check:
             number += 1
             recordings.write(number, outcome.demonstration)
             yield outcome
-
-
-def _found(domain: str, folder: Path) -> str:
-    """Return the name of a shipped domain, or the folder of another.
-
-    Raises:
-        QueryError: there is neither.
-    """
-    for name in (domain, str(folder / domain)):
-        try:
-            domain_folder(name)
-        except DomainError:
-            continue
-        return name
-    raise QueryError(f"the tasks are of {domain}: no such domain is shipped or lies here; give --domain FOLDER")
 
 
 def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[Told]:
@@ -90,15 +77,28 @@ def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[Told]:
         plans = (tuple(map(str, r.task.actions)) for r, known in zip(batch, valid, strict=True) if known)
         expected = space.narrate(plans)
         for record, known in zip(batch, valid, strict=True):
-            yield record, _fault(record.task, next(expected)) if known else "the plan does not belong to the domain"
+            yield record, _fault(record.task, next(expected)) if known else _stranger(record, space.domain)
         size = min(2 * size, TOLD_TOGETHER)
+
+
+def _stranger(record: Record, domain: Domain) -> str:
+    """Return that a plan is none of a domain, and which domain the file says that it is of."""
+    other = foreign(record, domain)
+    return f"its plan is none of {domain.name}{f'; {other}' if other else ''}"
 
 
 def _fault(task: Task, expected: Task) -> str:
     """Return what is wrong with a task as a value, or nothing."""
-    parts = ("entities", "initial", "states", "subgoals", "goal")
-    wrong = [part for part in parts if getattr(task, part) != getattr(expected, part)]
-    return f"its {', '.join(wrong)} are not what its actions make" if wrong else ""
+    names = {
+        "entities": "entities",
+        "initial": "initial state",
+        "states": "states",
+        "subgoals": "subgoals",
+        "goal": "goal",
+    }
+    wrong = [name for part, name in names.items() if getattr(task, part) != getattr(expected, part)]
+    verb = "is" if wrong in (["initial state"], ["goal"]) else "are"
+    return f"its {', '.join(wrong)} {verb} not what its actions make" if wrong else ""
 
 
 def _anew(told: Iterator[Told], scene: Scene, seed: int, checking: Checking) -> Iterator[Outcome]:
@@ -145,7 +145,8 @@ def _witnesses(told: Iterator[Told], scene: Scene, checking: Checking) -> Iterat
                 yield Outcome("not_found", "the file has no witness for it")
                 continue
             try:
-                witness = Witness.from_json(record.witness)
+                with told_with_place(record):
+                    witness = read_witness(record)
             except QueryError as error:
                 yield Outcome("witness_fails", str(error))
                 continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +12,9 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, asks
-from prag_asp.cli.terminal import progress
+from prag_asp.cli.origin import MEND, named_domain, read_witness, told_with_place
+from prag_asp.cli.terminal import progress, require_writable
+from prag_asp.domain.plural import plural
 from prag_asp.errors import OutputError, QueryError
 
 if TYPE_CHECKING:
@@ -22,6 +25,11 @@ if TYPE_CHECKING:
 
 SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350)}
 """Pixels of a frame for each form of picture."""
+
+ANIMATED = ("gif", "webp")
+RECORD = "record it anew with --demonstrate"
+STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
+"""What pictures that do not move can be written as, by the ends of the names of files."""
 
 SMALLEST, LARGEST = 16, 4096
 
@@ -77,21 +85,23 @@ def render(
     """
     from prag_asp.dataset.jsonl import read_lines
 
-    with click.open_file(file, encoding="utf-8", errors="replace") as lines:
-        records = list(read_lines(lines, file))
-    chosen = numbers or range(1, len(records) + 1)
-    for number in chosen:
-        if number > len(records):
-            raise QueryError(f"{file}: it has {len(records)} tasks, so none has the number {number}")
-    if not chosen:
-        raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+    _refuse_at_odds(form, state, speed)
     pixels = SIZES[form] if size is None else _pixels(size)
     drawing = _Drawing(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
+    _refuse_file(Path(output), form)
+    with click.open_file(file, encoding="utf-8", errors="replace") as lines:
+        records = list(read_lines(lines, file))
+    chosen = tuple(dict.fromkeys(numbers)) or range(1, len(records) + 1)
+    if not records:
+        raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+    for number in chosen:
+        if number > len(records):
+            raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
     with progress() as show:
         for done, number in enumerate(chosen):
             record = records[number - 1]
-            domain = replace(asked, name=asked.name or record.task.domain).domain()
+            domain = replace(asked, name=asked.name or named_domain(record, Path(file).parent)).domain()
 
             def tell(share: float, done: int = done) -> None:
                 show("pictures", done + share, len(chosen))
@@ -121,28 +131,36 @@ class _Drawing:
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.language import sentence
-        from prag_asp.physics import animate, film_strip, still
+        from prag_asp.physics import Demonstration, animate, film_strip, still
 
         scene, task = options.scene_of(domain), record.task
         headings = [sentence(action, domain.settings.language) for action in task.actions]
-        shown = self._shown(record, number, scene)
-        if self.form == "strip":
-            image = film_strip(task, shown, scene, columns=self.columns, headings=headings, size=self.size)
-        elif self.form == "state":
+        animated = self.form in ANIMATED
+        with told_with_place(record, domain):
+            shown = self._shown(record, number, scene)
+            if animated:
+                shown = self._performed(record, shown, scene)
             state = len(task.actions) if self.state is None else self.state
-            image = still(task, shown, scene, state, size=self.size)
-        else:
-            animate(
-                task,
-                self._performed(record, number, shown, scene),
-                scene,
-                path,
-                size=self.size,
-                speed=self.speed,
-                headings=headings,
-                progress=lambda done, total: tell(done / total),
-            )
-            return
+            if state > len(task.actions):
+                raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
+        with told_with_place(record, domain, MEND if self.recordings is None else RECORD):
+            if self.form == "strip":
+                image = film_strip(task, shown, scene, columns=self.columns, headings=headings, size=self.size)
+            elif self.form == "state":
+                image = still(task, shown, scene, state, size=self.size)
+            else:
+                assert isinstance(shown, Demonstration)
+                animate(
+                    task,
+                    shown,
+                    scene,
+                    path,
+                    size=self.size,
+                    speed=self.speed,
+                    headings=headings,
+                    progress=lambda done, total: tell(done / total),
+                )
+                return
         try:
             image.save(path, optimize=True)
         except (OSError, ValueError) as error:
@@ -150,46 +168,92 @@ class _Drawing:
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
         """Return what is drawn of a task: its recording where there is a folder of them, otherwise its witness."""
-        from prag_asp.physics import Demonstration, Witness, validate_task
+        from prag_asp.physics import Demonstration, validate_task
 
         if self.recordings is not None:
             name = (record.verdict or {}).get("demonstration", f"{number:06d}.npz")
-            return Demonstration.load(self.recordings / str(name))
+            if not isinstance(name, str):
+                raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
+            try:
+                return Demonstration.load(self.recordings / name)
+            except QueryError as error:
+                raise QueryError(f"{error}; {RECORD}") from None
         if record.witness is not None:
-            return Witness.from_json(record.witness)
+            return read_witness(record)
         verdict = validate_task(record.task, scene, seed=self.seed, index=number - 1)
         if verdict.witness is None:
-            raise QueryError(f"task {number}: {verdict.status}: {verdict.reason}; only feasible tasks can be drawn")
+            raise QueryError(f"{verdict.status.replace('_', ' ')}: {verdict.reason}; only feasible tasks can be drawn")
         return verdict.witness
 
-    def _performed(self, record: Record, number: int, shown: Witness | Demonstration, scene: Scene) -> Demonstration:
+    def _performed(self, record: Record, shown: Witness | Demonstration, scene: Scene) -> Demonstration:
         """Return the recording of the robot performing a task."""
-        from prag_asp.physics import Witness, demonstrate
+        from prag_asp.physics import Witness, check_witness, demonstrate
 
         if not isinstance(shown, Witness):
             return shown
+        for fault in check_witness(record.task, shown, scene)[:1]:
+            raise QueryError(f"its witness fails: {fault}; {MEND}")
         demonstration = demonstrate(record.task, shown, scene)
         if not demonstration.success:
-            raise QueryError(f"task {number}: the robot fails to perform it: {demonstration.detail}")
+            raise QueryError(f"the robot fails to perform it: {demonstration.detail}; draw its states in place of that")
         return demonstration
+
+
+def _refuse_at_odds(form: str, state: int | None, speed: float) -> None:
+    """Refuse options that do not go together, before anything is loaded.
+
+    Raises:
+        QueryError: there are some.
+    """
+    if state is not None and form != "state":
+        raise QueryError(f"--state {state} goes with --as state; got --as {form}")
+    if not 0.0 < speed < math.inf:
+        raise QueryError(f"--speed {speed:g}: write a positive number, such as 2 for twice as fast")
+
+
+def _suffixes(form: str) -> tuple[str, ...]:
+    """Return the ends of names that files of a form can have, the usual one first."""
+    return (f".{form}",) if form in ANIMATED else STILLS
+
+
+def _refuse_file(output: Path, form: str) -> None:
+    """Refuse a file that cannot become a picture, before anything is loaded.
+
+    Raises:
+        QueryError: its suffix is none of the form.
+        OutputError: it, or its folder, cannot be written.
+    """
+    if _is_file(output):
+        if output.suffix.lower() not in _suffixes(form):
+            known = ", ".join(_suffixes(form))
+            raise QueryError(
+                f"--output {output}: a picture as {form} is a {known} file; or give a folder without a dot in its name"
+            )
+        require_writable(str(output))
+
+
+def _is_file(output: Path) -> bool:
+    """Tell whether the name of an output is that of a file, otherwise of a folder."""
+    return bool(output.suffix) and not output.is_dir()
 
 
 def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]:
     """Return the file for each task.
 
     Raises:
-        QueryError: the file named does not fit what is drawn.
+        QueryError: there is one file for several tasks.
         OutputError: the folder cannot be made.
     """
-    suffix = f".{form}" if form in ("gif", "webp") else ".png"
-    if output.suffix:
-        if len(numbers) > 1 or suffix not in (output.suffix, ".png"):
-            raise QueryError(f"--output {output}: {len(numbers)} pictures as {form} need a folder or one {suffix} file")
+    suffix = _suffixes(form)[0]
+    if _is_file(output):
+        if len(numbers) > 1:
+            text = f"{plural(len(numbers), 'picture')} as {form} need a folder, or the number of one task"
+            raise QueryError(f"--output {output}: {text}")
         return {numbers[0]: output}
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{output}: the folder cannot be made: {error.strerror}") from None
+        raise OutputError(f"{output}: the folder cannot be made: {error.strerror}; choose another with -o") from None
     return {number: output / f"{number:06d}{suffix}" for number in numbers}
 
 

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from prag_asp.domain.plural import plural
 from prag_asp.physics import CAUSES, Verdict
 
 if TYPE_CHECKING:
@@ -18,7 +19,8 @@ KINDS = {"not_found": "not found", "infeasible": "proved infeasible", "witness_f
 class Tally:
     """How many tasks were looked at, how many passed, and why the rest failed."""
 
-    def __init__(self, what: str, limits: str):
+    def __init__(self, what: tuple[str, str], limits: str):
+        """Begin to count; `what` says in words what one of them is, and several."""
         self.seen, self.passed = 0, 0
         self._what, self._limits = what, limits
         self._reasons: Counter[tuple[str, str]] = Counter()
@@ -43,7 +45,7 @@ class Tally:
 
     def __str__(self) -> str:
         share = f" ({100 * self.passed / self.seen:.1f} %, {self._limits})" if self.seen else ""
-        return f"{self.seen} {self._what}, {self.passed} passed{share}"
+        return f"{plural(self.seen, *self._what)}, {self.passed} passed{share}"
 
     def show(self) -> None:
         """Print the line and, where an attempt or a task failed, the table of causes on stderr."""

@@ -10,6 +10,7 @@ import click
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import progress
+from prag_asp.domain.plural import plural
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> Non
         try:
             found = space[index]
         except IndexError:
-            raise QueryError(f"--index {index}: the space has {space.count()} tasks, ranked from 0") from None
+            raise QueryError(f"--index {index}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
         if form == "full":
             click.echo("\n".join(_described(found, space)))
         else:
@@ -64,7 +65,7 @@ def _described(found: Task, space: TaskSpace) -> list[str]:
     if readings is not None:
         lines += [f"read   {' '.join(map(str, reading))}" for reading in islice(readings, READINGS_SHOWN)]
         if readings.count() > READINGS_SHOWN:
-            lines.append(f"       and {readings.count() - READINGS_SHOWN} more readings")
+            lines.append(f"       and {plural(readings.count() - READINGS_SHOWN, 'more reading')}")
     return lines
 
 

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import gc
+import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TextIO
 
 import click
@@ -13,14 +17,20 @@ import click
 from prag_asp.errors import LimitReached, OutputError, PragError
 
 if TYPE_CHECKING:
+    from types import FrameType
+
     from rich.progress import Progress, TaskID
 
-FAILED, BAD_INPUT, LIMITED, INTERRUPTED = 1, 2, 3, 130
+FAILED, BAD_INPUT, LIMITED, INTERRUPTED, TERMINATED = 1, 2, 3, 130, 143
 COLLECT = (100_000, 50, 100)
 """A ground program is a great many small values without cycles, among which looking for garbage is a waste of time."""
 
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
+
+
+class Terminated(KeyboardInterrupt):
+    """Another process has asked this one to end, which it does as after Ctrl-C."""
 
 
 class Command(click.Group):
@@ -47,6 +57,9 @@ def _end(error: BaseException) -> int:
     if isinstance(error, BrokenPipeError):
         sys.stdout = None  # nothing more can be flushed into it
         return FAILED
+    if isinstance(error, Terminated) or isinstance(error.__cause__, Terminated):
+        click.echo("terminated", err=True)
+        return TERMINATED
     if isinstance(error, (click.Abort, KeyboardInterrupt)):
         click.echo("interrupted", err=True)
         return INTERRUPTED
@@ -57,6 +70,49 @@ def _end(error: BaseException) -> int:
     if isinstance(error, LimitReached):
         return LIMITED
     return FAILED if isinstance(error, OutputError) else BAD_INPUT
+
+
+@contextmanager
+def whole_lines() -> Iterator[None]:
+    """Let SIGTERM end what is done here as Ctrl-C does: workers end, what is written is whole, figures are told.
+
+    A second one ends the process at once. Elsewhere SIGTERM does so, for there is nothing to lose.
+
+    Raises:
+        Terminated: the signal has come.
+    """
+    usual = signal.getsignal(signal.SIGTERM)
+    if usual is not signal.SIG_DFL or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def end(number: int, frame: FrameType | None) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        raise Terminated
+
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, usual)
+
+
+def require_writable(output: str | None) -> None:
+    """Check that a file could be written, without touching it; None is stdout.
+
+    Raises:
+        OutputError: it cannot.
+    """
+    if output is None:
+        return
+    path = Path(output)
+    folder = path.parent
+    if path.is_dir():
+        raise OutputError(f"{output}: is a folder; give a file in it")
+    if not folder.is_dir():
+        raise OutputError(f"{output}: cannot be written: there is no folder {folder}; make it, or choose another file")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise OutputError(f"{output}: cannot be written: no permission; choose another file")
 
 
 @contextmanager
@@ -76,7 +132,8 @@ def writer(output: str | None) -> Iterator[Callable[[str], None]]:
             stream.write(f"{line}\n")
 
     try:
-        yield write
+        with whole_lines():
+            yield write
     finally:
         with _writing(output):
             stream.flush()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -16,11 +16,15 @@ from prag_asp.space.task import Task
 
 @dataclass(frozen=True)
 class Record:
-    """A task with what physics said of it, as plain values; None where it was not asked."""
+    """A task with what physics said of it, as plain values; None where it was not asked.
+
+    `place` is the ``file:line`` that it was read from.
+    """
 
     task: Task
     verdict: Mapping[str, Any] | None = None
     witness: Mapping[str, Any] | None = None
+    place: str = field(default="", compare=False)
 
 
 def write_line(record: Record) -> str:
@@ -76,7 +80,7 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
     for number, line in enumerate(lines, 1):
         if line.strip():
             try:
-                yield _record(json.loads(line))
+                yield replace(_record(json.loads(line)), place=f"{name}:{number}")
             except json.JSONDecodeError as error:
                 what = f"it is not JSON: {error.msg} at column {error.colno}"
             except RecursionError:

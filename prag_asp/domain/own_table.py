@@ -57,6 +57,8 @@ class _OwnReader:
             own = self.predicate(f"scene.own.{name}", name, table)
             if own is not None and len(self.report.problems) == before:
                 found[name] = own
+            else:
+                self.report.doubtful.add(name)
         return found
 
     def predicate(self, key: str, name: str, table: object) -> Own | None:
@@ -73,9 +75,7 @@ class _OwnReader:
             self.add(key, f"has {which}; define it by one of them")
             return None
         known = PYTHON_KEYS if "python" in table else BOX_KEYS
-        for each in table:
-            if each not in known:
-                self.add(f"{key}.{each}", f"unknown key; {suggest(each, known)}")
+        self.report.unknown(key, table, known)
         roles = self.roles(f"{key}.arguments", table.get("arguments"), ROLES)
         if "python" in table:
             return Own(name, roles, file=self.file(f"{key}.python", table["python"]))

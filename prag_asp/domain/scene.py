@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
 from prag_asp.domain.own_table import read_own
+from prag_asp.domain.plural import plural
 from prag_asp.domain.scene_kinds import KINDS
 from prag_asp.domain.scene_model import (
     IGNORED,
@@ -107,6 +108,8 @@ def scene_problems(
     problems = list(report.problems)
     seen: set[tuple[str, str]] = set()
     for fluent in fluents:
+        if not report.doubtful.isdisjoint(fluent.arguments):
+            continue
         for problem in _fluent_problems(scene, entities, fluent):
             if tuple(problem) not in seen:
                 seen.add((problem.key, problem.message))
@@ -137,7 +140,7 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
                 f'write {fluent.name} = "{IGNORED}" if it means something else',
             )
         taken = f"{meaning} takes {len(roles)} ({', '.join(roles)})"
-        yield Problem(key, f"{fluent} has {len(fluent.arguments)} arguments, but {taken}; {hint}")
+        yield Problem(key, f"{fluent} has {plural(len(fluent.arguments), 'argument')}, but {taken}; {hint}")
         return
     around = () if own is None or own.around is None else (("object", own.around),)
     for role, entity in (*zip(roles, fluent.arguments, strict=True), *around):

@@ -50,8 +50,16 @@ def read_fixed(report: Report, value: Mapping[str, Any], shapes: Mapping[str, Sh
         fine = isinstance(place, list) and len(place) in (PAIR, TRIPLE) and all(map(is_number, place))
         if not report.known_entity(key, entity):
             continue
-        if entity not in shapes or shapes[entity].kind in PLACELESS:
-            report.add(key, f"needs an entity with the shape of an object or a zone; {entity} has none")
+        if entity in report.doubtful:
+            continue
+        if entity not in shapes:
+            kind = report.entities[entity]
+            report.add(key, f"{entity} has no shape; set scene.shapes.{kind}")
+            report.doubtful.add(entity)
+        elif shapes[entity].kind in PLACELESS:
+            report.add(
+                key, f"needs an entity with the shape of an object or a zone; {entity} is a {shapes[entity].kind}"
+            )
         elif not fine:
             report.add(key, f"needs x and y in metres, and a yaw in degrees if you like; got {place!r}")
         else:

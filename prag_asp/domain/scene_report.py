@@ -55,23 +55,33 @@ def is_number(value: object) -> bool:
 
 
 class Report:
-    """The problems of a ``[scene]`` table, the classes and entities that it may speak about, the domain's folder."""
+    """The problems of a ``[scene]`` table, the classes and entities that it may speak about, the domain's folder.
+
+    `doubtful` are entities and own predicates whose entries are wrong, `misspelt` the paths of keys that are there
+    under a name that is nearly theirs: what they lack needs no second line.
+    """
 
     def __init__(self, classes: Mapping[str, Sequence[str]], entities: Mapping[str, str], folder: Path = Path()):
         self.folder = folder
         self.classes = {**dict.fromkeys(entities.values(), ()), **classes}
         self.entities = entities
         self.problems: list[Problem] = []
+        self.doubtful: set[str] = set()
+        self.misspelt: set[str] = set()
 
     def add(self, key: str, message: str) -> None:
-        """Remember a problem."""
-        self.problems.append(Problem(key, message))
+        """Remember a problem, unless it is that of a misspelt key."""
+        if key not in self.misspelt:
+            self.problems.append(Problem(key, message))
 
     def unknown(self, key: str, table: Mapping[str, Any], known: Sequence[str]) -> None:
         """Report the keys of a table that are not known."""
         for name in table:
             if name not in known:
                 self.add(f"{key}.{name}", f"unknown key; {suggest(name, known)}")
+                meant = most_similar(name, sorted(known))
+                if meant is not None and meant not in table:
+                    self.misspelt.add(f"{key}.{meant}")
 
     def section(self, table: Mapping[str, Any], name: str) -> Mapping[str, Any]:
         """Return a table within the table, empty where it is missing."""

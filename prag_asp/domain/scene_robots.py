@@ -40,14 +40,17 @@ def read_robots(report: Report, value: Mapping[str, Any], shapes: Mapping[str, S
     `usual` is the kind of those whose table does not say.
     """
     entities = [entity for entity, shape in shapes.items() if shape.kind == "robot"]
-    mounts = {}
+    mounts, before = {}, len(report.problems)
     for entity, table in value.items():
         key = f"scene.robots.{entity}"
+        if entity in report.doubtful:
+            continue
         if entity not in entities:
             report.add(key, f"needs an entity with the shape of a robot; they are {', '.join(entities) or 'none'}")
-        elif (mount := _mount(report, key, table, usual)) is not None:
+            continue
+        if (mount := _mount(report, key, table, usual)) is not None:
             mounts[entity] = mount
-    if value or len(entities) > 1:
+    if (value or len(entities) > 1) and len(report.problems) == before:
         for entity in entities:
             if entity not in value:
                 report.add(f"scene.robots.{entity}", "missing: write { base = [x, y, yaw] }, in metres and degrees")
@@ -78,6 +81,7 @@ def _mount(report: Report, key: str, table: object, usual: str) -> Mount | None:
     if not isinstance(table, Mapping):
         report.add(key, f"needs a table like {{ base = [0.0, 0.4, 0] }}; got {table!r}")
         return None
+    before = len(report.problems)
     report.unknown(key, table, ("kind", "base"))
     kind, base = table.get("kind", usual), table.get("base", [0.0, 0.0, 0.0])
     if kind not in ROBOTS:
@@ -89,6 +93,8 @@ def _mount(report: Report, key: str, table: object, usual: str) -> Mount | None:
         return None
     if max(abs(base[0]), abs(base[1])) > FARTHEST:
         report.add(f"{key}.base", f"stands more than {FARTHEST:g} m from the origin; got {base!r}")
+        return None
+    if len(report.problems) > before:
         return None
     return Mount(kind, float(base[0]), float(base[1]), math.radians(base[2]))
 

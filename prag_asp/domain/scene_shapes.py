@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from typing import Any
 
 from prag_asp.domain.scene_kinds import KINDS
@@ -18,21 +19,26 @@ LEAST = (0.12, 0.12, 0.06)
 """The smallest sides of furniture in metres: less holds nothing, or leaves no room for a handle."""
 
 NOTHING = (0.0, 0.0, 0.0)
+STAND_IN = (0.3, 0.3, 0.3)
+"""Takes the place of sides that are wrong, so that nothing else is said of them."""
 
 
 def read_shapes(report: Report, table: Mapping[str, Any]) -> dict[str, tuple[Shape, ...]]:
     """Return the shapes that every entity can have, the smallest first: those of its class or nearest ancestor."""
-    by_class = {
-        name: shapes
-        for name, value in table.items()
-        if report.known_class(f"scene.shapes.{name}", name)
-        and (shapes := _shapes(report, f"scene.shapes.{name}", value))
-    }
-    found = {
-        entity: next((by_class[name] for name in report.line(entity) if name in by_class), ())
-        for entity in report.entities
-    }
-    return {entity: shapes for entity, shapes in found.items() if shapes}
+    by_class: dict[str, tuple[Shape, ...]] = {}
+    for name, value in table.items():
+        if report.known_class(f"scene.shapes.{name}", name):
+            by_class[name] = _shapes(report, f"scene.shapes.{name}", value)
+        else:
+            by_class |= dict.fromkeys(set(get_close_matches(name, report.classes, n=1)) - table.keys(), ())
+    found = {}
+    for entity in report.entities:
+        shapes = next((by_class[name] for name in report.line(entity) if name in by_class), None)
+        if shapes:
+            found[entity] = shapes
+        elif shapes is not None:
+            report.doubtful.add(entity)
+    return found
 
 
 def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
@@ -106,7 +112,7 @@ def _box(report: Report, key: str, value: object) -> tuple[Size, Size]:
         report.unknown(key, value, ("low", "high"))
         ends = [value.get("low"), value.get("high")]
     found = [report.lengths(key, end, TRIPLE) for end in ends[: 2 if isinstance(value, Mapping) else 1]]
-    (ax, ay, az), (bx, by, bz) = found[0] or NOTHING, found[-1] or NOTHING
+    (ax, ay, az), (bx, by, bz) = found[0] or found[-1] or STAND_IN, found[-1] or found[0] or STAND_IN
     if None not in found and (ax > bx or ay > by or az > bz):
         report.add(key, f"needs no side of low greater than that of high; got {value!r}")
     return (ax, ay, az), (bx, by, bz)

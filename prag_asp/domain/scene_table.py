@@ -37,6 +37,8 @@ SCENE_KEYS = (
 def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own]) -> Scene:
     """Return a scene that has its `own` predicates too; a wrong value is reported, and the default stands in for it."""
     report.unknown("scene", table, SCENE_KEYS)
+    if not isinstance(table.get("shapes", {}), Mapping) or "scene.shapes" in report.misspelt:
+        report.doubtful |= set(report.entities)
     sizes = read_shapes(report, report.section(table, "shapes"))
     shapes = {entity: several[-1] for entity, several in sizes.items()}
     robot = report.choice(table, "robot", ROBOTS)
@@ -87,7 +89,7 @@ def _predicates(report: Report, value: Mapping[str, Any], own: Mapping[str, Own]
     """Return which spatial predicate a fluent name means."""
     known = [*PREDICATE_ROLES, *own, IGNORED]
     for fluent, predicate in value.items():
-        if predicate not in known:
+        if predicate not in known and str(predicate) not in report.doubtful:
             hint = suggest(str(predicate), known)
             report.add(f"scene.predicates.{fluent}", f"unknown spatial predicate {predicate!r}; {hint}")
     return {fluent: str(predicate) for fluent, predicate in value.items()}

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 from prag_asp.domain.mesh import mesh_points, thickness
+from prag_asp.domain.plural import plural
 from prag_asp.domain.scene_forms import FORMS
 from prag_asp.domain.scene_model import Model, Shape, Size, Solid
 from prag_asp.domain.scene_report import SMALLEST
@@ -32,25 +35,67 @@ def read_urdf(path: Path, folder: Path) -> Shape:
         SceneError: a file is missing, outside or malformed, or describes something else than one rigid body.
     """
     _require_inside(path, folder)
-    try:
-        root = ElementTree.parse(path).getroot()
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
-    except ElementTree.ParseError as error:
-        raise SceneError(
-            f"{path}:{error.position[0]}: not XML: {error.msg.partition(':')[0]}; mend the line"
-        ) from error
+    root, lines = _parsed(path)
     links = root.findall("link")
     if len(links) != 1:
-        raise SceneError(f"{path}: has {len(links)} links; give a URDF of one rigid link")
-    mass, solids = links[0].find("inertial/mass"), [_solid(each, path, folder) for each in links[0].iter("collision")]
+        named = ", ".join(f"{link.get('name')} in line {lines[link]}" for link in links)
+        found = f"{plural(len(links), 'link')}{f' ({named})' if named else ''}"
+        raise SceneError(f"{path}:{lines[root]}: has {found}; give a URDF of one rigid link")
+    (link,) = links
+    name = f"link {link.get('name', 'without a name')}"
+    solids, corners = [], list[Size]()
+    for number, element in enumerate(link.iter("collision"), 1):
+        with _told_of(path, lines[element], f"{name}, collision {number}"):
+            solids.append(_solid(element, path, folder))
+            corners += _ends(solids[-1])
+    mass = link.find("inertial/mass")
     if mass is None or not solids:
-        raise SceneError(f"{path}: its link has no {'<collision>' if mass is not None else '<mass>'}; add one")
-    corners = [corner for solid in solids for corner in _ends(solid)]
+        missing = "<collision>" if mass is not None else "<mass> in an <inertial>"
+        raise SceneError(f"{path}:{lines[link]}: {name} has no {missing}; add one")
+    with _told_of(path, lines[mass], name):
+        weight = _lengths(mass, "value", 1, path)[0]
     low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
-    return Shape("urdf", _minus(high, low), model=Model(centred, _lengths(mass, "value", 1, path)[0]))
+    return Shape("urdf", _minus(high, low), model=Model(centred, weight))
+
+
+def _parsed(path: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
+    """Return the outermost element of an XML file, and the line in which each element begins.
+
+    Raises:
+        SceneError: the file cannot be read, or is not XML.
+    """
+    builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
+    lines: dict[ElementTree.Element, int] = {}
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
+
+    parser.StartElementHandler, parser.EndElementHandler = start, builder.end
+    try:
+        with path.open("rb") as file:
+            parser.ParseFile(file)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    except expat.ExpatError as error:
+        raise SceneError(f"{path}:{error.lineno}: not XML: {str(error).partition(':')[0]}; mend the line") from error
+    except (LookupError, ValueError) as error:
+        raise SceneError(f"{path}:1: not XML: its encoding cannot be read; save it as UTF-8") from error
+    return builder.close(), lines
+
+
+@contextmanager
+def _told_of(path: Path, line: int, what: str) -> Iterator[None]:
+    """Begin the message of an error in a URDF with its line, and with what of it is wrong.
+
+    Raises:
+        SceneError: what is read raises one.
+    """
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError(f"{path}:{line}: {what}: {str(error).removeprefix(f'{path}: ')}") from error
 
 
 def _require_inside(path: Path, folder: Path) -> None:
@@ -73,11 +118,11 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
     """
     origin = element.find("origin")
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
-    place = (_numbers(at, 3, path, "xyz"), _numbers(turn, 3, path, "rpy"))
+    place = (_numbers(at, 3, path, "the xyz of <origin>"), _numbers(turn, 3, path, "the rpy of <origin>"))
     geometry = element.find("geometry")
     shape = None if geometry is None else next(iter(geometry), None)
     if shape is None:
-        raise SceneError(f"{path}: a <collision> has no <geometry>; give it a box, cylinder, sphere or mesh")
+        raise SceneError(f"{path}: has no <geometry>; give it a box, cylinder, sphere or mesh")
     if shape.tag == "mesh":
         file = path.parent / shape.get("filename", "").removeprefix("package://")
         _require_inside(file, folder)
@@ -113,7 +158,7 @@ def _lengths(element: ElementTree.Element, name: str, count: int, path: Path, de
     Raises:
         SceneError: they are not.
     """
-    values = _numbers(element.get(name, default), count, path, name)
+    values = _numbers(element.get(name, default), count, path, f"the {name} of <{element.tag}>")
     if min(values[:count]) <= 0.0:
         raise SceneError(f"{path}: <{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
     return values

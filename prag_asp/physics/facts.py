@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from prag_asp.domain.atom import Atom
+from prag_asp.domain.plural import plural
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.predicates import Predicate, predicate_of
@@ -145,7 +146,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
         return None
     roles = scene.roles(name)
     if len(roles) != len(atom.arguments):
-        raise SceneError(f"{atom} has {len(atom.arguments)} arguments, but {name} takes {', '.join(roles)}")
+        raise SceneError(f"{atom} has {plural(len(atom.arguments), 'argument')}, but {name} takes {', '.join(roles)}")
     for role, entity in zip(roles, atom.arguments, strict=True):
         known: Mapping[str, object] = scene.rotations if role == "rotation" else scene.shapes
         if entity not in known:

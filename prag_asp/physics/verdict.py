@@ -9,13 +9,17 @@ from typing import Any, Literal, NamedTuple, get_args
 from prag_asp.domain.scene import Size
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.fields import Field
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
 
 Status = Literal["feasible", "not_found", "infeasible"]
 Tier = Literal["kinematics", "settling", "transit", "demonstration"]
+STATUSES: tuple[Status, ...] = get_args(Status)
 TIERS: tuple[Tier, ...] = get_args(Tier)
 """The tiers of checks, the cheapest first."""
+JOINTS = 7
+"""Joint angles of every robot."""
 TRANSIT = "transit"
 """The name of waypoints between those where something happens."""
 
@@ -156,16 +160,9 @@ class Witness:
         """Return the witness that `to_json` wrote.
 
         Raises:
-            QueryError: the data are of another form.
+            QueryError: the data are of another form; the message names the field by its path.
         """
-        try:
-            return cls(
-                tuple(_moment(moment) for moment in data["moments"]),
-                tuple(tuple(_waypoint(waypoint) for waypoint in motion) for motion in data["motions"]),
-                {str(entity): _size(size) for entity, size in data.get("sizes", {}).items()},
-            )
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise QueryError(f"this is not a witness: {error!r}") from error
+        return _witness(Field(data, "witness"))
 
 
 @dataclass(frozen=True)
@@ -210,51 +207,26 @@ class Verdict:
         """Return the verdict that `to_json` wrote.
 
         Raises:
-            QueryError: the data are of another form.
+            QueryError: the data are of another form; the message names the field by its path.
         """
-        try:
-            if data["status"] not in get_args(Status):
-                raise ValueError(data["status"])
-            return cls(
-                status=data["status"],
-                budget=Budget(data["budget"]["restarts"], data["budget"]["samples"], data["budget"]["tier"]),
-                seed=int(data["seed"]),
-                index=int(data["index"]),
-                reason=str(data["reason"]),
-                causes={str(cause): int(count) for cause, count in data["causes"].items()},
-                restarts=int(data["restarts"]),
-                witness=None if data["witness"] is None else Witness.from_json(data["witness"]),
-            )
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise QueryError(f"this is not a verdict: {error!r}") from error
+        told = Field(data, "verdict")
+        budget, witness = told.field("budget"), told.known("witness")
+        restarts, samples = (budget.field(name).whole() for name in ("restarts", "samples"))
+        return cls(
+            status=told.field("status").choice(STATUSES),
+            budget=Budget(restarts, samples, budget.field("tier").choice(TIERS)),
+            seed=told.field("seed").whole(),
+            index=told.field("index").whole(),
+            reason=told.field("reason").text(),
+            causes={cause: number.whole() for cause, number in told.field("causes").items()},
+            restarts=told.field("restarts").whole(),
+            witness=None if witness is None else _witness(witness),
+        )
 
 
 def _pose_json(pose: Pose) -> list[list[float]]:
     """Return a pose as its position and its quaternion (x, y, z, w)."""
     return [list(pose.position), list(pose.quaternion)]
-
-
-def _pose(data: Any) -> Pose:
-    """Return the pose that `_pose_json` wrote."""
-    (x, y, z), (qx, qy, qz, qw) = data
-    return Pose((float(x), float(y), float(z)), (float(qx), float(qy), float(qz), float(qw)))
-
-
-def _size(data: Any) -> Size:
-    """Return the sides of a bounding box that `Witness.to_json` wrote."""
-    x, y, z = map(float, data)
-    return (x, y, z)
-
-
-def _moment(data: Mapping[str, Any]) -> Moment:
-    """Return the moment that `Moment.to_json` wrote."""
-    return Moment(
-        poses={str(entity): _pose(pose) for entity, pose in data["poses"].items()},
-        robot=str(data.get("robot", "")),
-        others={str(name): _arm(arm) for name, arm in data.get("others", {}).items()},
-        **_arm(data)._asdict(),
-        openings={str(entity): float(opening) for entity, opening in data.get("openings", {}).items()},
-    )
 
 
 def _arm_json(arm: ArmState) -> dict[str, Any]:
@@ -263,20 +235,63 @@ def _arm_json(arm: ArmState) -> dict[str, Any]:
     return {"joints": list(arm.joints), "width": arm.width, "held": arm.held, "grasp": grasp}
 
 
-def _arm(data: Mapping[str, Any]) -> ArmState:
+def _witness(data: Field) -> Witness:
+    """Return the witness that `Witness.to_json` wrote."""
+    sizes = data.optional("sizes")
+    return Witness(
+        tuple(_moment(moment) for moment in data.field("moments").entries("a list of moments")),
+        tuple(
+            tuple(_waypoint(waypoint) for waypoint in motion.entries("a list of waypoints"))
+            for motion in data.field("motions").entries("a list with a list of waypoints for each action")
+        ),
+        {} if sizes is None else {entity: _vector(size) for entity, size in sizes.items()},
+    )
+
+
+def _pose(data: Field) -> Pose:
+    """Return the pose that `_pose_json` wrote."""
+    position, quaternion = data.entries("a position [x, y, z] and a quaternion [x, y, z, w]", 2)
+    x, y, z, w = quaternion.numbers(4)
+    return Pose(_vector(position), (x, y, z, w))
+
+
+def _vector(data: Field) -> Size:
+    """Return three numbers."""
+    x, y, z = data.numbers(3)
+    return (x, y, z)
+
+
+def _moment(data: Field) -> Moment:
+    """Return the moment that `Moment.to_json` wrote."""
+    robot, others, openings = (data.optional(name) for name in ("robot", "others", "openings"))
+    return Moment(
+        poses={entity: _pose(pose) for entity, pose in data.field("poses").items()},
+        robot="" if robot is None else robot.text(),
+        others={} if others is None else {name: _arm(arm) for name, arm in others.items()},
+        **_arm(data)._asdict(),
+        openings={} if openings is None else {entity: opening.number() for entity, opening in openings.items()},
+    )
+
+
+def _arm(data: Field) -> ArmState:
     """Return the arm that `_arm_json` wrote."""
-    grasp = None if data["grasp"] is None else _pose(data["grasp"])
-    return ArmState(tuple(map(float, data["joints"])), float(data["width"]), data["held"], grasp)
+    held, grasp = data.known("held"), data.known("grasp")
+    return ArmState(
+        data.field("joints").numbers(JOINTS),
+        data.field("width").number(),
+        None if held is None else held.text(),
+        None if grasp is None else _pose(grasp),
+    )
 
 
-def _waypoint(data: Mapping[str, Any]) -> Waypoint:
+def _waypoint(data: Field) -> Waypoint:
     """Return the waypoint that `Waypoint.to_json` wrote."""
-    opening = data.get("opening")
+    held, opening, robot = data.known("held"), data.optional("opening"), data.optional("robot")
     return Waypoint(
-        str(data["name"]),
-        tuple(map(float, data["joints"])),
-        float(data["width"]),
-        data["held"],
-        None if opening is None else float(opening),
-        str(data.get("robot", "")),
+        data.field("name").text(),
+        data.field("joints").numbers(JOINTS),
+        data.field("width").number(),
+        None if held is None else held.text(),
+        None if opening is None else opening.number(),
+        "" if robot is None else robot.text(),
     )

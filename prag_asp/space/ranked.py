@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, overload
 
+from prag_asp.domain.plural import plural
 from prag_asp.errors import QueryError
 from prag_asp.space.ranks import distinct_ranks
 from prag_asp.space.shuffle import Shuffle
@@ -95,7 +96,7 @@ class RankedTasks:
     rank: Callable[[Task], int]
 
     def __repr__(self) -> str:
-        return f"<{self.count()} tasks>"
+        return f"<{plural(self.count(), 'task')}>"
 
     def count(self) -> int:
         """Return how many tasks there are."""
@@ -136,7 +137,9 @@ class RankedTasks:
         """
         place = self.ranks.place(self.rank(task))
         if place is None:
-            raise QueryError(f"not one of these {self.count()} tasks: {task}")
+            raise QueryError(
+                f"not one of {'this' if self.count() == 1 else 'these'} {plural(self.count(), 'task')}: {task}"
+            )
         return place
 
     def sample(self, count: int, *, seed: int, distinct: bool = False) -> list[Task]:

@@ -87,12 +87,7 @@ def test_recordings_are_drawn_as_they_were_performed(tmp_path: Path) -> None:
     [
         (("3",), "it has 2 tasks, so none has the number 3"),
         (("-o", "one.png"), "2 pictures as strip need a folder"),
-        (("1", "--as", "gif", "-o", "one.png"), "need a folder or one .gif file"),
-        (("--size", "big"), "write WIDTHxHEIGHT"),
-        (("--size", "9x9999"), "16 to 4096 pixels a side"),
-        (("1", "--as", "state", "--state", "9"), "the states of the task are 0 to 3"),
-        (("1", "--as", "gif", "--speed", "0"), "positive number"),
-        (("1", "-o", "one.nothing"), "cannot be written"),
+        (("1", "--as", "state", "--state", "9", "-o", "one.png"), "the states of the task are 0 to 3"),
     ],
 )
 def test_what_cannot_be_drawn_is_said_in_one_line(
@@ -101,6 +96,45 @@ def test_what_cannot_be_drawn_is_said_in_one_line(
     done = run("render", str(tasks), *options, cwd=tmp_path)
     assert done.returncode in (1, 2)
     assert complaint in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        (("--size", "big"), "write WIDTHxHEIGHT"),
+        (("--size", "9x9999"), "16 to 4096 pixels a side"),
+        (("--as", "gif", "--speed", "0"), "positive number"),
+        (("--speed", "nan"), "positive number"),
+        (("--state", "1"), "--state 1 goes with --as state; got --as strip"),
+        (("-o", "one.nothing"), "a picture as strip is a .png, .jpg, "),
+        (("--as", "gif", "-o", "one.png"), "a picture as gif is a .gif file"),
+        (("-o", "no/folder/one.png"), "there is no folder no/folder; make it"),
+    ],
+)
+def test_options_that_cannot_be_met_are_refused_before_the_file_is_read(
+    tmp_path: Path, options: tuple[str, ...], complaint: str
+) -> None:
+    (tmp_path / "broken.jsonl").write_text("no task\n")
+    done = run("render", "broken.jsonl", *options, cwd=tmp_path)
+    assert done.returncode == (1 if "no/folder/one.png" in options else 2)
+    assert complaint in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", ["one.webp", "one.JPG", "dotted.folder"])
+def test_the_end_of_a_name_says_how_a_picture_is_written(tasks: Path, tmp_path: Path, name: str) -> None:
+    (tmp_path / "dotted.folder").mkdir()
+    done = ok("render", str(tasks), "1", "--as", "state", "--size", "32x32", "-o", name, cwd=tmp_path)
+    assert pixels(tmp_path / done.strip()).shape == (32, 32, 3)
+    assert done.strip() == (name if name != "dotted.folder" else "dotted.folder/000001.png")
+
+
+def test_tasks_of_a_folder_beside_their_file_are_drawn_from_anywhere(tmp_path: Path) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    ok("new", "mine", cwd=home)
+    ok("sample", "mine", "-n", "1", "--count", "1", "--format", "jsonl", "-o", "tasks.jsonl", cwd=home)
+    drawn = ("render", "home/tasks.jsonl", "--as", "state", "--size", "32x32", "-o", "one.png")
+    assert ok(*drawn, cwd=tmp_path) == "one.png\n"
 
 
 def test_a_file_without_tasks_and_an_unwritable_folder_are_refused(tasks: Path, tmp_path: Path) -> None:

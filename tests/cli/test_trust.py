@@ -53,3 +53,19 @@ def test_a_trusted_file_that_fails_ends_with_one_line(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (2, "")
     (line,) = done.stderr.splitlines()
     assert "predicates.py:2: AttributeError: module 'math' has no attribute 'no'" in line
+
+
+def test_a_predicate_with_a_wrong_result_ends_a_draw_with_its_line_alone(tmp_path: Path) -> None:
+    folder = tmp_path / "studio"
+    shutil.copytree(STUDIO, folder)
+    file = folder / "predicates.py"
+    text = file.read_text()
+    file.write_text(text.replace("    return Volume(sides=tuple(sides))", "    return sides"))
+    line = text[: text.index("def _volume")].count("\n") + 1
+    drawn = ["sample", str(folder), "-n", "4", "--count", "20", "--where", "has at least 1 aim", "--trust"]
+    done = run(*drawn)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(
+        f"{file}:{line}: the volume of looks_at has to be a Volume, with numbers as its bounds"
+    )
+    assert done.stderr.count("\n") == 1

@@ -10,7 +10,7 @@ import pytest
 
 from prag_asp.cli import terminal
 from tests.cli.test_commands import PRAG, ok, run
-from tests.processes import interrupt, interruptible
+from tests.processes import children, interrupt, interruptible, terminate
 
 
 def test_pass_rates_stand_beside_their_budget_and_above_the_causes(tmp_path: Path) -> None:
@@ -71,6 +71,40 @@ def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_
     assert first == "1\tfeasible\n"
     assert process.returncode == 130
     assert "interrupted" in err and "budget 10 x 10" in err and "Traceback" not in err
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_validation_that_is_told_to_end_ends_as_an_interrupted_one_and_its_workers_with_it(
+    tmp_path: Path, workers: str
+) -> None:
+    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
+    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
+    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", workers], tmp_path) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "1\tfeasible\n"
+        helpers = children(process.pid)
+        err = terminate(process)
+    assert process.returncode == 143
+    assert err.startswith(tuple("123456789")) and "budget 10 x 10" in err and err.endswith("terminated\n")
+    assert len(helpers) >= (3 if workers == "2" else 0)
+    time.sleep(0.5)
+    assert not any(
+        Path(f"/proc/{helper}/cmdline").read_bytes() for helper in helpers if Path(f"/proc/{helper}").exists()
+    )
+
+
+def test_drawing_that_is_told_to_end_leaves_whole_lines_and_says_how_far_it_came(tmp_path: Path) -> None:
+    command = [*PRAG, "sample", "tabletop", "-n", "4", "--count", "100000", "--format", "jsonl", "-o", "tasks.jsonl"]
+    file = tmp_path / "tasks.jsonl"
+    with interruptible(command, tmp_path) as process:
+        until = time.monotonic() + 60
+        while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
+            time.sleep(0.05)
+        err = terminate(process)
+    assert process.returncode == 143
+    lines = file.read_text().splitlines()
+    assert all(json.loads(line)["witness"] for line in lines)
+    assert int(err.split(" drawn, ")[1].split()[0]) == len(lines) > 0
 
 
 class _Screen(io.StringIO):

@@ -2,8 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from prag_asp.domain.atom import Atom, parse_atom
+from prag_asp.domain.scene import Shape
 from prag_asp.space.task import Task
+
+STUDIO = Path(__file__).parents[2] / "examples" / "own_predicates"
+STUDIO_SHAPES = {
+    "panda": Shape("robot"),
+    "table_1": Shape("table"),
+    "cup_1": Shape("cylinder", (0.06, 0.06, 0.08)),
+    "cup_2": Shape("cylinder", (0.06, 0.06, 0.08)),
+    "brick_1": Shape("box", (0.11, 0.05, 0.04)),
+    "camera_1": Shape("box", (0.1, 0.05, 0.06)),
+}
 
 CLASSES = {
     "panda": "robot",

@@ -28,7 +28,7 @@ def test_headings_can_be_given(witness, tabletop):
     plain = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50))
     other = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50), headings=["Take it", "Put it"])
     assert np.asarray(plain).tobytes() != np.asarray(other).tobytes()
-    with pytest.raises(QueryError, match="1 headings are given for 2 actions"):
+    with pytest.raises(QueryError, match="1 heading for 2 actions; give one for each"):
         film_strip(stacking(), witness, tabletop, headings=["Take it"])
 
 

@@ -172,7 +172,7 @@ def test_a_row_names_every_fact_that_it_needs_and_fits_where_it_is_a_little_shor
         assert (found is not None) == proved
         if found is not None:
             assert len(found.facts) == 3
-            assert "no room along y for the row tray_1, can_1, brick_1, shelf_1" in found.reason
+            assert "no room along y for the row tray 1, can 1, brick 1, shelf 1" in found.reason
 
 
 def test_arms_of_different_robots_hold_one_object_each() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -113,10 +112,35 @@ class Demonstration:
             QueryError: the file cannot be read, or holds something else.
         """
         try:
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
-                return _from_arrays({name: content[name] for name in (*ARRAYS, *TEXTS)})
-        except (OSError, KeyError, ValueError, IndexError, EOFError, zipfile.BadZipFile) as error:
-            raise QueryError(f"{path}: this is not a demonstration: {error}") from error
+            content = _arrays(path)
+        except OSError as error:
+            raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
+        missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
+        if missing:
+            raise QueryError(f"{path}: this is not a demonstration: it has no {missing[0]}")
+        try:
+            return _from_arrays(content)
+        except ValueError as error:
+            raise QueryError(f"{path}: this is not a demonstration: {error}") from None
+
+
+def _arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a .npz file by their names.
+
+    Raises:
+        OSError: the file cannot be read.
+        QueryError: it is another file, or was cut off.
+    """
+    with path.open("rb") as file:
+        try:
+            content = np.load(file, allow_pickle=False)
+            return {name: content[name] for name in content.files}
+        except OSError as error:
+            if error.errno is not None:
+                raise
+        except Exception:  # a foreign or broken file makes NumPy raise errors of many kinds
+            pass
+    raise QueryError(f"{path}: this is not a demonstration: it is another file than a .npz, or was cut off")
 
 
 def situation_of(
@@ -141,8 +165,11 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     """Return a recording from the arrays of a file.
 
     Raises:
-        ValueError: their shapes do not belong together.
+        ValueError: their shapes do not belong together, or they hold something else.
     """
+    for name in ("times", "forces", "ends", "bodies", "objects", "furniture"):
+        if content[name].ndim != 1:
+            raise ValueError(f"{name} has the shape {content[name].shape}; it has to be a list")
     frames, touches = len(content["times"]), len(content["forces"])
     wanted = {
         "times": (frames,),
@@ -159,6 +186,10 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     for name, shape in wanted.items():
         if content[name].shape != shape:
             raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
+        if content[name].dtype.kind not in "iuf" or not np.isfinite(content[name]).all():
+            raise ValueError(f"{name} has to hold finite numbers")
+    if frames == 0 or (len(content["ends"]) and not 0 <= content["ends"].min() <= content["ends"].max() < frames):
+        raise ValueError(f"ends has to hold numbers of frames; it has {frames} frames")
     return Demonstration(
         objects=tuple(map(str, content["objects"].tolist())),
         bodies=tuple(map(str, content["bodies"].tolist())),

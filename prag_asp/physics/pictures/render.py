@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from prag_asp.domain.atom import Atom
+from prag_asp.domain.plural import plural
 from prag_asp.domain.scene import Scene
-from prag_asp.errors import OutputError, QueryError
+from prag_asp.errors import OutputError, QueryError, SceneError
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
-from prag_asp.physics.facts import Fact, facts
+from prag_asp.physics.facts import Fact, facts, problem
 from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.layout import Panel, line_count, sheet
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.verdict import Moment, Witness
-from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.physics.witness.numbers import broken_numbers
+from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.space.task import Task
 
 if TYPE_CHECKING:
@@ -69,8 +72,7 @@ def film_strip(
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: less than two frames or no columns are asked for, or what is shown belongs to another task.
-        SceneError: the scene does not allow the size of an object.
+        QueryError: less than two frames or no columns are asked for, or what is shown does not belong to the task.
     """
     if (frames is not None and frames < 2) or columns < 1:
         raise QueryError(f"a film strip needs at least 2 frames and 1 column; got {frames} and {columns}")
@@ -79,7 +81,7 @@ def film_strip(
     pillow()
     last = len(task.actions)
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
-    with open_simulator(_sized(shown, scene), visual=True) as simulator:
+    with _simulator(task, shown, moments, scene) as simulator:
         pictures = [picture(simulator, moments[k], size) for k in chosen]
     captions = [_caption(task, scene, k, headings) for k in chosen]
     return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
@@ -92,14 +94,13 @@ def still(
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: the task has no such state, or what is shown belongs to another task.
-        SceneError: the scene does not allow the size of an object.
+        QueryError: the task has no such state, or what is shown does not belong to the task.
     """
     moments = _moments(task, shown)
     if not 0 <= state < len(moments):
         raise QueryError(f"state {state}: the states of the task are 0 to {len(moments) - 1}")
     pillow()
-    with open_simulator(_sized(shown, scene), visual=True) as simulator:
+    with _simulator(task, shown, moments, scene) as simulator:
         return picture(simulator, moments[state], size)
 
 
@@ -121,21 +122,21 @@ def animate(
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: the file is neither .gif nor .webp, the speed is not positive, or the demonstration belongs to
-            another task.
+        QueryError: the file is neither .gif nor .webp, the speed is not positive, or the demonstration does not
+            belong to the task.
         OutputError: the file cannot be written.
     """
-    if path.suffix not in (".gif", ".webp"):
+    if path.suffix.lower() not in (".gif", ".webp"):
         raise QueryError(f"{path}: an animation is a .gif or a .webp")
     if not 0.0 < speed < math.inf:
         raise QueryError(f"the speed of an animation is a positive number; got {speed}")
-    _moments(task, demonstration)
+    moments = _moments(task, demonstration)
     _check_headings(task, headings)
     pillow()
     every = max(1, round(speed * FRAMES_A_SECOND / RATE))
     frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
     panels = []
-    with open_simulator(demonstration.sized(scene), visual=True) as simulator:
+    with _simulator(task, demonstration, moments, scene) as simulator:
         for frame in frames:
             k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
             shown = picture(simulator, _moment(demonstration, frame), size)
@@ -158,16 +159,40 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
     """
     if isinstance(shown, Witness):
         moments, what = shown.moments, "witness"
+        if len(shown.motions) != len(task.actions):
+            raise QueryError(f"the witness has {plural(len(shown.motions), 'motion')}, the task {_actions(task)}")
     else:
         moments, what = tuple(_moment(shown, frame) for frame in shown.ends.tolist()), "demonstration"
     if len(moments) != len(task.actions) + 1:
-        raise QueryError(f"the {what} has {len(moments)} states, the task {len(task.actions)} actions")
+        raise QueryError(f"the {what} has {plural(len(moments), 'state')}, the task {_actions(task)}")
     return moments
 
 
-def _sized(shown: Witness | Demonstration, scene: Scene) -> Scene:
-    """Return a scene with the sizes of what is shown."""
-    return scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized(scene)
+def _actions(task: Task) -> str:
+    """Return how many actions a task has, in words."""
+    return plural(len(task.actions), "action")
+
+
+@contextmanager
+def _simulator(
+    task: Task, shown: Witness | Demonstration, moments: Sequence[Moment], scene: Scene
+) -> Iterator[Simulator]:
+    """Open a simulator in which all the moments of what is shown can be drawn.
+
+    Raises:
+        QueryError: the scene does not allow the size of an object, or a moment lacks an object or an arm of the task,
+            has another, or numbers that cannot be.
+    """
+    try:
+        sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized(scene)
+    except SceneError as error:
+        raise QueryError(str(error)) from None
+    with open_simulator(sized, visual=True) as simulator:
+        seen = problem(task, sized)
+        for k, moment in enumerate(moments):
+            for fault in broken_numbers(moment, seen, simulator):
+                raise QueryError(f"state {k}: {fault}")
+        yield simulator
 
 
 def _moment(demonstration: Demonstration, frame: int) -> Moment:
@@ -184,7 +209,7 @@ def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
         QueryError: there is not.
     """
     if headings is not None and len(headings) != len(task.actions):
-        raise QueryError(f"{len(headings)} headings are given for {len(task.actions)} actions")
+        raise QueryError(f"{plural(len(headings), 'heading')} for {_actions(task)}; give one for each")
 
 
 def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str] | None) -> tuple[str, str]:

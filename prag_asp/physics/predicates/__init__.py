@@ -11,7 +11,7 @@ from prag_asp.physics.predicates.aligned import ALIGNED
 from prag_asp.physics.predicates.beside import BESIDE
 from prag_asp.physics.predicates.between import BETWEEN
 from prag_asp.physics.predicates.boxes import composed
-from prag_asp.physics.predicates.gripper import AT, GRIPPER_OPEN, HOLDING, OVER, REACHABLE
+from prag_asp.physics.predicates.gripper import AT, GRIPPER_OPEN, HOLDING, NAMED, OVER, REACHABLE
 from prag_asp.physics.predicates.inside import INSIDE, LOCATED
 from prag_asp.physics.predicates.near import FAR_FROM, NEAR_TO
 from prag_asp.physics.predicates.on_top import ON_TOP
@@ -33,12 +33,13 @@ PREDICATES: Mapping[str, Predicate] = {
 
 
 def predicate_of(scene: Scene, name: str) -> Predicate:
-    """Return a spatial predicate of a scene by its name, always the same value.
+    """Return a spatial predicate of a scene by its name, always the same value; it names the gripper if there are more.
 
     Raises:
         SceneError: there is none; or a Python file defines it that is not trusted, or fails.
     """
-    known = PREDICATES.get(name)
+    known = NAMED.get(name) if len(scene.robots) > 1 else None
+    known = known or PREDICATES.get(name)
     if known is not None:
         return known
     own = scene.own.get(name)

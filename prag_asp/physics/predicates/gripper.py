@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from prag_asp.physics.geometry import Quaternion, heading, rotate, to_local, width_along
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
@@ -171,3 +172,14 @@ REACHABLE = Predicate(
     sentence=states("{1} {is} within reach"),
     subject=1,
 )
+
+NAMED: Mapping[str, Predicate] = {
+    predicate.name: replace(predicate, sentence=states(text))
+    for predicate, text in (
+        (AT, "the {0} gripper {is} at {1}"),
+        (HOLDING, "{1} {is} held by the {0} gripper"),
+        (GRIPPER_OPEN, "the {0} gripper {is} open"),
+        (REACHABLE, "{1} {is} within reach of the {0} gripper"),
+    )
+}
+"""Those whose sentences say which gripper is meant, for scenes that have several."""

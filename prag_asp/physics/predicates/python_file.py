@@ -11,12 +11,14 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from importlib.util import module_from_spec, spec_from_file_location
+from inspect import unwrap
 from numbers import Real
 from pathlib import Path
 from typing import Any
 
+from prag_asp.domain.plural import plural
 from prag_asp.domain.scene import Own
 from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.predicates.predicate import Arguments, Predicate
@@ -40,14 +42,18 @@ def defined(own: Own) -> Predicate:
         got = f"one of the name {predicate.name}" if isinstance(predicate, Predicate) else repr(predicate)
         raise SceneError(f"{own.file}:1: PREDICATES[{own.name!r}] has to be a Predicate of that name; got {got}")
     if not 0 <= predicate.subject < len(own.roles):
+        count = plural(len(own.roles), "argument")
         raise SceneError(
-            f"{own.file}:1: {own.name} has the subject {predicate.subject}, but {len(own.roles)} arguments"
+            f"{own.file}:1: {own.name} has the subject {predicate.subject}, but {count}; count them from 0"
         )
+    for part in ("violations", "volume", "sentence"):
+        if not callable(getattr(predicate, part)):
+            raise SceneError(f"{own.file}:1: {own.name}: its {part} is no function; got {getattr(predicate, part)!r}")
     return replace(
         predicate,
-        violations=_checked_violations(own, predicate.violations),
-        volume=_guarded(own, predicate.volume, _is_volume),
-        sentence=_guarded(own, predicate.sentence, lambda text: isinstance(text, str)),
+        violations=_guarded_violations(own, predicate.violations),
+        volume=_guarded(own, "volume", predicate.volume),
+        sentence=_guarded(own, "sentence", predicate.sentence),
     )
 
 
@@ -85,34 +91,32 @@ def _told(error: BaseException) -> str:
     return f"{type(error).__name__}: {' '.join(str(text).split())}"
 
 
-def _guarded(own: Own, function: Callable[..., Any], fine: Callable[[Any], bool]) -> Callable[..., Any]:
-    """Return a function of a file whose errors and wrong results are errors of the scene."""
+def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the function of a file for a part of a predicate; its errors and wrong results are errors of the scene."""
+    fine, needed = FINE[part]
+    place = _defined_at(own.file, function)
 
     @wraps(function)
     def guarded(*arguments: Any, **options: Any) -> Any:
         try:
             result = function(*arguments, **options)
+            if part == "violations":
+                result = list(result)
         except PragError:
             raise
         except (Exception, SystemExit) as error:
             raise SceneError(f"{_place(own.file, error)}: {own.name}: {_told(error)}; mend the file") from error
         if not fine(result):
-            raise SceneError(
-                f"{own.file}:1: {own.name}: {getattr(function, '__name__', 'a function')} returned {result!r}"
-            )
+            got = " ".join(repr(result).split())
+            raise SceneError(f"{place}: the {part} of {own.name} {needed}; got {got}; mend the function")
         return result
 
     return guarded
 
 
-def _is_volume(result: object) -> bool:
-    """Tell whether a value is a volume, none of whose bounds is not a number."""
-    return isinstance(result, Volume) and not any(map(math.isnan, (*result.low, *result.high, *result.width)))
-
-
-def _checked_violations(own: Own, function: Callable[..., Any]) -> Callable[..., Iterator[float]]:
+def _guarded_violations(own: Own, function: Callable[..., Any]) -> Callable[..., Iterator[float]]:
     """Return violations of a file, each checked to be a number: one that is none would hold everywhere."""
-    listed = _guarded(own, lambda situation, arguments: list(function(situation, arguments)), _are_numbers)
+    listed = _guarded(own, "violations", function)
 
     @wraps(function)
     def checked(situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -121,6 +125,28 @@ def _checked_violations(own: Own, function: Callable[..., Any]) -> Callable[...,
     return checked
 
 
+def _defined_at(file: str, function: Callable[..., Any]) -> str:
+    """Return where a function of a file begins, the first line of the file where it is from elsewhere."""
+    inner = unwrap(function)
+    while isinstance(inner, partial):
+        inner = unwrap(inner.func)
+    code = getattr(inner if hasattr(inner, "__code__") else type(inner).__call__, "__code__", None)
+    return f"{file}:{code.co_firstlineno if code is not None and Path(code.co_filename) == Path(file) else 1}"
+
+
+def _is_volume(result: object) -> bool:
+    """Tell whether a value is a volume, none of whose bounds is not a number."""
+    return isinstance(result, Volume) and not any(map(math.isnan, (*result.low, *result.high, *result.width)))
+
+
 def _are_numbers(result: list[Any]) -> bool:
     """Tell whether all of at least one value are numbers."""
     return bool(result) and all(isinstance(value, Real) and not math.isnan(value) for value in result)
+
+
+FINE: Mapping[str, tuple[Callable[[Any], bool], str]] = {
+    "violations": (_are_numbers, "have to be numbers, at least one"),
+    "volume": (_is_volume, "has to be a Volume, with numbers as its bounds"),
+    "sentence": (lambda text: isinstance(text, str), "has to be a string"),
+}
+"""For each function of a predicate, whether a result is fine, and what is needed of it."""

@@ -96,7 +96,7 @@ class Prover:
             return
         true = [fact for fact in facts if fact.value]
         yield from gap_reasons(true)
-        yield from gripper_reasons(true)
+        yield from gripper_reasons(true, self._scene)
         yield from turn_reasons(true, self._scene)
         for group in self._groups(true):
             if not group.isdisjoint(new):

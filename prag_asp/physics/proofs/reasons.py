@@ -11,6 +11,7 @@ from prag_asp.physics.geometry import IDENTITY, Pose, wrap
 from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.predicates import rotated
 from prag_asp.physics.predicates.beside import DIRECTIONS
+from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.proofs.demands import bodies
 from prag_asp.physics.proofs.differences import ORIGIN, ROUNDING, Gap, impossible_row, lowest
 from prag_asp.physics.robot import robot_of
@@ -43,7 +44,8 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
         # Bodies stand upright and are gripped from above, so that their height does not count.
         narrowest = scene.shapes[entity].breadth(widest=False)
         if narrowest > opening:
-            yield f"{entity} is {narrowest * 1000:.0f} mm wide, the gripper opens {opening * 1000:.0f} mm"
+            limit = f"{_gripper(fact.arguments[0], scene)} opens {opening * 1000:.0f} mm"
+            yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {limit}"
     elif name in ("inside", "located"):
         entity, container = fact.arguments
         shape = scene.shapes[container]
@@ -51,11 +53,11 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
             return
         inner = cavity(shape)
         if inner == NO_CONTAINER:
-            yield f"{container} is not a container, so {entity} cannot be in it"
+            yield f"{words(container)} is not a container, so {words(entity)} cannot be in it"
         elif _too_large(scene.shapes[entity], inner[0], inner[1]):
-            yield f"{entity} is larger than the cavity of {container}"
+            yield f"{words(entity)} is larger than the cavity of {words(container)}"
     elif name == "on_top" and not scene.shapes[fact.arguments[1]].traits.flat:
-        yield f"nothing rests on {fact.arguments[1]}, which is a ball"
+        yield f"nothing rests on {words(fact.arguments[1])}, which is a ball"
 
 
 def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
@@ -74,10 +76,10 @@ def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
     near = {frozenset(fact.arguments) for fact in true if fact.predicate.name == "near"}
     for fact in true:
         if near and fact.predicate.name == "far" and frozenset(fact.arguments) in near:
-            yield f"{' and '.join(fact.arguments)} cannot be near and far at once"
+            yield f"{' and '.join(map(words, fact.arguments))} cannot be near and far at once"
 
 
-def gripper_reasons(true: Iterable[Fact]) -> Iterator[str]:
+def gripper_reasons(true: Iterable[Fact], scene: Scene) -> Iterator[str]:
     """Yield why a gripper cannot do two things at once."""
     held: dict[str, str] = {}
     opened = set()
@@ -88,9 +90,10 @@ def gripper_reasons(true: Iterable[Fact]) -> Iterator[str]:
         elif fact.predicate.name == "holding":
             other = held.setdefault(robot, fact.arguments[1])
             if other != fact.arguments[1]:
-                yield f"the gripper cannot hold {other} and {fact.arguments[1]} at once"
+                things = f"{words(other)} and {words(fact.arguments[1])}"
+                yield f"{_gripper(robot, scene)} cannot hold {things} at once"
     for robot in sorted(opened & held.keys()):
-        yield f"the gripper cannot be open while it holds {held[robot]}"
+        yield f"{_gripper(robot, scene)} cannot be open while it holds {words(held[robot])}"
 
 
 def turn_reasons(true: Iterable[Fact], scene: Scene) -> Iterator[str]:
@@ -102,7 +105,7 @@ def turn_reasons(true: Iterable[Fact], scene: Scene) -> Iterator[str]:
             other = turned.setdefault(entity, rotation)
             between = abs(wrap(scene.rotations[rotation] - scene.rotations[other]))
             if between > 2 * rotated.TOLERANCE:
-                yield f"{entity} cannot be turned {other} and {rotation} at once"
+                yield f"{words(entity)} cannot be turned {words(other)} and {words(rotation)} at once"
 
 
 def room_reasons(true: Iterable[Fact], axis: int, gaps: Sequence[Gap]) -> Iterator[str]:
@@ -110,7 +113,7 @@ def room_reasons(true: Iterable[Fact], axis: int, gaps: Sequence[Gap]) -> Iterat
     row = impossible_row(gaps)
     if not row:
         return
-    names = ", ".join(dict.fromkeys(entity for entity, _ in row if entity))
+    names = ", ".join(dict.fromkeys(words(entity) for entity, _ in row if entity))
     predicates = {fact.predicate.name for fact in true}
     if ORIGIN not in row and predicates <= {*DIRECTIONS, "on_top", "inside"}:
         yield f"the relations along {AXES[axis]} form a circle: {names}"
@@ -137,6 +140,11 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
         far = math.hypot(*(max(-low, high) for low, high in sides))
         if near > farthest + ROUNDING or far < nearest - ROUNDING:
             yield _never_together(true)
+
+
+def _gripper(robot: str, scene: Scene) -> str:
+    """Return which gripper is meant, in words."""
+    return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
 
 
 def _never_together(facts: Iterable[Fact]) -> str:

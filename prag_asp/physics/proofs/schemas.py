@@ -214,9 +214,9 @@ class _Folding:
 
 def _in_variables(reason: str, entities: Entities) -> str:
     """Return a reason with variables in place of the names of entities."""
-    for variable, entity in zip(VARIABLES, entities, strict=False):
-        reason = re.sub(rf"\b({re.escape(entity)}|{re.escape(words(entity))})\b", variable, reason)
-    return reason
+    variables = {words(entity): variable for variable, entity in zip(VARIABLES, entities, strict=False)}
+    names = sorted(map(re.escape, variables), key=len, reverse=True)  # cube 2 before cube
+    return re.sub(rf"\b({'|'.join(names)})\b", lambda found: variables[found[0]], reason) if names else reason
 
 
 def _kind(reason: str) -> str:

@@ -27,6 +27,8 @@ def motion_problems(motion: tuple[Waypoint, ...], before: Moment, after: Moment,
     heights: list[Pose] = []
     for waypoint in motion:
         broken = list(broken_arm(waypoint.robot, waypoint.joints, waypoint.width, simulator))
+        if waypoint.held is not None and waypoint.held not in before.poses:
+            broken.append(f"it holds {waypoint.held}, which has no pose")
         if broken:
             yield from (f"{waypoint.name}: {text}" for text in broken)
             return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from prag_asp.physics.facts import Problem
 from prag_asp.physics.geometry import Pose, finite
@@ -26,7 +26,7 @@ def broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Itera
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
     if sorted(moment.arms()) != sorted(simulator.arms):
-        yield f"it has the arms {', '.join(moment.arms())}; the scene has {', '.join(simulator.arms)}"
+        yield f"it has {_arms(moment.arms())}; the scene has {_arms(simulator.arms)}"
         return
     for name, arm in moment.arms().items():
         yield from broken_arm(name, arm.joints, arm.width, simulator)
@@ -34,6 +34,11 @@ def broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Itera
             yield "a held object and its grasp go together"
         elif arm.held is not None and (arm.held not in moment.poses or not finite(arm.grasp or Pose((0, 0, 0)))):
             yield f"the grasp of {arm.held} is not a finite position and rotation"
+
+
+def _arms(names: Iterable[str]) -> str:
+    """Return the arms of some robots in words; a single robot has no name."""
+    return ", ".join(f"the arm of {name}" if name else "one arm without a name" for name in names)
 
 
 def broken_arm(name: str, joints: tuple[float, ...], width: float, simulator: Simulator) -> Iterator[str]:
