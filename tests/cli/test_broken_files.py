@@ -45,9 +45,7 @@ INCONSISTENT: dict[str, Change] = {
         lambda w: w["moments"][1]["poses"].update(ghost=[[0.5, 0, 0.1], [0, 0, 0, 1]])
     ),
     "has no pose": lambda w: w["moments"][1]["poses"].pop(object_of(w)),
-    "state 2: it has the arm of left; the scene has one arm without a name": (
-        lambda w: w["moments"][2].update(robot="left")
-    ),
+    "state 2: it has the arms left; the scene has one without a name": (lambda w: w["moments"][2].update(robot="left")),
 }
 
 

@@ -208,6 +208,19 @@ def test_files_that_hold_no_recording_are_refused(stacked, tmp_path):
     replace(stacked, joints=stacked.joints[:, :6]).save(path)
     with pytest.raises(QueryError, match=r"joints has the shape \(\d+, 6\) in place of \(\d+, 7\)"):
         Demonstration.load(path)
+    for changed, message in (
+        ({"poses": stacked.poses * np.nan}, "poses has to hold finite numbers"),
+        ({"ends": stacked.ends + 10_000}, "ends has to hold numbers of frames"),
+        ({"times": np.array(3.0)}, r"times has the shape \(\); it has to be a list"),
+    ):
+        replace(stacked, **changed).save(path)
+        with pytest.raises(QueryError, match=rf"bad.npz: this is not a demonstration: {message}"):
+            Demonstration.load(path)
+    np.save(path.with_suffix(".npy"), np.arange(3))
+    with pytest.raises(QueryError, match=r"it is another file than a \.npz, or was cut off"):
+        Demonstration.load(path.with_suffix(".npy"))
+    with pytest.raises(QueryError, match="cannot be read: Is a directory"):
+        Demonstration.load(tmp_path)
 
 
 def test_a_recording_that_was_changed_does_not_pass_the_check(stacked, tabletop):

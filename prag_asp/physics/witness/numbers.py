@@ -26,7 +26,7 @@ def broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Itera
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
     if sorted(moment.arms()) != sorted(simulator.arms):
-        yield f"it has {_arms(moment.arms())}; the scene has {_arms(simulator.arms)}"
+        yield f"it has the arms {_arms(moment.arms())}; the scene has {_arms(simulator.arms)}"
         return
     for name, arm in moment.arms().items():
         yield from broken_arm(name, arm.joints, arm.width, simulator)
@@ -37,8 +37,8 @@ def broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Itera
 
 
 def _arms(names: Iterable[str]) -> str:
-    """Return the arms of some robots in words; a single robot has no name."""
-    return ", ".join(f"the arm of {name}" if name else "one arm without a name" for name in names)
+    """Return the names of some arms; a single robot has none."""
+    return ", ".join(name or "one without a name" for name in names)
 
 
 def broken_arm(name: str, joints: tuple[float, ...], width: float, simulator: Simulator) -> Iterator[str]:
