@@ -23,6 +23,11 @@ HANDOVER = ("pick(left,bar_1,left_side)", "move(left,middle)", "move(right,middl
 HANDOVER += ("move(left,left_side)", "move(right,right_side)", "place(right,bar_1,right_side)")
 
 
+FETCH = ("open(panda,{0})", "approach(panda,{1},{0})", "grasp(panda,{1})", "move(panda,{1},{2})")
+FETCH += ("drop(panda,{1})", "withdraw(panda,{1})", "close(panda,{0})")
+FROM = (("drawer_1", "apple_1", "bowl_1"), ("cupboard_1", "cup_1", "table_1"))
+
+
 def _records(name, plans, tier="kinematics", scene=None):
     """Return the world of a domain, and the records of witnesses of tasks: some drawn, or those of given plans."""
     domain = load_domain(name)
@@ -42,7 +47,7 @@ def _records(name, plans, tier="kinematics", scene=None):
 
 @pytest.fixture(scope="module")
 def kitchen():
-    return _records("kitchen", {3: 1, 5: 1, 7: 2})
+    return _records("kitchen", tuple(tuple(step.format(*each) for step in FETCH) for each in FROM))
 
 
 @pytest.fixture(scope="module")
@@ -77,24 +82,31 @@ def test_honest_witnesses_pass(any_records):
         assert _found(world, record) == []
 
 
+def _some(cases, count):
+    """Return some of many cases, at least one."""
+    cases = list(cases)
+    assert cases
+    return random.Random(1).sample(cases, min(count, len(cases)))
+
+
 def test_a_body_that_is_moved_into_another_or_into_the_table_is_found(any_records):
     world, records = any_records
-    rng, tried = random.Random(1), 0
-    for record in records:
-        for k, moment in enumerate(record["witness"]["moments"]):
-            for name in _loose(world, moment):
-                changed, moments, _ = _changed(record)
-                moments[k]["poses"][name][0][2] -= 0.02
-                found = _found(world, changed)
-                assert any(f"state {k}: {name}" in text or f" and {name} are in each" in text for text in found)
-                other = rng.choice([each for each in moment["poses"] if each != name] or [name])
-                if other != name:
-                    changed, moments, _ = _changed(record)
-                    _push(world, moments[k]["poses"], name, other)
-                    pairs = {f"state {k}: {a} and {b} are in each other" for a, b in ((name, other), (other, name))}
-                    assert pairs & set(_found(world, changed)), (name, other)
-                    tried += 1
-    assert tried > 5
+    cases = [
+        (record, k, name, other)
+        for record in records
+        for k, moment in enumerate(record["witness"]["moments"])
+        for name in _loose(world, moment)
+        for other in moment["poses"]
+    ]
+    for record, k, name, other in _some(cases, 10):
+        changed, moments, _ = _changed(record)
+        if other == name:
+            moments[k]["poses"][name][0][2] = -0.02
+            assert f"state {k}: {name} is in the table" in _found(world, changed)
+        else:
+            _push(world, moments[k]["poses"], name, other)
+            pairs = {f"state {k}: {a} and {b} are in each other" for a, b in ((name, other), (other, name))}
+            assert pairs & set(_found(world, changed)), (name, other)
 
 
 def _push(world, poses, name, other):
@@ -114,131 +126,130 @@ def test_a_joint_beyond_its_limit_is_found_in_every_state_and_waypoint(any_recor
             for k in range(len(record["witness"][kind])):
                 changed, *_ = _changed(record)
                 each = changed["witness"][kind][k]
-                arm = rng.choice(list(arms_of(each).values()) if kind == "moments" else each)
-                limits = world.robots[world.robot(arm.get("robot", ""))].robot
-                joint = rng.randrange(7)
+                name, arm = rng.choice(
+                    list(arms_of(each).items()) if kind == "moments" else [(w.get("robot", ""), w) for w in each]
+                )
+                limits, joint = world.robots[name].robot, rng.randrange(7)
                 arm["joints"][joint] = rng.choice([limits.lower[joint] - 0.001, limits.upper[joint] + 0.001])
                 assert any("beyond" in text for text in _found(world, changed))
 
 
 def test_a_held_body_that_is_shifted_against_the_tool_is_found(any_records):
     world, records = any_records
-    tried = 0
-    for record in records:
-        for k, moment in enumerate(record["witness"]["moments"]):
-            for arm in arms_of(moment).values():
-                if arm["held"] is not None:
-                    for axis in range(3):
-                        changed, moments, _ = _changed(record)
-                        moments[k]["poses"][arm["held"]][0][axis] += 0.001
-                        text = f"state {k}: {arm['held']} is not where the gripper holds it"
-                        assert text in _found(world, changed)
-                        tried += 1
-    assert tried >= 6
+    cases = [
+        (record, k, arm["held"])
+        for record in records
+        for k, moment in enumerate(record["witness"]["moments"])
+        for arm in arms_of(moment).values()
+        if arm["held"] is not None
+    ]
+    for axis, (record, k, held) in enumerate(_some(cases, 3)):
+        changed, moments, _ = _changed(record)
+        moments[k]["poses"][held][0][axis] += 0.001
+        assert f"state {k}: {held} is not where the gripper holds it" in _found(world, changed)
 
 
 def test_every_dropped_waypoint_is_found(any_records):
     world, records = any_records
-    for record in records[1:3]:
-        for k, motion in enumerate(record["witness"]["motions"]):
-            for i in range(len(motion)):
-                changed, _, motions = _changed(record)
-                del motions[k][i]
-                assert _found(world, changed), (record["actions"][k], motion[i]["name"], i)
+    cases = [
+        (record, k, i)
+        for record in records
+        for k, motion in enumerate(record["witness"]["motions"])
+        for i in range(len(motion))
+    ]
+    for record, k, i in _some(cases, 15):
+        changed, _, motions = _changed(record)
+        dropped = motions[k].pop(i)
+        assert _found(world, changed), (record["actions"][k], dropped["name"], i)
 
 
 def test_an_opening_that_is_not_as_it_is_told_is_found(kitchen):
     world, records = kitchen
-    for record in records:
-        for k, state in enumerate([record["initial"], *record["states"]]):
-            for name, furniture in world.furniture.items():
-                fluent = f"open({name})"
-                changed, moments, _ = _changed(record)
-                told = [changed["initial"], *changed["states"]][k]
-                told[fluent] = not state[fluent]
-                assert any(f"state {k}: {fluent} is not" in text for text in _found(world, changed))
-                changed, moments, _ = _changed(record)
-                moments[k]["openings"][name] = 0.0 if state[fluent] else furniture.limit
-                assert any(f"state {k}: {fluent} is not" in text for text in _found(world, changed))
-                changed, moments, _ = _changed(record)
-                moments[k]["openings"][name] += 0.004 if state[fluent] is False else -0.004
-                assert any(f"{name} is not open as it has been left" in text for text in _found(world, changed))
-                changed, moments, _ = _changed(record)
-                moments[k]["openings"][name] = furniture.limit + 0.01
-                assert "furniture is open beyond its limit" in _found(world, changed)
+    cases = [
+        (record, k, name) for record in records for k in range(len(record["states"]) + 1) for name in world.furniture
+    ]
+    for record, k, name in _some(cases, 4):
+        fluent, limit = f"open({name})", world.furniture[name].limit
+        is_open = [record["initial"], *record["states"]][k][fluent]
+        changed, moments, _ = _changed(record)
+        [changed["initial"], *changed["states"]][k][fluent] = not is_open
+        assert any(f"state {k}: {fluent} is not" in text for text in _found(world, changed))
+        for opening, found in (
+            (0.0 if is_open else limit, f"state {k}: {fluent} is not"),
+            (
+                record["witness"]["moments"][k]["openings"][name] - (0.004 if is_open else -0.004),
+                f"{name} is not open as",
+            ),
+            (limit + 0.01, "furniture is open beyond its limit"),
+        ):
+            changed, moments, _ = _changed(record)
+            moments[k]["openings"][name] = opening
+            assert any(found in text or "leaps" in text for text in _found(world, changed)), found
 
 
 def test_a_gripper_off_the_handle_and_what_is_left_behind_are_found(kitchen):
     world, records = kitchen
-    tried = 0
-    for record in records:
-        for k, motion in enumerate(record["witness"]["motions"]):
-            pulls = [i for i, waypoint in enumerate(motion) if waypoint["name"] == "pull"]
-            for i in pulls[:1]:
-                for key, change, text in (
-                    ("opening", 0.003, "does not hold the handle"),
-                    ("width", 0.004, "does not hold the handle"),
-                    ("joints", 0.005, "does not hold the handle"),
-                ):
-                    changed, _, motions = _changed(record)
-                    waypoint = motions[k][i]
-                    if key == "joints":
-                        waypoint[key][1] += change
-                    else:
-                        waypoint[key] += change
-                    assert any(text in each for each in _found(world, changed)), key
-                name, before = motion[i]["held"], record["witness"]["moments"][k]
-                after = record["witness"]["moments"][k + 1]
-                for body in _loose(world, before):
-                    if before["poses"][body] != after["poses"][body]:
-                        assert name == "drawer_1"
-                        changed, moments, _ = _changed(record)
-                        moments[k + 1]["poses"][body] = before["poses"][body]
-                        text = f"action {k + 1}: {body} is not where it has been left"
-                        assert text in _found(world, changed)
-                        tried += 1
-    assert tried > 1
+    pulls = [
+        (record, k, i)
+        for record in records
+        for k, motion in enumerate(record["witness"]["motions"])
+        for i, waypoint in enumerate(motion)
+        if waypoint["name"] == "pull"
+    ]
+    for key, (record, k, i) in zip(("opening", "width", "joints", "joints"), _some(pulls, 4), strict=True):
+        changed, _, motions = _changed(record)
+        waypoint = motions[k][i]
+        if key == "joints":
+            waypoint[key][1] += 0.005
+        else:
+            waypoint[key] += 0.02
+        assert any("does not hold the handle" in text for text in _found(world, changed)), key
+    left = [
+        (record, k, body)
+        for record, k, i in pulls
+        for body in _loose(world, record["witness"]["moments"][k])
+        if _pose(record, k, body) != _pose(record, k + 1, body)
+    ]
+    for record, k, body in _some(left, 2):
+        changed, moments, _ = _changed(record)
+        moments[k + 1]["poses"][body] = _pose(record, k, body)
+        assert f"action {k + 1}: {body} is not where it has been left" in _found(world, changed)
+
+
+def _pose(record, k, body):
+    return record["witness"]["moments"][k]["poses"][body]
 
 
 def test_arms_that_are_swapped_and_one_that_moves_unasked_are_found(two_arms):
     world, records = two_arms
-    for record in records:
-        for k in range(len(record["witness"]["moments"])):
-            changed, moments, _ = _changed(record)
-            acting = moments[k]["robot"]
-            other = next(iter(moments[k]["others"]))
-            moments[k]["robot"], moments[k]["others"] = other, {acting: moments[k]["others"][other]}
-            assert _found(world, changed), k
-            changed, moments, _ = _changed(record)
-            moments[k]["others"][other]["joints"][0] += 0.01
-            assert "does not end where the next state begins" in "".join(_found(world, changed))
-        for k, motion in enumerate(record["witness"]["motions"]):
-            changed, _, motions = _changed(record)
-            for waypoint in motions[k]:
-                waypoint["robot"] = {"left": "right", "right": "left"}[waypoint["robot"]]
-            assert _found(world, changed), record["actions"][k]
-            assert len(motion) > 0
+    cases = [(record, k) for record in records for k in range(len(record["actions"]))]
+    for record, k in _some(cases, 4):
+        changed, moments, motions = _changed(record)
+        acting, (other,) = moments[k]["robot"], moments[k]["others"]
+        own = {key: moments[k][key] for key in ("joints", "width", "held", "grasp")}
+        moments[k] |= moments[k]["others"][other]
+        moments[k]["others"] = {other: own}
+        assert _found(world, changed), (acting, k)
+        changed, moments, _ = _changed(record)
+        moments[k]["others"][other]["joints"][0] += 0.01
+        assert "does not end where the next state begins" in "".join(_found(world, changed)) or k == 0
+        changed, _, motions = _changed(record)
+        for waypoint in motions[k]:
+            waypoint["robot"] = {"left": "right", "right": "left"}[waypoint["robot"]]
+        assert _found(world, changed), record["actions"][k]
 
 
-def test_arms_and_what_they_hold_that_meet_are_found(two_arms):
-    world, (record, _) = two_arms
-    give = 3
-    changed, moments, _ = _changed(record)
-    moments[give]["others"]["left" if moments[give]["robot"] == "right" else "right"]["joints"] = _mirrored(
-        moments[give]
-    )
-    found = "".join(_found(world, changed))
-    assert "the arm is in that of" in found or "the arm is in bar_1" in found
+def test_an_arm_in_the_other_one_is_found(two_arms):
+    world, records = two_arms
+    changed, moments, _ = _changed(records[1])
+    reaching = np.array(world.robots["left"].base.at) - world.robots["right"].base.at
+    joints = [float(np.arctan2(reaching[1], reaching[0])), 0.6, 0.0, -1.5, 0.0, 2.1, 0.8]
+    arms_of(moments[0])["right"]["joints"] = joints
+    found = _found(world, changed)
+    assert "state 0: the arm is in that of left" in found and "state 0: the arm is in that of right" in found
 
 
-def _mirrored(moment):
-    """Return joints that bring the other arm to where this one is: turned by the angle between their bases."""
-    joints = list(moment["joints"])
-    joints[0] += 0.9 if moment["robot"] == "right" else -0.9
-    return joints
-
-
-@pytest.mark.parametrize(("name", "length"), [("kitchen", 5), ("two_arms", 3)])
+@pytest.mark.parametrize(("name", "length"), [("kitchen", 2), ("two_arms", 3)])
 def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, length):
     world, (record,) = _records(name, {length: 1}, "transit")
     assert _found(world, record, True) == []
@@ -249,7 +260,7 @@ def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, le
         for i, each in enumerate(motion[:-2])
         if each["name"] == motion[i + 1]["name"] == "transit"
     ]
-    for k, i in rng.sample(places, 4):
+    for k, i in rng.sample(places, 2):
         changed, _, copied = _changed(record)
         del copied[k][i]
         assert any("the way leaps" in text for text in _found(world, changed, True)), (k, i)
@@ -260,7 +271,7 @@ def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, le
     body = next(iter(_loose(world, moments[0])), None)
     if body is not None:
         for moment in moments:
-            moment["poses"][body][0] = tool.at.tolist()
+            moment["poses"][body][0] = (tool.at - 0.08 * tool.turn[:, 2]).tolist()  # in the palm
         assert any(f"transit: the arm is in {body}" in text for text in _found(world, changed, True))
 
 
@@ -271,7 +282,7 @@ def test_the_kuka_is_checked_as_well_and_beside_a_panda():
     world, records = _records("two_arms", {3: 2, 4: 2}, scene=replace(scene, robots=mounts))
     for record in records:
         assert _found(world, record) == []
-        for k, moment in enumerate(record["witness"]["moments"]):
+        for k in (0, 2):
             changed, moments, _ = _changed(record)
             arms_of(moments[k])["right"]["joints"][1] = 2.0
-            assert any("is in" in text for text in _found(world, changed)), moment["robot"]
+            assert any("is in" in text for text in _found(world, changed)), k
