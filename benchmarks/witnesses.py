@@ -1,9 +1,11 @@
 """Whether every witness that validation accepts passes a check that shares no code with it.
 
     python benchmarks/witnesses.py tabletop --count 10000
+    python benchmarks/witnesses.py two_arms --tier transit --count 100
 
-The check stands in tests/independent: NumPy alone, its own kinematics of the arm, its own collisions, balance and
-relations. It ends with code 1 where a witness fails, and says which and why.
+The check stands in tests/independent: NumPy alone, its own kinematics of the arms, its own collisions, furniture,
+balance and relations. With the tier transit it follows the arm along its ways too. It ends with code 1 where a witness
+fails, and says which and why.
 """
 
 from __future__ import annotations
@@ -34,12 +36,12 @@ def main() -> None:
     domain = load_domain(options.domain)
     scene = load_scene(domain)
     world, console = world_of(scene), Console(stderr=True)
-    found: dict[int, Counter[str]] = {}
+    budget, found = Budget(tier=options.tier), dict[int, Counter[str]]()
     wrong: list[str] = []
     for length in options.lengths:
         number = options.count // len(options.lengths)
         tasks = list(TaskSpace(domain, length).sample(number, seed=options.seed, weights={}))
-        verdicts = validate_tasks(tasks, scene, seed=options.seed, workers=options.workers, budget=Budget())
+        verdicts = validate_tasks(tasks, scene, seed=options.seed, workers=options.workers, budget=budget)
         counted = found[length] = Counter[str]()
         pairs = zip(tasks, verdicts, strict=True)
         for task, verdict in track(pairs, f"length {length}", total=number, console=console):
@@ -47,13 +49,13 @@ def main() -> None:
                 counted["none"] += 1
                 continue
             data = json.loads(write_line(Record(task, None, verdict.witness.to_json())))
-            broken = problems(data, data["witness"], world)
+            broken = problems(data, data["witness"], world, ways=budget.includes("transit"))
             counted["wrong" if broken else "right"] += 1
             if broken:
                 wrong.append(
                     f"length {length}, seed {options.seed}, index {verdict.index}, {task}: {'; '.join(broken)}"
                 )
-    Console().print(_table(options.domain, found))
+    Console().print(_table(options.domain, budget, found))
     for text in wrong:
         Console().print(text, soft_wrap=True, highlight=False)
     sys.exit(1 if wrong else 0)
@@ -65,19 +67,23 @@ def _options() -> argparse.Namespace:
     parser.add_argument("domain", nargs="?", default="tabletop")
     parser.add_argument("--lengths", type=int, nargs="+", default=[3, 4, 5, 6])
     parser.add_argument("--count", type=int, default=10_000, help="tasks in all")
+    parser.add_argument("--tier", choices=("kinematics", "settling", "transit"), default="kinematics")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=1)
     return parser.parse_args()
 
 
-def _table(domain: str, found: dict[int, Counter[str]]) -> Table:
+def _table(domain: str, budget: Budget, found: dict[int, Counter[str]]) -> Table:
     """Return how many witnesses of each length passed."""
-    table = Table(title=f"{domain}: witnesses of budget {Budget()}, checked independently")
+    table = Table(title=f"{domain}: witnesses of budget {budget}, checked independently")
     for name in ("length", "witnesses", "passed", "failed", "tasks without a witness"):
         table.add_column(name, justify="right")
-    for name, counts in [*found.items(), ("all", sum(found.values(), Counter()))]:
+    for name, counts in [
+        *((str(length), each) for length, each in found.items()),
+        ("all", sum(found.values(), Counter())),
+    ]:
         right, failed = counts["right"], counts["wrong"]
-        table.add_row(str(name), f"{right + failed:,}", f"{right:,}", str(failed), str(counts["none"]))
+        table.add_row(name, f"{right + failed:,}", f"{right:,}", str(failed), str(counts["none"]))
     return table
 
 

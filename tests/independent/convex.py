@@ -6,14 +6,29 @@ axes). Whatever direction is tried gives an upper bound, so a few too many are t
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
-from tests.independent.world import Array, Frame, Part
+from tests.independent.frames import Array, Frame
 
 RING = np.linspace(0, 2 * np.pi, 180, endpoint=False)
 HALVINGS = 12
+
+
+class Part(NamedTuple):
+    """A primitive: box, cylinder or sphere, half the sides of its bounding box, its place in its body."""
+
+    kind: str
+    half: Array
+    at: Array
+
+
+def volume(part: Part) -> float:
+    """Return the volume of a primitive in cubic metres."""
+    return 8 * float(np.prod(part.half)) * {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6}[part.kind]
 
 
 def depth(one: Part, at: Frame, two: Part, there: Frame, enough: float) -> float:
@@ -22,12 +37,16 @@ def depth(one: Part, at: Frame, two: Part, there: Frame, enough: float) -> float
     gap = other - centre
     if np.linalg.norm(gap) > np.linalg.norm(one.half) + np.linalg.norm(two.half):
         return -float("inf")
-    directions = np.array(list(_directions(one, at.turn, two, there.turn, gap)))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
 
     def shadows(tried: Array) -> Array:
         return np.asarray(reach(one, at.turn, tried) + reach(two, there.turn, tried) - tried @ gap)
 
+    faces = np.concatenate([at.turn.T, there.turn.T])
+    best = float(np.minimum(shadows(faces), shadows(-faces)).min())
+    if best <= enough:
+        return best
+    directions = np.concatenate([faces, -faces, *_directions(one, at.turn, two, there.turn, gap)])
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
     depths = shadows(directions)
     best, direction = float(depths.min()), directions[depths.argmin()]
     step = 0.05
@@ -54,24 +73,24 @@ def reach(part: Part, turn: Array, directions: Array) -> Array:
     return np.asarray(np.abs(local) @ part.half)
 
 
-def _directions(one: Part, turn: Array, two: Part, other: Array, gap: Array) -> Iterable[Array]:
-    """Yield directions from the first to the second body, not yet of length one."""
+def _directions(one: Part, turn: Array, two: Part, other: Array, gap: Array) -> Iterator[Array]:
+    """Yield directions from the first to the second body, shape (n, 3), not yet of length one."""
     crossed = np.cross(turn.T[:, None], other.T[None]).reshape(-1, 3)
-    axes = np.concatenate([turn.T, other.T, crossed[(crossed**2).sum(axis=1) > 1e-12]])
-    yield from axes
-    yield from -axes
+    crossed = crossed[(crossed**2).sum(axis=1) > 1e-12]
+    yield crossed
+    yield -crossed
     if np.linalg.norm(gap) > 0.0:
-        yield gap
+        yield gap[None]
     for body, frame in ((one, turn), (two, other)):
         if body.kind == "cylinder":
-            yield from np.cos(RING)[:, None] * frame[:, 0] + np.sin(RING)[:, None] * frame[:, 1]
+            yield np.cos(RING)[:, None] * frame[:, 0] + np.sin(RING)[:, None] * frame[:, 1]
     for ball, solid, frame, sign in ((one, two, other, -1), (two, one, turn, 1)):
         if ball.kind == "sphere":
             # From the nearest point of the other body to the centre of the ball.
             local = frame.T @ (sign * gap)
             outward = frame @ (local - _nearest(solid, local))
             if np.linalg.norm(outward) > 0.0:
-                yield sign * outward
+                yield sign * outward[None]
 
 
 def _nearest(part: Part, point: Array) -> Array:
@@ -95,3 +114,33 @@ def clearance(part: Part, at: Frame, points: Array) -> Array:
         beyond = np.abs(local) - part.half
     outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
     return np.asarray(outside + np.minimum(beyond.max(axis=1), 0.0))
+
+
+def surface(part: Part, spacing: float) -> Array:
+    """Return points on a primitive from its own middle, shape (n, 3): edges of a box, rims and sides of a cylinder."""
+    return _surface(part.kind, tuple(part.half.tolist()), spacing)
+
+
+@lru_cache(maxsize=1 << 8)
+def _surface(kind: str, half: tuple[float, float, float], spacing: float) -> Array:
+    x, _, z = half
+    if kind == "sphere":
+        # A spiral of equal areas.
+        rings = np.arange(int(16 * x * x / spacing**2) + 20) + 0.5
+        height, angle = 1 - 2 * rings / len(rings), np.pi * (1 + np.sqrt(5)) * rings
+        flat = np.sqrt(1 - height**2)
+        return np.asarray(x * np.column_stack([flat * np.cos(angle), flat * np.sin(angle), height]))
+    if kind == "cylinder":
+        angles = np.linspace(0, 2 * np.pi, int(2 * np.pi * x / spacing) + 8, endpoint=False)
+        heights = np.linspace(-z, z, int(2 * z / spacing) + 2)
+        rim = x * np.column_stack([np.cos(angles), np.sin(angles)])
+        return np.column_stack([np.tile(rim, (len(heights), 1)), np.repeat(heights, len(rim))])
+    found = []
+    for axis in range(3):
+        along = np.linspace(-1, 1, int(2 * half[axis] / spacing) + 2)
+        for one in (-1.0, 1.0):
+            for two in (-1.0, 1.0):
+                rows = np.empty((len(along), 3))
+                rows[:, axis], rows[:, axis - 1], rows[:, axis - 2] = along, one, two
+                found.append(rows * half)
+    return np.concatenate(found)

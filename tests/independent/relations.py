@@ -8,21 +8,43 @@ from dataclasses import dataclass
 import numpy as np
 
 from tests.independent.convex import reach
-from tests.independent.panda import OPENING
-from tests.independent.world import Frame, Part, World, bottom, box, top
+from tests.independent.frames import Array, Frame
+from tests.independent.tolerances import SLACK, TILT
+from tests.independent.world import Layout, World
 
-SLACK = 1e-6
-"""Metres and radians by which two ways to compute the same number may differ."""
+ROUND = ("cylinder", "sphere")
+HOLLOW = ("container", "drawer", "cupboard")
+OPEN, CLOSED = 0.9, 0.05
+"""From which share of the way on furniture is open, and up to which it is closed."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """One moment: where the bodies are, where the tool is, how far the gripper is open."""
+    """One moment: where the bodies are, where the tools are, how far the grippers are open."""
 
-    world: World
-    poses: Mapping[str, Frame]
-    tool: Frame
-    width: float
+    layout: Layout
+    tools: Mapping[str, Frame]
+    widths: Mapping[str, float]
+
+    @property
+    def world(self) -> World:
+        return self.layout.world
+
+    def tool(self, robot: str) -> Frame:
+        return self.tools[self.world.robot(robot)]
+
+    def local(self, name: str, at: Array) -> Array:
+        """Return a point in the axes of a body, a zone or the table."""
+        pose = self.layout.pose(name)
+        return np.asarray(pose.turn.T @ (at - pose.at))
+
+    def wide(self, name: str, direction: Array) -> float:
+        """Return half the width of a body along a direction of length one."""
+        low, high = np.inf, -np.inf
+        for solid in self.layout.body(name).solids:
+            middle, half = solid.middle @ direction, reach(solid.part, solid.place.turn, direction[None])[0]
+            low, high = min(low, middle - half), max(high, middle + half)
+        return float(high - low) / 2
 
 
 def holds(seen: Seen, name: str, arguments: Sequence[str], value: bool) -> bool:
@@ -33,45 +55,112 @@ def holds(seen: Seen, name: str, arguments: Sequence[str], value: bool) -> bool:
     return missed <= SLACK if value else missed > -SLACK
 
 
+def _middles(seen: Seen, names: Sequence[str]) -> list[Array]:
+    """Return the middles of the boxes around bodies."""
+    return [np.add(*seen.layout.span(name)) / 2 for name in names]
+
+
+def _sides(seen: Seen, names: Sequence[str]) -> Array:
+    """Return the sum of half the sides of the boxes around two bodies."""
+    return np.asarray(sum((high - low) / 2 for low, high in map(seen.layout.span, names)))
+
+
 def _beside(axis: int, sign: float) -> Callable[[Seen, Sequence[str]], Iterator[float]]:
     """Boxes 5 mm apart along the axis; centres no more than twice as far apart across it as along it."""
 
     def missed(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-        one, two = (seen.poses[name] for name in arguments)
-        along = (one.at - two.at)[axis] * sign * (-1 if seen.world.viewer else 1)
-        sides = [box(seen.world, name, seen.poses[name].turn)[axis] for name in arguments]
-        yield sum(sides) + 0.005 - along
-        yield abs((one.at - two.at)[1 - axis]) - 2 * along
+        one, two = _middles(seen, arguments)
+        along = (one - two)[axis] * sign * (-1 if seen.world.viewer else 1)
+        yield _sides(seen, arguments)[axis] + 0.005 - along
+        yield abs((one - two)[1 - axis]) - 2 * along
 
     return missed
 
 
+def _gap(seen: Seen, arguments: Sequence[str]) -> float:
+    """Return how far the boxes around two bodies are apart, seen from above."""
+    one, two = _middles(seen, arguments)
+    beyond = np.abs(one - two)[:2] - _sides(seen, arguments)[:2]
+    return float(np.linalg.norm(np.maximum(beyond, 0.0)))
+
+
+def _near(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """Up to 10 cm apart."""
+    yield _gap(seen, arguments) - 0.10
+
+
+def _far(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """From 25 cm apart on."""
+    yield 0.25 - _gap(seen, arguments)
+
+
+def _between(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """The line between the centres of two bodies passes through this one, 5 mm or more from either along it."""
+    name, one, two = arguments
+    begin, end = (middle[:2] for middle in _middles(seen, (one, two)))
+    at = seen.layout.poses[name].at[:2] - begin
+    long = float(np.linalg.norm(end - begin))
+    way = np.append((end - begin) / long if long > 0.0 else [1.0, 0.0], 0.0)
+    across = np.array([-way[1], way[0], 0.0])
+    own = seen.wide(name, way)
+    yield abs(float(at @ across[:2])) - seen.wide(name, across)
+    yield seen.wide(one, way) + 0.005 + own - float(at @ way[:2])
+    yield float(at @ way[:2]) - (long - seen.wide(two, way) - 0.005 - own)
+
+
+def _aligned(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """In a row along an axis within 1 cm, boxes 5 mm apart; sides parallel within five degrees, where both have any."""
+    one, two = _middles(seen, arguments)
+    apart, close = np.abs(one - two), _sides(seen, arguments) + 0.005
+    yield min(max(apart[1 - axis] - 0.01, close[axis] - apart[axis]) for axis in (0, 1))
+    if not any(seen.world.kinds[name] in ROUND for name in arguments):
+        yaws = [_yaw(seen.layout.pose(name)) for name in arguments]
+        yield abs(float(np.angle(np.exp(4j * (yaws[0] - yaws[1]))))) / 4 - np.radians(5)
+
+
+def _yaw(pose: Frame) -> float:
+    return float(np.arctan2(pose.turn[1, 0], pose.turn[0, 0]))
+
+
+def _upright(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """The body's z axis vertical within ten degrees; a ball stands as it likes."""
+    axis = seen.layout.poses[arguments[0]].turn[:, 2]
+    ball = seen.world.kinds[arguments[0]] == "sphere"
+    yield -1.0 if ball else float(np.arctan2(np.hypot(axis[0], axis[1]), axis[2])) - TILT
+
+
+def _rotated(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """The heading of the body's x axis within ten degrees of the named one."""
+    wanted = seen.world.rotations[arguments[1]]
+    yield abs(float(np.angle(np.exp(1j * (_yaw(seen.layout.poses[arguments[0]]) - wanted))))) - TILT
+
+
 def _on_top(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The foot within 2 mm of the top, the centre above the top."""
-    world, (name, support) = seen.world, arguments
-    yield abs(bottom(world, name, seen.poses) - top(world, support, seen.poses)) - 0.002
-    at = seen.poses[name].at
-    if world.kinds[support] == "table":
-        centre, half = world.table
-        yield from np.abs(at[:2] - centre) - half
-        return
-    local = (seen.poses[support].inverse() @ seen.poses[name]).at[:2]
-    if world.kinds[support] in ("cylinder", "sphere"):
-        yield float(np.linalg.norm(local)) - world.halves[support][0]
+    name, support = arguments
+    yield abs(seen.layout.span(name)[0][2] - seen.layout.span(support)[1][2]) - 0.002
+    local = seen.local(support, seen.layout.poses[name].at)[:2]
+    if seen.world.kinds[support] in ROUND:
+        yield float(np.linalg.norm(local)) - seen.world.halves[support][0]
     else:
-        yield from np.abs(local) - world.halves[support][:2]
+        yield from np.abs(local) - seen.layout.flat(support)
 
 
-def _within(seen: Seen, arguments: Sequence[str], highest: float) -> Iterator[float]:
-    """Above the floor but for 2 mm, no higher than `highest` above it, and all of it between the walls."""
-    world, (name, container) = seen.world, arguments
-    floor = bottom(world, container, seen.poses) + world.walls[container]
-    height = bottom(world, name, seen.poses) - floor
+def _within(seen: Seen, arguments: Sequence[str], highest: float | None) -> Iterator[float]:
+    """Above the floor but for 2 mm, all of it between the walls, no higher than `highest`, or 20 cm above the rim."""
+    name, container = arguments
+    frame, (x, y, (floor, rim)) = seen.layout.room(container)
+    height = seen.layout.span(name)[0][2] - (floor + frame.at[2])
     yield -0.002 - height
-    yield height - highest
-    local = seen.poses[container].inverse() @ seen.poses[name]
-    room = world.halves[container][:2] - world.walls[container]
-    yield from np.abs(local.at[:2]) + box(world, name, local.turn)[:2] - room
+    yield height - (rim - floor + 0.2 if highest is None else highest)
+    local = frame.inverse() @ seen.layout.poses[name]
+    for axis, (low, high) in ((0, x), (1, y)):
+        half = max(
+            reach(solid.part, local.turn, np.eye(3)[axis : axis + 1])[0] + abs((local.turn @ solid.part.at)[axis])
+            for solid in seen.layout.body(name).solids
+        )
+        yield low - (local.at[axis] - half)
+        yield local.at[axis] + half - high
 
 
 def _inside(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
@@ -80,51 +169,91 @@ def _inside(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 
 
 def _located(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """In the container or up to 20 cm above its rim."""
-    container = arguments[1]
-    depth = 2 * seen.world.halves[container][2] - seen.world.walls[container]
-    return _within(seen, arguments, depth + 0.2)
+    """In a container or up to 20 cm above its rim; on the table or as far above it, and over nothing hollow."""
+    name, place = arguments
+    if seen.world.kinds[place] != "table":
+        yield from _within(seen, arguments, None)
+        return
+    height = seen.layout.span(name)[0][2]
+    yield -0.002 - height
+    yield height - 0.2
+    at = seen.layout.poses[name].at
+    yield from np.abs(seen.local(place, at)[:2]) - seen.layout.flat(place)
+    for other in seen.layout.poses:
+        if other != name and seen.world.kinds[other] in HOLLOW:
+            yield from _beyond(seen, other, at)
+
+
+def _beyond(seen: Seen, container: str, at: Array) -> Iterator[float]:
+    """Yield how far a point is within the outline of a container, and within that of the tray of a drawer."""
+    yield float((seen.world.halves[container][:2] - np.abs(seen.local(container, at)[:2])).min())
+    furniture = seen.world.furniture.get(container)
+    if furniture is not None:
+        frame = seen.layout.room(container)[0]
+        x, y, _ = frame.turn.T @ (at - frame.at)
+        (low_x, high_x), (low_y, high_y), _ = furniture.floor
+        yield float(min(x - low_x, high_x - x, y - low_y, high_y - y))
+
+
+def _height(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """The tool between the body's top and 5 mm below its foot."""
+    low, high = seen.layout.span(arguments[1])
+    height = seen.tool(arguments[0]).at[2]
+    yield height - high[2]
+    yield low[2] - 0.005 - height
 
 
 def _at(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The tool within 15 mm of the body's axis, between its top and 5 mm below its foot."""
-    name = arguments[1]
-    height = seen.tool.at[2]
-    yield height - top(seen.world, name, seen.poses)
-    yield bottom(seen.world, name, seen.poses) - 0.005 - height
-    yield float(np.linalg.norm((seen.tool.at - seen.poses[name].at)[:2])) - 0.015
+    yield from _height(seen, arguments)
+    offset = seen.tool(arguments[0]).at - seen.layout.poses[arguments[1]].at
+    yield float(np.linalg.norm(offset[:2])) - 0.015
 
 
 def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """At the body, open as wide as the body is between the fingers, within 2 mm."""
-    yield from _at(seen, arguments)
-    name = arguments[1]
-    kind, half = seen.world.kinds[name], seen.world.halves[name]
-    part = Part("box" if kind == "container" else kind, half, np.zeros(3))
-    wide = 2 * reach(part, seen.poses[name].turn, seen.tool.turn[None, :, 1])[0]
-    yield abs(seen.width - wide) - 0.002
+    """At the body, a box anywhere but 1 cm from its ends; open as wide as the body is between the fingers, +- 2 mm."""
+    robot, name = arguments
+    if seen.world.kinds[name] == "box":
+        yield from _height(seen, arguments)
+        local = np.abs(seen.local(name, seen.tool(robot).at)[:2])
+        yield from local - np.maximum(0.015, seen.world.halves[name][:2] - 0.01)
+    else:
+        yield from _at(seen, arguments)
+    wide = 2 * seen.wide(name, seen.tool(robot).turn[:, 1])
+    yield abs(seen.widths[seen.world.robot(robot)] - wide) - 0.002
 
 
-def _open(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+def _gripper_open(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """Open but for 1 mm."""
-    yield OPENING - 0.001 - seen.width
+    name = seen.world.robot(arguments[0])
+    yield seen.world.robots[name].robot.opening - 0.001 - seen.widths[name]
+
+
+def _over(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """The tool above the top of a body or a zone, within its sides."""
+    at = seen.tool(arguments[0]).at
+    yield seen.layout.span(arguments[1])[1][2] - at[2]
+    yield from np.abs(seen.local(arguments[1], at)[:2]) - seen.layout.flat(arguments[1])
 
 
 def _reachable(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """The centre 28 to 76 cm from the robot's axis, at most 35 cm high."""
-    at = seen.poses[arguments[1]].at
-    far = float(np.hypot(at[0], at[1]))
-    yield 0.28 - far
-    yield far - 0.76
-    yield float(at[2]) - 0.35
+    """The centre in the ring around the robot's axis that it reaches from above however it turns, at most so high."""
+    mounted = seen.world.robots[seen.world.robot(arguments[0])]
+    at, (inner, outer) = seen.layout.poses[arguments[1]].at, mounted.robot.reach
+    far = float(np.linalg.norm((at - mounted.base.at)[:2]))
+    yield inner - far
+    yield far - outer
+    yield float(at[2]) - mounted.robot.highest
 
 
-def _rotated(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """The heading of the body's x axis within ten degrees of the named one."""
-    axis = seen.poses[arguments[0]].turn[:, 0]
-    wanted = seen.world.rotations[arguments[1]]
-    off = np.angle(np.exp(1j * (np.arctan2(axis[1], axis[0]) - wanted)))
-    yield abs(float(off)) - np.radians(10)
+def _is_open(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """Open nine tenths of the way or more."""
+    yield OPEN * seen.world.furniture[arguments[0]].limit - seen.layout.openings[arguments[0]]
+
+
+def _is_closed(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """Open a twentieth of the way or less."""
+    yield seen.layout.openings[arguments[0]] - CLOSED * seen.world.furniture[arguments[0]].limit
 
 
 MEANINGS: Mapping[str, Callable[[Seen, Sequence[str]], Iterator[float]]] = {
@@ -132,13 +261,21 @@ MEANINGS: Mapping[str, Callable[[Seen, Sequence[str]], Iterator[float]]] = {
     "right_of": _beside(1, -1.0),
     "in_front_of": _beside(0, -1.0),
     "behind": _beside(0, 1.0),
+    "near": _near,
+    "far": _far,
+    "between": _between,
+    "aligned": _aligned,
+    "upright": _upright,
+    "rotated": _rotated,
     "on_top": _on_top,
     "inside": _inside,
     "located": _located,
     "at": _at,
     "holding": _holding,
-    "gripper_open": _open,
+    "gripper_open": _gripper_open,
+    "over": _over,
     "reachable": _reachable,
-    "rotated": _rotated,
+    "is_open": _is_open,
+    "is_closed": _is_closed,
 }
 """By the name of a predicate: by how many metres or radians a moment misses each of its conditions."""

@@ -1,59 +1,63 @@
 """Whether bodies rest: some upward forces at their contacts hold all of them in balance.
 
 For bodies that stand on each other this is the rule of the combined centre of mass; it also covers what bridges two
-supports, where no single centre of mass decides.
+supports, where no single centre of mass decides. A body stands on the flat top of any primitive.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
-from tests.independent.world import Array, Frame, World, bottom, top
+from tests.independent.frames import Array
+from tests.independent.tolerances import BALANCED, CONTACT, UPRIGHT
+from tests.independent.world import Layout, Solid
 
-CONTACT = 0.002
-"""Metres between surfaces that touch."""
-
-UPRIGHT = 1e-3
 SIDES = 48
 TABLE = "the table"
 
 
-def falling(world: World, poses: Mapping[str, Frame], held: str | None) -> str | None:
-    """Return a body that nothing keeps where it is, None where all rest; a held body stays and bears others."""
-    loose = [name for name in poses if name != held and name not in world.fixed]
-    for name in loose:
-        if world.kinds[name] != "sphere" and poses[name].turn[2, 2] < 1 - UPRIGHT:
-            return name
-    levels = _levels(world, poses)
-    touching = [(name, support, at) for name in loose for support, at in _contacts(world, poses, levels, name)]
-    for name in loose:
-        if not any(upper == name for upper, _, _ in touching):
-            return name
-    if not loose:
-        return None
-    return _unbalanced(world, poses, loose, touching)
+class Contact(NamedTuple):
+    """A corner of where a body stands on another, seen from above; on what of it moves, if it is furniture."""
+
+    upper: str
+    lower: str
+    moving: bool
+    corner: Array
 
 
-def _unbalanced(
-    world: World, poses: Mapping[str, Frame], loose: list[str], touching: list[tuple[str, str, Array]]
-) -> str | None:
+def falling(layout: Layout, held: Collection[str]) -> str | None:
+    """Return a body that nothing keeps where it is, None where all rest; held bodies stay and bear others."""
+    world = layout.world
+    loose = [name for name in layout.poses if name not in held and name not in world.places]
+    for name in loose:
+        if world.kinds[name] != "sphere" and layout.poses[name].turn[2, 2] < 1 - UPRIGHT:
+            return name
+    touching = [contact for name in loose for contact in _contacts(layout, name)]
+    for name in loose:
+        if not any(contact.upper == name for contact in touching):
+            return name
+    return _unbalanced(layout, loose, touching) if loose else None
+
+
+def _unbalanced(layout: Layout, loose: list[str], touching: list[Contact]) -> str | None:
     """Return the body whose balance is the farthest off where forces balance all bodies best, None where they do."""
     rows = {name: 3 * i for i, name in enumerate(loose)}
     forces = np.zeros((3 * len(loose), len(touching)))
     weights = np.zeros(3 * len(loose))
     for name, row in rows.items():
-        x, y, _ = poses[name].at
-        weights[row : row + 3] = world.masses[name] * np.array([1.0, 10 * x, 10 * y])
-    for column, (upper, lower, (x, y)) in enumerate(touching):
-        lever = np.array([1.0, 10 * x, 10 * y])
-        forces[rows[upper] : rows[upper] + 3, column] += lever
-        if lower in rows:
-            forces[rows[lower] : rows[lower] + 3, column] -= lever
+        x, y, _ = layout.poses[name].at
+        weights[row : row + 3] = layout.world.masses[name] * np.array([1.0, 10 * x, 10 * y])
+    for column, contact in enumerate(touching):
+        lever = np.array([1.0, 10 * contact.corner[0], 10 * contact.corner[1]])
+        forces[rows[contact.upper] : rows[contact.upper] + 3, column] += lever
+        if contact.lower in rows:
+            forces[rows[contact.lower] : rows[contact.lower] + 3, column] -= lever
     scale = weights[::3].max()
     left = np.abs(forces @ _least_squares(forces, weights / scale) - weights / scale)
-    return loose[int(left.argmax()) // 3] if left.max() > 1e-5 else None
+    return loose[int(left.argmax()) // 3] if left.max() > BALANCED else None
 
 
 def _least_squares(matrix: Array, target: Array) -> Array:
@@ -80,60 +84,54 @@ def _least_squares(matrix: Array, target: Array) -> Array:
     return x
 
 
-Levels = Mapping[str, tuple[float, float]]
-"""The height of a body's foot, and that of the surface on which others can stand; metres."""
-
-
-def _levels(world: World, poses: Mapping[str, Frame]) -> Levels:
-    levels = {}
-    for name in poses:
-        low, kind = bottom(world, name, poses), world.kinds[name]
-        high = low + world.walls[name] if kind == "container" else top(world, name, poses)
-        levels[name] = (low, np.inf if kind == "sphere" else high)
-    return levels
-
-
-def _contacts(world: World, poses: Mapping[str, Frame], levels: Levels, name: str) -> Iterator[tuple[str, Array]]:
-    """Yield what a body stands on, and the corners of where it does, seen from above."""
-    low, below = levels[name][0], None
+def _contacts(layout: Layout, name: str) -> Iterator[Contact]:
+    """Yield what a body stands on, corner by corner."""
+    low, below = layout.span(name)[0][2], None
     if abs(low) <= CONTACT:
-        below = _outline(world, name, poses[name])
-        yield from ((TABLE, corner) for corner in _common(below, _rectangle(*world.table, np.eye(2))))
-    for other, pose in poses.items():
-        if other != name and abs(low - levels[other][1]) <= CONTACT:
-            below = _outline(world, name, poses[name]) if below is None else below
-            surface = (_floor if world.kinds[other] == "container" else _outline)(world, other, pose)
-            yield from ((other, corner) for corner in _common(below, surface))
+        below = _foot(layout, name)
+        for corner in _common(below, _rectangle(*layout.world.table, np.eye(2))):
+            yield Contact(name, TABLE, False, corner)
+    for other in layout.poses:
+        if other == name or layout.gap(name, other) > CONTACT:
+            continue
+        for solid in layout.body(other).solids:
+            if solid.part.kind != "sphere" and abs(low - solid.middle[2] - solid.part.half[2]) <= CONTACT:
+                below = _foot(layout, name) if below is None else below
+                for corner in _common(below, _outline(solid)):
+                    yield Contact(name, other, solid.moving, corner)
 
 
-def riders(world: World, poses: Mapping[str, Frame], carrier: str) -> set[str]:
-    """Return the bodies that stand on or in one, on those, and so on."""
-    levels, found = _levels(world, poses), set[str]()
-    more = {carrier}
+def riders(layout: Layout, carrier: str) -> set[str]:
+    """Return the bodies that stand on or in one, on those, and so on; of furniture on or in what moves of it."""
+    contacts = {name: list(_contacts(layout, name)) for name in layout.poses}
+    furniture = layout.world.furniture
+    found, more = set[str](), {carrier}
     while more:
         found |= more
         more = {
             name
-            for name in poses
-            if name not in found and any(support in found for support, _ in _contacts(world, poses, levels, name))
+            for name in layout.poses
+            if name not in found
+            and any(each.lower in found and (each.moving or each.lower not in furniture) for each in contacts[name])
         }
     return found - {carrier}
 
 
-def _outline(world: World, name: str, pose: Frame) -> Array:
-    """Return the corners of the foot of an upright body, counter-clockwise, shape (n, 2)."""
-    half = world.halves[name]
-    if world.kinds[name] == "sphere":
-        return pose.at[None, :2]
-    if world.kinds[name] == "cylinder":
+def _foot(layout: Layout, name: str) -> Array:
+    """Return the corners of what a body stands on with, counter-clockwise, shape (n, 2)."""
+    lowest = min(layout.body(name).solids, key=lambda solid: solid.middle[2] - solid.part.half[2])
+    return _outline(lowest)
+
+
+def _outline(solid: Solid) -> Array:
+    """Return the corners of an upright primitive, counter-clockwise, shape (n, 2); of a ball where it stands."""
+    at, half = solid.middle[:2], solid.part.half
+    if solid.part.kind == "sphere":
+        return at[None]
+    if solid.part.kind == "cylinder":
         angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
-        return np.asarray(pose.at[:2] + half[0] * np.column_stack([np.cos(angles), np.sin(angles)]))
-    return _rectangle(pose.at[:2], half[:2], pose.turn[:2, :2])
-
-
-def _floor(world: World, container: str, pose: Frame) -> Array:
-    """Return the corners of the floor between the walls of a container."""
-    return _rectangle(pose.at[:2], world.halves[container][:2] - world.walls[container], pose.turn[:2, :2])
+        return np.asarray(at + half[0] * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return _rectangle(at, half[:2], solid.place.turn[:2, :2])
 
 
 def _rectangle(centre: Array, half: Array, turn: Array) -> Array:

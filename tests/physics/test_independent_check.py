@@ -11,9 +11,9 @@ import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset.jsonl import Record, write_line
-from tests.independent import panda
 from tests.independent.check import problems
-from tests.independent.world import frame, world_of
+from tests.independent.frames import frame
+from tests.independent.world import world_of
 from tests.physics.scenarios import carrying, stacking
 
 ROOT = Path(__file__).parents[2]
@@ -49,21 +49,21 @@ def test_the_check_reads_nothing_of_the_librarys_physics():
             elif isinstance(node, ast.Import):
                 imported |= {name.name for name in node.names}
     own = {name for name in imported if name.startswith("tests.independent")}
-    allowed = {"__future__", "collections.abc", "dataclasses", "functools", "itertools", "numpy", "re", "typing"}
-    assert imported - own <= allowed | {"numpy.typing", "prag_asp.domain.scene"}
+    plain = {"__future__", "collections.abc", "dataclasses", "functools", "itertools", "pathlib", "re", "typing"}
+    assert imported - own <= plain | {"numpy", "numpy.typing", "pybullet_data", "prag_asp.domain.scene"}
 
 
 @pytest.mark.parametrize(("name", "length"), [("tabletop", 3), ("tabletop", 6), ("prag", 6)])
 def test_every_witness_that_validation_accepts_passes(name, length, request):
     validator, world = request.getfixturevalue(f"{name}_validator"), world_of(request.getfixturevalue(name))
     checked = 0
-    for index, task in enumerate(TaskSpace(load_domain(name), length).sample(50, seed=11, weights={})):
+    for index, task in enumerate(TaskSpace(load_domain(name), length).sample(25, seed=11, weights={})):
         verdict = validator.validate(task, seed=11, index=index)
         if verdict.witness is not None:
             record = json.loads(write_line(Record(task, None, verdict.witness.to_json())))
             assert problems(record, record["witness"], world) == [], task
             checked += 1
-    assert checked >= 45
+    assert checked >= 22
 
 
 def test_an_honest_witness_passes(stacked, carried):
@@ -76,7 +76,7 @@ def test_an_honest_witness_passes(stacked, carried):
         ((0.0, 0.0, -0.004), "brick_1 and cube_1 are in each other"),
         ((0.0, 0.0, 0.004), "on_top(cube_1,brick_1) is not true"),
         ((0.0, 0.0, 0.004), "cube_1 falls"),
-        ((0.02, 0.0, 0.0), "cube_1 jumps out of the gripper"),
+        ((0.02, 0.0, 0.0), "cube_1 is not where it has been left"),
     ],
 )
 def test_a_body_that_is_moved_where_it_is_put_down_is_refused(stacked, shift, words):
@@ -99,7 +99,7 @@ def test_a_sunk_body_is_refused_in_every_state(stacked, k):
 def test_a_body_that_nothing_touches_but_moves_is_refused(stacked):
     record, world = copy.deepcopy(stacked[0]), stacked[1]
     _shift(record["witness"]["moments"][1], "brick_1", (0.0005, 0, 0))
-    assert "action 1: brick_1 has moved by itself" in _found(record, world)
+    assert "action 1: brick_1 is not where it has been left" in _found(record, world)
 
 
 def test_a_body_that_floats_is_refused(stacked):
@@ -119,8 +119,8 @@ def test_a_body_that_slips_in_the_hand_is_refused(carried):
     record, world = copy.deepcopy(carried[0]), carried[1]
     moment = record["witness"]["moments"][3]
     moment["grasp"][0][2] += 0.005
-    joints = panda.tool(moment["joints"]) @ frame(moment["grasp"])
-    moment["poses"]["apple_1"][0] = joints.at.tolist()
+    held = world.robots[""].tool(tuple(moment["joints"])) @ frame(moment["grasp"])
+    moment["poses"]["apple_1"][0] = held.at.tolist()
     assert "action 3: apple_1 slips in the gripper" in _found(record, world)
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.geometry import Quaternion, heading, rotate, to_local, width_along
+from prag_asp.physics.geometry import Quaternion, Vector, heading, rotate, to_local, width_along
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
@@ -119,12 +119,12 @@ def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[flo
     x, y, z = situation.hand(robot)[0].position
     yield situation.top(entity) - z
     places = to_local(situation.pose(entity), x, y)
-    yield from (abs(at) - half for at, half in zip(places, situation.shape(entity).half, strict=False))
+    yield from (abs(at) - half for at, half in zip(places, _sides(situation, entity), strict=False))
 
 
 def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the room over a zone or an object for the tool."""
-    pose, half = situation.pose(arguments[1]), situation.shape(arguments[1]).half
+    pose, half = situation.pose(arguments[1]), _sides(situation, arguments[1])
     x, y, _ = pose.position
     cosine, sine = heading(pose.quaternion)
     dx, dy = (max(0.0, side - OVER_MARGIN) for side in half[:2])
@@ -134,6 +134,11 @@ def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
         (x + reach_x, y + reach_y, math.inf),
         sides=turned_box((pose.position, (cosine, sine)), (dx, dy)),
     )
+
+
+def _sides(situation: Situation, entity: str) -> Vector:
+    """Return half the sides of an entity in its own axes, in metres."""
+    return situation.half(entity) if situation.is_table(entity) else situation.shape(entity).half
 
 
 AT = Predicate(

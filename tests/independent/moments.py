@@ -1,0 +1,164 @@
+"""The states of a witness as they stand in a file, and what is wrong with one by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from tests.independent.collisions import Arm, arm, overlapping
+from tests.independent.frames import Frame, frame, sound
+from tests.independent.relations import Seen, holds
+from tests.independent.statics import falling
+from tests.independent.tolerances import HANDLE, MOVED, ROUNDING, TURNED
+from tests.independent.world import Layout, World
+
+
+@dataclass(frozen=True)
+class Hand:
+    """An arm at a moment: joint angles, how far its gripper is open, what it holds, and that in the frame of the tool.
+
+    Of furniture it holds the handle; its grip is then the tool in the frame of the joint. `load` are the places, in the
+    same frame, of what stands on what it holds, or lies in it, and moves along.
+    """
+
+    joints: tuple[float, ...]
+    width: float
+    held: str | None = None
+    grip: Frame | None = None
+    load: Mapping[str, Frame] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One state of a witness, or what is where at a waypoint."""
+
+    layout: Layout
+    hands: Mapping[str, Hand]
+
+    @property
+    def world(self) -> World:
+        return self.layout.world
+
+    def tool(self, robot: str) -> Frame:
+        return self.world.robots[robot].tool(self.hands[robot].joints)
+
+    def seen(self) -> Seen:
+        """Return what a predicate can see of it."""
+        return Seen(
+            self.layout,
+            {name: self.tool(name) for name in self.hands},
+            {name: hand.width for name, hand in self.hands.items()},
+        )
+
+    def arm(self, robot: str) -> Arm:
+        hand = self.hands[robot]
+        return arm(self.world.robots[robot], hand.joints, hand.width)
+
+    def held(self) -> set[str]:
+        """Return what is held by any arm."""
+        return {hand.held for hand in self.hands.values() if hand.held is not None}
+
+    def with_hand(self, robot: str, hand: Hand, layout: Layout | None = None) -> Moment:
+        """Return the moment with one arm changed, and the bodies elsewhere if so."""
+        return replace(self, layout=layout or self.layout, hands={**self.hands, robot: hand})
+
+
+def same(one: Frame, two: Frame) -> bool:
+    """Tell whether two frames are the same within the tolerances."""
+    far, angle = one.offset(two)
+    return far <= MOVED and angle <= TURNED
+
+
+def arms_of(data: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """Return the arms of a moment in a file by their names; the one that acts stands beside the others."""
+    return {data.get("robot", ""): data, **data.get("others", {})}
+
+
+def broken(data: Mapping[str, Any], named: set[str], world: World) -> Iterator[str]:
+    """Yield why a moment in a file cannot even be computed with."""
+    poses, openings = data["poses"], data.get("openings", {})
+    if not named | (world.places.keys() & world.parts.keys()) <= set(poses) <= set(world.parts):
+        yield "a body is missing, or is not in the scene"
+    if not all(sound(pose) for pose in poses.values()):
+        yield "a pose is not a finite place and rotation"
+    if set(openings) != set(poses) & set(world.furniture):
+        yield "furniture has no opening, or something else has one"
+    elif not all(-ROUNDING <= at <= world.furniture[name].limit + ROUNDING for name, at in openings.items()):
+        yield "furniture is open beyond its limit"
+    if set(arms_of(data)) != set(world.robots):
+        yield "an arm is missing, or is not in the scene"
+        return
+    for name, each in arms_of(data).items():
+        if not world.robots[name].fits(each["joints"], float(each["width"])):
+            yield "the arm or the gripper is beyond its limits"
+        if (each["held"] is None) != (each["grasp"] is None) or each["held"] not in (None, *poses):
+            yield "the held body and its grasp do not go together"
+        elif each["grasp"] is not None and not sound(each["grasp"]):
+            yield "the grasp is not a finite place and rotation"
+
+
+def read(data: Mapping[str, Any], world: World) -> Moment:
+    """Return a moment of a file."""
+    poses = {name: frame(pose) for name, pose in data["poses"].items()}
+    hands = {
+        name: Hand(tuple(each["joints"]), each["width"], each["held"], each["grasp"] and frame(each["grasp"]))
+        for name, each in arms_of(data).items()
+    }
+    return Moment(Layout(world, poses, data.get("openings", {})), hands)
+
+
+def state_problems(moment: Moment, before: Moment | None) -> Iterator[str]:
+    """Yield what bodies and arms are in, what falls and what is not held; `before` is known to be told already."""
+    layout, world = moment.layout, moment.world
+    if before is None or not (_unmoved(before.layout, layout) and before.held() <= moment.held()):
+        yield from overlapping(layout, layout.poses)
+        body = falling(layout, moment.held())
+        if body is not None:
+            yield f"{body} falls"
+    for name, place in world.places.items():
+        if name in layout.poses and not same(layout.poses[name], place):
+            yield f"{name} is not where the scene has it"
+    seen = moment.seen()
+    for robot, hand in moment.hands.items():
+        yield from arm_problems(moment, robot)
+        if hand.held is not None and hand.grip is not None:
+            if not same(moment.tool(robot) @ hand.grip, layout.poses[hand.held]):
+                yield f"{hand.held} is not where the gripper holds it"
+            if not holds(seen, "holding", (robot, hand.held), True):
+                yield f"the gripper does not grip {hand.held}"
+
+
+def _unmoved(one: Layout, two: Layout) -> bool:
+    """Tell whether nothing at all has moved."""
+    poses = ((one.poses[name], two.poses[name]) for name in one.poses)
+    return one.openings == two.openings and all((a.at == b.at).all() and (a.turn == b.turn).all() for a, b in poses)
+
+
+def arm_problems(moment: Moment, robot: str) -> Iterator[str]:
+    """Yield what an arm is in; its fingers may touch what it holds, and a handle that they are at."""
+    layout, own, hand = moment.layout, moment.arm(robot), moment.hands[robot]
+    if own.in_table(layout):
+        yield "the arm is in the table"
+    touched = () if hand.held is None else (hand.held,)
+    solid = [name for name in touched if name not in moment.world.furniture]
+    for name in own.in_bodies(layout, layout.poses, solid, at_handle(moment, robot)):
+        yield f"the arm is in {name}"
+    if own.in_itself():
+        yield "the arm is in itself"
+    for other in moment.hands:
+        if other != robot and own.in_arm(moment.arm(other)):
+            yield f"the arm is in that of {other}"
+
+
+def at_handle(moment: Moment, robot: str) -> str | None:
+    """Return the furniture at whose handle a gripper is."""
+    at = moment.tool(robot).at
+    for name, furniture in moment.world.furniture.items():
+        if name in moment.layout.poses:
+            joint = moment.layout.joint(name)
+            if np.linalg.norm(joint.turn @ furniture.grip + joint.at - at) <= HANDLE:
+                return name
+    return None
