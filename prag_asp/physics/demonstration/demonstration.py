@@ -14,23 +14,28 @@ from numpy.typing import NDArray
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.physics.geometry import Pose
-from prag_asp.physics.robot import robot_of
-from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.motion.standing import situation_with
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import ArmState
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
 ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
 TEXTS = ("bodies", "objects", "furniture", "cause", "detail")
+ROBOTS = "robots"
+"""The name of the array that only recordings of several robots have."""
+
 FRAMES_A_SECOND = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstration:
-    """A recording at 20 Hz of the robot performing a task: T frames, O objects, F of them furniture, C contacts.
+    """A recording at 20 Hz of a task being performed: T frames, O objects, F of them furniture, C contacts, R robots.
 
     `times` (T,) in seconds; `joints` (T, 7) in radians; `widths` (T,) how far the gripper is open in metres;
-    `commands` (T, 8) the joint angles and the opening that the motors drive to; `sizes` (O, 3) the sides in metres of
+    `commands` (T, 8) the joint angles and the opening that the motors drive to. Where a scene has several `robots`,
+    these three have one more axis, in the order of their names: (T, R, 7), (T, R) and (T, R, 8); a single robot has no
+    name. `sizes` (O, 3) the sides in metres of
     the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a quaternion x, y, z, w; `openings`
     (T, F) how far `furniture` is open in metres or radians;
     `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the normal force
@@ -54,6 +59,7 @@ class Demonstration:
     furniture: tuple[str, ...] = ()
     cause: str = ""
     detail: str = ""
+    robots: tuple[str, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -83,9 +89,14 @@ class Demonstration:
         Raises:
             SceneError: the scene does not allow the size of an object.
         """
-        scene = self.sized(scene)
-        arm = np.append(self.joints[frame], self.widths[frame])
-        return situation_of(scene, self.objects, arm, self.poses[frame], self.opened(frame))
+        return situation_of(self.sized(scene), self.objects, self.poses[frame], self.opened(frame), self.arms(frame))
+
+    def arms(self, frame: int) -> dict[str, ArmState]:
+        """Return the arms in a frame by the names of their robots; a single one has none."""
+        names = self.robots or ("",)
+        joints, widths = self.joints[frame].reshape(len(names), 7), self.widths[frame].reshape(len(names))
+        rows = zip(names, joints.tolist(), widths.tolist(), strict=True)
+        return {name: ArmState(tuple(angles), width) for name, angles, width in rows}
 
     def opened(self, frame: int) -> dict[str, float]:
         """Return how far furniture is open in a frame, in metres or radians."""
@@ -98,7 +109,7 @@ class Demonstration:
             OutputError: the file cannot be written.
         """
         content: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
-        content |= {name: np.array(getattr(self, name)) for name in TEXTS}
+        content |= {name: np.array(getattr(self, name)) for name in (*TEXTS, *([ROBOTS] if self.robots else []))}
         try:
             with path.open("wb") as file:
                 np.savez_compressed(file, **content)
@@ -114,21 +125,21 @@ class Demonstration:
         """
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
-                return _from_arrays({name: content[name] for name in (*ARRAYS, *TEXTS)})
+                named = [ROBOTS] if ROBOTS in content else []
+                return _from_arrays({name: content[name] for name in (*ARRAYS, *TEXTS, *named)})
         except (OSError, KeyError, ValueError, IndexError, EOFError, zipfile.BadZipFile) as error:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from error
 
 
 def situation_of(
-    scene: Scene, objects: Sequence[str], arm: Floats, poses: Floats, openings: Mapping[str, float]
+    scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, ArmState]
 ) -> Situation:
-    """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7).
+    """Return a situation from the poses of objects, shape (O, 7), and where the arms are.
 
     `openings` say how far furniture is open, in metres or radians.
     """
-    *joints, width = arm.tolist()
     placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
-    return Situation(scene, placed, tool_pose(robot_of(scene), tuple(joints)), width, openings=openings)
+    return situation_with(scene, placed, openings, arms, next(iter(arms)))
 
 
 def pose_of(row: list[float]) -> Pose:
@@ -144,11 +155,13 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         ValueError: their shapes do not belong together.
     """
     frames, touches = len(content["times"]), len(content["forces"])
+    robots = tuple(map(str, content[ROBOTS].tolist())) if ROBOTS in content else ()
+    several = (len(robots),) if robots else ()
     wanted = {
         "times": (frames,),
-        "joints": (frames, 7),
-        "widths": (frames,),
-        "commands": (frames, 8),
+        "joints": (frames, *several, 7),
+        "widths": (frames, *several),
+        "commands": (frames, *several, 8),
         "sizes": (len(content["objects"]), 3),
         "poses": (frames, len(content["objects"]), 7),
         "openings": (frames, len(content["furniture"])),
@@ -175,4 +188,5 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         ends=content["ends"].astype(np.int32),
         cause=str(content["cause"]),
         detail=str(content["detail"]),
+        robots=robots,
     )
