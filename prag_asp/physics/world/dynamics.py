@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -36,11 +37,17 @@ With 10 an object tilts between the pads where the arm gathers speed.
 FINGER_FRICTION = 1.4
 """Of rubber: with the friction of the objects, 0.7, the coefficient is 1."""
 
-SLEEP = 1e-5
-"""What moves with less than the root of this, 3 mm/s or 3 mrad/s, is at rest."""
+RESTING, RESTING_TURN = 0.005, 0.05
+"""What moves no faster is at rest, in metres and radians a second: what is held trembles a little."""
+
+SLEEPING = 0.003
+"""What moves no faster can sleep, in metres and radians a second."""
 
 SLEEP_FRAMES = 4
-"""A body that is found at rest so many times in a row is not simulated until something comes near it."""
+"""What could sleep so many times in a row is no longer simulated, until something comes near it.
+
+PyBullet itself waits for two seconds.
+"""
 
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
 STILL = (0.0,) * 7
@@ -72,7 +79,7 @@ class Dynamics:
         self._arms: dict[str, LoadedArm] = {}
         self._bodies: dict[str, int] = {}
         self._furniture: dict[str, int] = {}
-        self._resting: dict[str, int] = {}
+        self._quiet: dict[str, int] = {}
         self._parts: dict[tuple[int, int], int] = {}
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
@@ -97,7 +104,7 @@ class Dynamics:
                 body,
                 -1,
                 activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING,
-                sleepThreshold=SLEEP,
+                sleepThreshold=SLEEPING**2,
                 physicsClientId=self.client,
             )
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
@@ -105,7 +112,7 @@ class Dynamics:
             values = [[angle] for angle in (*state.joints, state.width / 2, state.width / 2)]
             arm = self._arms[name]
             pybullet.resetJointStatesMultiDof(arm.body, arm.driven, values, physicsClientId=self.client)
-        self._resting = dict.fromkeys(self._bodies, 0)
+        self._quiet = dict.fromkeys(self._bodies, 0)
         self._parts = self._numbered(table)
 
     def drive(self, robot: str, command: Command, speeds: Sequence[float] = STILL) -> None:
@@ -143,16 +150,13 @@ class Dynamics:
         return {entity: read_opening(self.client, body) for entity, body in self._furniture.items()}
 
     def at_rest(self) -> bool:
-        """Tell whether nothing moves; what has not moved for long is no longer simulated, until something comes near.
-
-        PyBullet itself lets a body sleep after two seconds; here it is after `SLEEP_FRAMES` calls of this function.
-        """
+        """Tell whether nothing moves; what has not moved for `SLEEP_FRAMES` calls goes to sleep."""
         still = all(map(self._arm_rests, self._arms.values()))
         for entity, body in self._bodies.items():
-            resting = self._body_rests(entity, body)
-            still = still and resting
-            self._resting[entity] = self._resting[entity] + 1 if resting else 0
-            if self._resting[entity] == SLEEP_FRAMES:
+            speed, turn = self._speeds(entity, body)
+            still = still and speed < RESTING and turn < RESTING_TURN
+            self._quiet[entity] = self._quiet[entity] + 1 if max(speed, turn) < SLEEPING else 0
+            if self._quiet[entity] == SLEEP_FRAMES:
                 sleep = pybullet.ACTIVATION_STATE_SLEEP
                 pybullet.changeDynamics(body, -1, activationState=sleep, physicsClientId=self.client)
         return still
@@ -198,18 +202,18 @@ class Dynamics:
         *joints, left, right = (state[0] for state in states)
         return Command(tuple(joints), left + right)
 
-    def _body_rests(self, entity: str, body: int) -> bool:
-        """Tell whether a body, or the moving part of furniture, does not move."""
+    def _speeds(self, entity: str, body: int) -> tuple[float, float]:
+        """Return how fast a body moves in metres a second and turns in radians a second; of furniture, its part."""
         if entity in self._furniture:
-            speed = pybullet.getJointState(body, JOINT, physicsClientId=self.client)[1]
-            return bool(speed * speed < SLEEP)
-        (vx, vy, vz), (wx, wy, wz) = pybullet.getBaseVelocity(body, physicsClientId=self.client)
-        return bool(vx * vx + vy * vy + vz * vz < SLEEP and wx * wx + wy * wy + wz * wz < SLEEP)
+            speed = abs(pybullet.getJointState(body, JOINT, physicsClientId=self.client)[1])
+            return speed, speed
+        speed, turn = pybullet.getBaseVelocity(body, physicsClientId=self.client)
+        return math.hypot(*speed), math.hypot(*turn)
 
     def _arm_rests(self, arm: LoadedArm) -> bool:
         """Tell whether no joint of an arm moves."""
         states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
-        return all(state[1] * state[1] < SLEEP for state in states)
+        return all(abs(state[1]) < RESTING for state in states)
 
     def _load_arm(self, name: str, path: Path) -> LoadedArm:
         """Load a robot, its fingers coupled, as the one motor of the real hand does, and with rubber pads."""
