@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.robot import Joints
 
-ACCELERATION, LOADED_ACCELERATION = 10.0, 4.0
+ACCELERATION, LOADED_ACCELERATION = 10.0, 6.0
 """The highest of a joint in radians a second squared, and with what should neither slip nor turn in the gripper.
 
-Straight up and down nothing does. With 6 on other ways one task of `prag` in forty fails that does not with 4.
+Straight up and down nothing does. With 8 or 10 on other ways one task of `prag` in fifteen fails.
 """
 
 ROUNDING = 0.1

@@ -69,7 +69,9 @@ def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, a
             found += [Waypoint(TRANSIT, each, waypoint.width, waypoint.held, robot=robot) for each in way]
             poses = _carried(situation, load, tool_pose(robot_of(simulator.scene, robot), waypoint.joints))
         found.append(waypoint)
-        arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width, waypoint.held, None if grip is None else grip.pose)
+        arms[waypoint.robot] = ArmState(
+            waypoint.joints, waypoint.width, waypoint.held, None if grip is None else grip.pose
+        )
     return tuple(found)
 
 
