@@ -40,11 +40,8 @@ FINGER_FRICTION = 1.4
 RESTING, RESTING_TURN = 0.005, 0.05
 """What moves no faster is at rest, in metres and radians a second: what is held trembles a little."""
 
-SLEEPING = 0.003
-"""What moves no faster can sleep, in metres and radians a second."""
-
 SLEEP_FRAMES = 4
-"""What could sleep so many times in a row is no longer simulated, until something comes near it.
+"""A body found at rest so many times in a row is no longer simulated, until something that moves comes near it.
 
 PyBullet itself waits for two seconds.
 """
@@ -104,7 +101,7 @@ class Dynamics:
                 body,
                 -1,
                 activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING,
-                sleepThreshold=SLEEPING**2,
+                sleepThreshold=RESTING**2 + RESTING_TURN**2,
                 physicsClientId=self.client,
             )
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
@@ -150,12 +147,13 @@ class Dynamics:
         return {entity: read_opening(self.client, body) for entity, body in self._furniture.items()}
 
     def at_rest(self) -> bool:
-        """Tell whether nothing moves; what has not moved for `SLEEP_FRAMES` calls goes to sleep."""
+        """Tell whether nothing moves; what is at rest for `SLEEP_FRAMES` calls goes to sleep."""
         still = all(map(self._arm_rests, self._arms.values()))
         for entity, body in self._bodies.items():
             speed, turn = self._speeds(entity, body)
-            still = still and speed < RESTING and turn < RESTING_TURN
-            self._quiet[entity] = self._quiet[entity] + 1 if max(speed, turn) < SLEEPING else 0
+            resting = speed < RESTING and turn < RESTING_TURN
+            still = still and resting
+            self._quiet[entity] = self._quiet[entity] + 1 if resting else 0
             if self._quiet[entity] == SLEEP_FRAMES:
                 sleep = pybullet.ACTIVATION_STATE_SLEEP
                 pybullet.changeDynamics(body, -1, activationState=sleep, physicsClientId=self.client)
