@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 from prag_asp.domain.scene import Size
 from prag_asp.errors import QueryError
-from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.fields import Field
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
+
+if TYPE_CHECKING:
+    from prag_asp.physics.demonstration.demonstration import Demonstration
 
 Status = Literal["feasible", "not_found", "infeasible"]
 Tier = Literal["kinematics", "settling", "transit", "demonstration"]

@@ -19,7 +19,9 @@ from prag_asp.physics import (
     validate_tasks,
 )
 from prag_asp.physics.demonstration.perform import Performer, open_performer
+from prag_asp.physics.demonstration.recording import FRAME_STEPS
 from prag_asp.physics.facts import problem
+from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED
 from prag_asp.physics.world import dynamics
@@ -246,8 +248,32 @@ def test_the_opening_of_the_gripper_is_the_gap_between_its_pads(tabletop, witnes
     with dynamics.open_dynamics(tabletop) as world:
         for width in (0.02, 0.05, 0.08):
             world.begin((), replace(witness.moments[0], width=width, poses={}))
-            points = pybullet.getClosestPoints(
-                world._arm, world._arm, 0.1, *PANDA.finger_links, physicsClientId=world.client
-            )
+            arm = world._arms[""].body
+            points = pybullet.getClosestPoints(arm, arm, 0.1, *PANDA.finger_links, physicsClientId=world.client)
             assert min(point[8] for point in points) == pytest.approx(width, abs=1e-4)
     assert math.isclose(PANDA.opening, 0.08)
+
+
+@pytest.mark.parametrize("beyond", [-0.004, 0.002])
+def test_what_rests_sleeps_and_what_tips_slowly_does_not(tabletop, witness, beyond):
+    # A brick is 6 cm long; the centre of the cube on it is 2 mm beyond its edge, or not.
+    half_brick, half_cube = tabletop.shapes["brick_1"].half, tabletop.shapes["cube_1"].half
+    brick = Pose((0.5, 0.0, half_brick[2]))
+    cube = Pose((0.5 + half_brick[0] + beyond, 0.0, 2 * half_brick[2] + half_cube[2]))
+    poses = {"brick_1": brick, "cube_1": cube}
+    with dynamics.open_dynamics(tabletop) as world:
+        world.begin(list(poses), replace(witness.moments[0], poses=poses))
+        arm = witness.moments[0]
+        world.drive("", dynamics.Command(arm.joints, arm.width))
+        rested, places = [], []
+        for _ in range(20):
+            for _ in range(FRAME_STEPS):
+                world.step()
+            rested.append(world.at_rest())
+            places.append(world.poses()["cube_1"])
+    if beyond < 0:
+        assert all(rested[2:]) and len(set(places[8:])) == 1
+        assert math.dist(places[-1].position, cube.position) < 0.001
+    else:
+        assert places[-1].position[2] < cube.position[2] - 0.01
+        assert not all(rested)

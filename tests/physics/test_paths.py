@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from hypothesis import strategies as st
 from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.geometry import Pose
 from prag_asp.physics.motion.route import Load, free_path, straight, vertical
-from prag_asp.physics.motion.trajectory import ACCELERATION, timed
+from prag_asp.physics.motion.standing import Grip
+from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, ROUNDING, blended, timed
 from prag_asp.physics.robot import PANDA, Joints
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
@@ -41,6 +43,23 @@ def test_a_timed_path_stays_within_the_box_of_its_points(path):
     rows = timed(path, TIME_STEP, ACCELERATION, PANDA.speed)
     points = np.array(path)
     assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
+
+
+@settings(deadline=None)
+@given(points=st.lists(st.tuples(*[angles] * 7), min_size=3, max_size=4), loaded=st.booleans())
+def test_blended_ways_pass_on_without_a_stop_and_keep_to_the_limits(points, loaded):
+    limit = LOADED_ACCELERATION if loaded else ACCELERATION
+    ways = [timed(pair, TIME_STEP, limit, PANDA.speed) for pair in pairwise(points)]
+    whole = blended(ways, TIME_STEP)
+    assert whole[-1] == pytest.approx(points[-1], abs=1e-9)
+    assert len(whole) == sum(map(len, ways)) - (len(ways) - 1) * round(ROUNDING / TIME_STEP)
+    speeds = np.diff(np.concatenate([np.array(points[:1]), whole]), axis=0) / TIME_STEP
+    accelerations = np.diff(speeds, axis=0, prepend=np.zeros((1, 7)), append=np.zeros((1, 7))) / TIME_STEP
+    assert np.abs(accelerations).max() <= limit * 1.1
+    # The corner is passed nearby: what is left of the one way and what is done of the other is little.
+    for corner in points[1:-1]:
+        nearest = np.abs(whole - np.array(corner)).max(axis=1).min()
+        assert nearest <= limit * ROUNDING**2 / 6
 
 
 def _reach(x: float, y: float, z: float) -> Joints:
@@ -88,7 +107,7 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
         load = Load(0.05)
         if held:
             poses["cube_1"] = Pose((0.5, -0.2, 0.115))
-            load = Load(0.05, "cube_1", Pose((0.0, 0.0, 0.005), DOWN))
+            load = Load(0.05, Grip("cube_1", Pose((0.0, 0.0, 0.005), DOWN)))
         situation = Situation(simulator.scene, poses, tool_pose(PANDA, start), 0.05)
         direct = timed([start, goal], TIME_STEP, ACCELERATION, PANDA.speed)
         simulator.place({"brick_1": poses["brick_1"]})

@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import pairwise, permutations
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,10 +14,11 @@ from hypothesis import strategies as st
 from prag_asp.domain.scene import PREDICATE_ROLES, Box, Own, Scene, Shape
 from prag_asp.errors import SceneError
 from prag_asp.physics import PREDICATES
-from prag_asp.physics.geometry import IDENTITY, Pose, multiply, yaw_quaternion
+from prag_asp.physics.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
 from prag_asp.physics.predicates import predicate_of
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.predicates.volume import Volume
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 
 SHAPES = {
@@ -305,3 +307,20 @@ def test_an_unknown_body_is_an_error_not_a_silent_no():
         PREDICATES["inside"].holds(situation, ("ghost", "crate"))
     with pytest.raises(SceneError, match="tilted has no yaw"):
         PREDICATES["rotated"].holds(situation.with_pose("cube", Pose((0.5, 0.0, 0.025))), ("cube", "tilted"))
+
+
+@settings(deadline=None)
+@given(yaw=st.floats(-0.3, 0.3), off=st.floats(-0.08, 0.08))
+def test_the_width_of_a_grip_on_a_long_box_is_what_is_between_the_pads(yaw, off):
+    scene = replace(_scene(), shapes={**_scene().shapes, "brick": Shape("box", (0.24, 0.035, 0.035))})
+    pose = Pose((0.5, 0.0, 0.02), yaw_quaternion(yaw))
+    tool = compose(pose, Pose((off, 0.0, 0.0)))._replace(quaternion=DOWN)
+    situation = Situation(scene, {"brick": pose}, tool, 0.04)
+    pad = robot_of(scene).finger_boxes[0][1][0]
+    corners = [
+        compose(pose, Pose((x * 0.12, y * 0.0175, 0.0))).position for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
+    edge = [np.linspace(a, b, 20_000) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    points = np.concatenate(edge)[:, :2] - np.array(tool.position[:2])
+    between = points[np.abs(points[:, 0]) <= pad / 2]
+    assert grip_width(situation, "brick") == pytest.approx(np.ptp(between[:, 1]), abs=2e-5)

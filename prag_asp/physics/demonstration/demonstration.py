@@ -13,23 +13,28 @@ from numpy.typing import NDArray
 from prag_asp.domain.scene import Scene
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.physics.geometry import Pose
-from prag_asp.physics.robot import robot_of
-from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.motion.standing import situation_with
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import ArmState
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
 ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
 TEXTS = ("bodies", "objects", "furniture", "cause", "detail")
+ROBOTS = "robots"
+"""The name of the array that only recordings of several robots have."""
+
 FRAMES_A_SECOND = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstration:
-    """A recording at 20 Hz of the robot performing a task: T frames, O objects, F of them furniture, C contacts.
+    """A recording at 20 Hz of a task being performed: T frames, O objects, F of them furniture, C contacts, R robots.
 
     `times` (T,) in seconds; `joints` (T, 7) in radians; `widths` (T,) how far the gripper is open in metres;
-    `commands` (T, 8) the joint angles and the opening that the motors drive to; `sizes` (O, 3) the sides in metres of
+    `commands` (T, 8) the joint angles and the opening that the motors drive to. Where a scene has several `robots`,
+    these three have one more axis, in the order of their names: (T, R, 7), (T, R) and (T, R, 8); a single robot has no
+    name. `sizes` (O, 3) the sides in metres of
     the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a quaternion x, y, z, w; `openings`
     (T, F) how far `furniture` is open in metres or radians;
     `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the normal force
@@ -53,6 +58,7 @@ class Demonstration:
     furniture: tuple[str, ...] = ()
     cause: str = ""
     detail: str = ""
+    robots: tuple[str, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -82,9 +88,14 @@ class Demonstration:
         Raises:
             SceneError: the scene does not allow the size of an object.
         """
-        scene = self.sized(scene)
-        arm = np.append(self.joints[frame], self.widths[frame])
-        return situation_of(scene, self.objects, arm, self.poses[frame], self.opened(frame))
+        return situation_of(self.sized(scene), self.objects, self.poses[frame], self.opened(frame), self.arms(frame))
+
+    def arms(self, frame: int) -> dict[str, ArmState]:
+        """Return the arms in a frame by the names of their robots; a single one has none."""
+        names = self.robots or ("",)
+        joints, widths = self.joints[frame].reshape(len(names), 7), self.widths[frame].reshape(len(names))
+        rows = zip(names, joints.tolist(), widths.tolist(), strict=True)
+        return {name: ArmState(tuple(angles), width) for name, angles, width in rows}
 
     def opened(self, frame: int) -> dict[str, float]:
         """Return how far furniture is open in a frame, in metres or radians."""
@@ -97,7 +108,7 @@ class Demonstration:
             OutputError: the file cannot be written.
         """
         content: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
-        content |= {name: np.array(getattr(self, name)) for name in TEXTS}
+        content |= {name: np.array(getattr(self, name)) for name in (*TEXTS, *([ROBOTS] if self.robots else []))}
         try:
             with path.open("wb") as file:
                 np.savez_compressed(file, **content)
@@ -144,15 +155,14 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def situation_of(
-    scene: Scene, objects: Sequence[str], arm: Floats, poses: Floats, openings: Mapping[str, float]
+    scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, ArmState]
 ) -> Situation:
-    """Return a situation from seven joint angles and an opening, shape (8,), and the poses of objects, (O, 7).
+    """Return a situation from the poses of objects, shape (O, 7), and where the arms are.
 
     `openings` say how far furniture is open, in metres or radians.
     """
-    *joints, width = arm.tolist()
     placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
-    return Situation(scene, placed, tool_pose(robot_of(scene), tuple(joints)), width, openings=openings)
+    return situation_with(scene, placed, openings, arms, next(iter(arms)))
 
 
 def pose_of(row: list[float]) -> Pose:
@@ -167,15 +177,18 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     Raises:
         ValueError: their shapes do not belong together, or they hold something else.
     """
-    for name in ("times", "forces", "ends", "bodies", "objects", "furniture"):
+    lists = ("times", "forces", "ends", "bodies", "objects", "furniture", *([ROBOTS] if ROBOTS in content else []))
+    for name in lists:
         if content[name].ndim != 1:
             raise ValueError(f"{name} has the shape {content[name].shape}; it has to be a list")
     frames, touches = len(content["times"]), len(content["forces"])
+    robots = tuple(map(str, content[ROBOTS].tolist())) if ROBOTS in content else ()
+    several = (len(robots),) if robots else ()
     wanted = {
         "times": (frames,),
-        "joints": (frames, 7),
-        "widths": (frames,),
-        "commands": (frames, 8),
+        "joints": (frames, *several, 7),
+        "widths": (frames, *several),
+        "commands": (frames, *several, 8),
         "sizes": (len(content["objects"]), 3),
         "poses": (frames, len(content["objects"]), 7),
         "openings": (frames, len(content["furniture"])),
@@ -206,4 +219,5 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         ends=content["ends"].astype(np.int32),
         cause=str(content["cause"]),
         detail=str(content["detail"]),
+        robots=robots,
     )

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.geometry import Pose, compose, invert, raised, turn_between
 from prag_asp.physics.mechanism import part_pose
+from prag_asp.physics.motion.standing import Grip
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Waypoint
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
@@ -31,16 +31,20 @@ STRAIGHT = 1e-3
 
 @dataclass(frozen=True)
 class Load:
-    """What moves with the gripper: its opening in metres, the object it holds and the pose of that in its frame."""
+    """What moves with the gripper: its opening in metres, and what it holds."""
 
     width: float
-    held: str | None = None
-    grasp: Pose | None = None
+    grip: Grip | None = None
+
+    @property
+    def held(self) -> str | None:
+        """The object that the gripper holds, None where it is empty."""
+        return None if self.grip is None else self.grip.entity
 
     @property
     def acceleration(self) -> float:
-        """How fast the arm may gather speed, in radians a second squared."""
-        return ACCELERATION if self.held is None else LOADED_ACCELERATION
+        """How fast the arm may gather speed on its way, in radians a second squared."""
+        return ACCELERATION if self.grip is None else LOADED_ACCELERATION
 
 
 def vertical(robot: Robot, one: Joints, two: Joints) -> bool:
@@ -61,17 +65,19 @@ def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
     return [*path, goal]
 
 
-def pulled(robot: Robot, situation: Situation, grip: Pose, waypoint: Waypoint, start: Joints) -> list[Joints]:
-    """Return a path on which the tool follows the handle of furniture from where it is to a waypoint.
+def pulled(robot: Robot, situation: Situation, furniture: str, grip: Pose, goal: float, start: Joints) -> list[Joints]:
+    """Return a path on which the tool follows the handle of furniture from how far it is open to a goal.
 
-    `grip` is the pose of the tool in the frame of the moving part.
+    `grip` is the pose of the tool in the frame of the moving part; `goal` is in metres or radians. A pose that the arm
+    does not reach is passed over.
     """
-    assert waypoint.held is not None and waypoint.opening is not None
-    shape, pose, begun = situation.shape(waypoint.held), situation.pose(waypoint.held), situation.opening(waypoint.held)
+    shape, pose, begun = situation.shape(furniture), situation.pose(furniture), situation.opening(furniture)
     path = [start]
     for share in np.linspace(0.0, 1.0, PULL_RUNGS + 1)[1:].tolist():
-        part = part_pose(shape, pose, begun + share * (waypoint.opening - begun))
-        path.append(adjusted(robot, compose(part, grip), path[-1]) or waypoint.joints)
+        part = part_pose(shape, pose, begun + share * (goal - begun))
+        joints = adjusted(robot, compose(part, grip), path[-1])
+        if joints is not None:
+            path.append(joints)
     return path
 
 
@@ -140,16 +146,17 @@ def _strides(start: Joints, angles: NDArray[np.float64], stride: float) -> Itera
 
 def _carried(situation: Situation, load: Load) -> list[str]:
     """Return what moves with the gripper: what it holds, and what rests on that."""
-    if load.held is None:
+    if load.grip is None:
         return []
-    return [load.held, *riders(situation, load.held, [other for other in situation.poses if other != load.held])]
+    held = load.grip.entity
+    return [held, *riders(situation, held, [other for other in situation.poses if other != held])]
 
 
 def _free_at(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> bool:
     """Tell whether the arm and what it carries meet nothing at joint angles."""
     tool = tool_pose(simulator.robot, joints)
-    if load.held is not None and load.grasp is not None:
-        delta = compose(compose(tool, load.grasp), invert(situation.poses[load.held]))
+    if load.grip is not None:
+        delta = compose(compose(tool, load.grip.pose), invert(situation.poses[load.grip.entity]))
         moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}
         situation = situation.with_poses({**situation.poses, **moved})
         if colliding(simulator, situation, carried, list(situation.poses)) is not None:

@@ -1,8 +1,9 @@
-"""The situation that the arms of a witness make: one of them acts, the others stand still."""
+"""The situation that arms make: one of them acts, the others stand still; and what a gripper holds, and how."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.geometry import Pose
@@ -10,6 +11,22 @@ from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.verdict import ArmState
+
+
+@dataclass(frozen=True)
+class Grip:
+    """What a gripper holds and how: the pose of the object in the frame of the tool."""
+
+    entity: str
+    pose: Pose
+
+
+def grip_of(held: str | None, *arms: ArmState) -> Grip | None:
+    """Return how the first of some states of an arm that hold an object do so, None where none does."""
+    for arm in arms:
+        if arm.held is not None and arm.held == held and arm.grasp is not None:
+            return Grip(arm.held, arm.grasp)
+    return None
 
 
 def situation_with(

@@ -9,7 +9,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import Effect, Problem, problem
 from prag_asp.physics.geometry import Pose, compose
 from prag_asp.physics.motion.route import Load, checked_path
-from prag_asp.physics.motion.standing import situation_with
+from prag_asp.physics.motion.standing import grip_of, situation_with
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.handling import opened
@@ -54,8 +54,8 @@ def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, a
     arms, poses, openings = before.arms(), _relocated(effect, before, after), before.openings
     for waypoint in own:
         arm = arms[waypoint.robot]
-        grasp = arm.grasp if arm.held == waypoint.held else after.arms()[waypoint.robot].grasp
-        load = Load(waypoint.width, waypoint.held, grasp if waypoint.held is not None else None)
+        grip = grip_of(waypoint.held, arm, after.arms()[waypoint.robot])
+        load = Load(waypoint.width, grip)
         situation = situation_with(simulator.scene, poses, openings, arms, waypoint.robot)
         if waypoint.opening is not None:  # the way of a handle has been checked step by step
             moved = opened(situation, str(waypoint.held), waypoint.opening, list(poses))
@@ -69,7 +69,9 @@ def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, a
             found += [Waypoint(TRANSIT, each, waypoint.width, waypoint.held, robot=robot) for each in way]
             poses = _carried(situation, load, tool_pose(robot_of(simulator.scene, robot), waypoint.joints))
         found.append(waypoint)
-        arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width, waypoint.held, load.grasp)
+        arms[waypoint.robot] = ArmState(
+            waypoint.joints, waypoint.width, waypoint.held, None if grip is None else grip.pose
+        )
     return tuple(found)
 
 
@@ -82,6 +84,6 @@ def _relocated(effect: Effect, before: Moment, after: Moment) -> Mapping[str, Po
 
 def _carried(situation: Situation, load: Load, tool: Pose) -> Mapping[str, Pose]:
     """Return where the objects are after the gripper has carried its load to a pose of the tool."""
-    if load.held is None or load.grasp is None:
+    if load.grip is None:
         return situation.poses
-    return with_riders(situation, load.held, compose(tool, load.grasp), situation.poses)
+    return with_riders(situation, load.grip.entity, compose(tool, load.grip.pose), situation.poses)

@@ -198,8 +198,10 @@ def _simulator(
 def _moment(demonstration: Demonstration, frame: int) -> Moment:
     """Return what a frame of a demonstration shows."""
     poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
-    joints, width = tuple(demonstration.joints[frame].tolist()), float(demonstration.widths[frame])
-    return Moment(poses, joints, width, openings=demonstration.opened(frame))
+    arms = demonstration.arms(frame)
+    robot = next(iter(arms))
+    joints, width, *_ = arms.pop(robot)
+    return Moment(poses, joints, width, openings=demonstration.opened(frame), robot=robot, others=arms)
 
 
 def _check_headings(task: Task, headings: Sequence[str] | None) -> None:

@@ -21,12 +21,25 @@ OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
 CLEARANCE = 0.006
 """How much farther than an object is wide a gripper opens to close around it, in metres."""
+SLANT = 1e-9
+"""The cosine of a side that is taken to be parallel to the opening of the gripper."""
 
 
 def grip_width(situation: Situation, entity: str, robot: str = "") -> float:
-    """Return how far a gripper is open when it holds an object with the tool turned as it is, in metres."""
+    """Return how far a gripper is open when it holds an object with the tool turned as it is, in metres.
+
+    Of a box that is turned between the pads they meet only what is between them: ends that stick out do not matter.
+    """
     opening = rotate(situation.hand(robot)[0].quaternion, (0.0, 1.0, 0.0))
-    return width_along(situation.shape(entity), situation.pose(entity).quaternion, opening)
+    shape, quaternion = situation.shape(entity), situation.pose(entity).quaternion
+    width = width_along(shape, quaternion, opening)
+    if shape.kind != "box":
+        return width
+    x, y, z, w = quaternion
+    along = [max(abs(part), SLANT) for part in rotate((-x, -y, -z, w), opening)]
+    half, cosine = min(zip(shape.half, along, strict=True), key=lambda side: side[0] / side[1])
+    pad = situation.robot(robot).finger_boxes[0][1][0]
+    return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
 
 
 def _at_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:

@@ -1,16 +1,18 @@
-"""A world with forces: the arm moves by its motors, and the gripper holds by friction alone."""
+"""A world with forces: arms move by their motors, and their grippers hold by friction alone."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from prag_asp.domain.scene import Scene
-from prag_asp.errors import SceneError
 from prag_asp.physics.geometry import Pose
-from prag_asp.physics.robot import Joints, robot_of
+from prag_asp.physics.robot import Joints, Robot, robot_of
 from prag_asp.physics.robot.file import write_robot
 from prag_asp.physics.verdict import Moment
 from prag_asp.physics.world.bodies import make_body, make_table
@@ -26,43 +28,68 @@ TIME_STEP = 1 / 120
 POSITION_GAIN = 0.2
 """What share of a joint's error its motor corrects in one step."""
 
-GRIP_FORCE = 10.0
-"""Newtons of each finger: with a coefficient of friction of 1 the two carry 2 kg."""
+GRIP_FORCE = 12.0
+"""Newtons of each finger: with a coefficient of friction of 1 the two carry 2.4 kg.
+
+With 20 the rubber, of which the stiffness is the wheel's, gives way by more than a millimetre on each side.
+"""
 
 FINGER_FRICTION = 1.4
 """Of rubber: with the friction of the objects, 0.7, the coefficient is 1."""
 
-SLEEP = 1e-5
-"""A body that for two seconds moves with less than the root of this, 3 mm/s, is not simulated until it is touched."""
+RESTING, RESTING_TURN = 0.005, 0.05
+"""What moves no faster is at rest, in metres and radians a second: what is held trembles a little."""
+
+SLEEP_FRAMES = 4
+"""A body found at rest so many times in a row is no longer simulated, until something that moves comes near it.
+
+PyBullet itself waits for two seconds.
+"""
 
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
-PARTS = ("arm", "left finger", "right finger", "table")
+STILL = (0.0,) * 7
+
+
+class Command(NamedTuple):
+    """What the motors of an arm drive to: seven joint angles in radians, the opening of the gripper in metres."""
+
+    joints: Joints
+    opening: float
+
+
+@dataclass(frozen=True)
+class LoadedArm:
+    """An arm in a world: its robot, its body, the joints of arm and gripper that motors drive."""
+
+    robot: Robot
+    body: int
+    driven: Sequence[int]
 
 
 class Dynamics:
     """One PyBullet client, its world built anew for every task, on which alone the results then depend."""
 
-    def __init__(self, scene: Scene, client: int, urdf: Path):
+    def __init__(self, scene: Scene, client: int, files: Mapping[str, Path]):
         self.scene = scene
         self.client = client
-        self.robot = robot_of(scene)
-        self._urdf = urdf
-        self._driven = [*self.robot.arm_links, *self.robot.finger_joints]
+        self._files = files
+        self._arms: dict[str, LoadedArm] = {}
         self._bodies: dict[str, int] = {}
         self._furniture: dict[str, int] = {}
-        self._arm = self._table = -1
+        self._quiet: dict[str, int] = {}
+        self._parts: dict[tuple[int, int], int] = {}
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
-        """Build a world with some objects and the arm as they are at a moment; `scene` may have other sizes.
+        """Build a world with some objects and the arms as they are at a moment; `scene` may have other sizes.
 
         Raises:
-            SceneError: the robot cannot be loaded, or PyBullet refuses a body.
+            SceneError: a robot cannot be loaded, or PyBullet refuses a body.
         """
         self.scene = scene or self.scene
         start_world(self.client)
         pybullet.setTimeStep(TIME_STEP, physicsClientId=self.client)
-        self._arm = self._load_arm()
-        self._table = make_table(self.client, self.scene)
+        self._arms = {name: self._load_arm(name, path) for name, path in self._files.items()}
+        table = make_table(self.client, self.scene)
         self._bodies = {
             entity: make_body(self.client, self.scene, entity, moment.poses[entity].position) for entity in objects
         }
@@ -74,36 +101,42 @@ class Dynamics:
                 body,
                 -1,
                 activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING,
-                sleepThreshold=SLEEP,
+                sleepThreshold=RESTING**2 + RESTING_TURN**2,
                 physicsClientId=self.client,
             )
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
-        values = [[angle] for angle in (*moment.joints, moment.width / 2, moment.width / 2)]
-        pybullet.resetJointStatesMultiDof(self._arm, self._driven, values, physicsClientId=self.client)
+        for name, state in moment.arms().items():
+            values = [[angle] for angle in (*state.joints, state.width / 2, state.width / 2)]
+            arm = self._arms[name]
+            pybullet.resetJointStatesMultiDof(arm.body, arm.driven, values, physicsClientId=self.client)
+        self._quiet = dict.fromkeys(self._bodies, 0)
+        self._parts = self._numbered(table)
 
-    def step(self, joints: Sequence[float], speeds: Sequence[float], opening: float) -> None:
-        """Let one `TIME_STEP` pass, with motors that drive to joint angles in radians and an opening in metres.
+    def drive(self, robot: str, command: Command, speeds: Sequence[float] = STILL) -> None:
+        """Tell the motors of an arm what to drive to from now on.
 
         `speeds` are those that the joints should have there, in radians a second. An opening less than that of
         an object between the fingers squeezes it.
         """
+        arm = self._arms[robot]
         pybullet.setJointMotorControlArray(
-            self._arm,
-            self._driven,
+            arm.body,
+            arm.driven,
             pybullet.POSITION_CONTROL,
-            targetPositions=[*joints, opening / 2, opening / 2],
+            targetPositions=[*command.joints, command.opening / 2, command.opening / 2],
             targetVelocities=[*speeds, 0.0, 0.0],
-            forces=[*self.robot.torques, GRIP_FORCE, GRIP_FORCE],
-            positionGains=[POSITION_GAIN] * len(self._driven),
+            forces=[*arm.robot.torques, GRIP_FORCE, GRIP_FORCE],
+            positionGains=[POSITION_GAIN] * len(arm.driven),
             physicsClientId=self.client,
         )
+
+    def step(self) -> None:
+        """Let one `TIME_STEP` pass."""
         pybullet.stepSimulation(physicsClientId=self.client)
 
-    def arm(self) -> tuple[Joints, float]:
-        """Return the joint angles of the arm in radians, and how far the gripper is open in metres."""
-        states = pybullet.getJointStates(self._arm, self._driven, physicsClientId=self.client)
-        *joints, left, right = (state[0] for state in states)
-        return tuple(joints), left + right
+    def arms(self) -> dict[str, Command]:
+        """Return the joint angles of each arm in radians, and how far its gripper is open in metres."""
+        return {name: self._where(arm) for name, arm in self._arms.items()}
 
     def poses(self) -> dict[str, Pose]:
         """Return where the objects are."""
@@ -113,38 +146,87 @@ class Dynamics:
         """Return how far furniture is open, in metres or radians."""
         return {entity: read_opening(self.client, body) for entity, body in self._furniture.items()}
 
+    def at_rest(self) -> bool:
+        """Tell whether nothing moves; what is at rest for `SLEEP_FRAMES` calls goes to sleep."""
+        still = all(map(self._arm_rests, self._arms.values()))
+        for entity, body in self._bodies.items():
+            speed, turn = self._speeds(entity, body)
+            resting = speed < RESTING and turn < RESTING_TURN
+            still = still and resting
+            self._quiet[entity] = self._quiet[entity] + 1 if resting else 0
+            if self._quiet[entity] == SLEEP_FRAMES:
+                sleep = pybullet.ACTIVATION_STATE_SLEEP
+                pybullet.changeDynamics(body, -1, activationState=sleep, physicsClientId=self.client)
+        return still
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The names of the bodies and links that contacts are told of, before those of the objects."""
+        whose = {name: f" of {name}" if name else "" for name in self._files}
+        grippers = [f"{part}{of}" for of in whose.values() for part in ("arm", "left finger", "right finger")]
+        return (*grippers, "table")
+
     def contacts(self) -> Mapping[tuple[int, int], float]:
         """Return the normal force in newtons between bodies that press on each other.
 
-        Bodies are numbered: `PARTS` first, then the objects in the order in which the world was begun with.
+        Bodies are numbered: `parts` first, then the objects in the order in which the world was begun with.
         """
-        parts = {(self._table, -1): PARTS.index("table")}
-        links = ((body, i) for i, body in enumerate(self._bodies.values()))
-        parts |= {(body, link): len(PARTS) + i for body, i in links for link in (-1, JOINT)}
-        parts |= {(self._arm, link): 1 + i for i, link in enumerate(self.robot.finger_links)}
         forces: dict[tuple[int, int], float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self.client):
             force = point[9]
             if force > 0.0:
-                one, two = parts.get(point[1:4:2], 0), parts.get(point[2:5:2], 0)
+                one, two = self._parts[point[1], point[3]], self._parts[point[2], point[4]]
                 pair = (one, two) if one < two else (two, one)
                 forces[pair] = forces.get(pair, 0.0) + force
         return dict(sorted(forces.items()))
 
-    def _load_arm(self) -> int:
-        """Load the robot, its fingers coupled, as the one motor of the real hand does, and with rubber pads."""
-        client = self.client
+    def _numbered(self, table: int) -> dict[tuple[int, int], int]:
+        """Return the number in contacts of each body and link."""
+        numbers: dict[tuple[int, int], int] = {}
+        first = 0
+        for arm in self._arms.values():
+            links = range(-1, pybullet.getNumJoints(arm.body, physicsClientId=self.client))
+            numbers |= {(arm.body, link): first for link in links}
+            numbers |= {(arm.body, link): first + 1 + i for i, link in enumerate(arm.robot.finger_links)}
+            first += 1 + len(arm.robot.finger_links)
+        numbers[table, -1] = first
+        for i, body in enumerate(self._bodies.values()):
+            numbers |= {(body, link): first + 1 + i for link in (-1, JOINT)}
+        return numbers
+
+    def _where(self, arm: LoadedArm) -> Command:
+        """Return the joint angles of an arm, and how far its gripper is open."""
+        states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
+        *joints, left, right = (state[0] for state in states)
+        return Command(tuple(joints), left + right)
+
+    def _speeds(self, entity: str, body: int) -> tuple[float, float]:
+        """Return how fast a body moves in metres a second and turns in radians a second; of furniture, its part."""
+        if entity in self._furniture:
+            speed = abs(pybullet.getJointState(body, JOINT, physicsClientId=self.client)[1])
+            return speed, speed
+        speed, turn = pybullet.getBaseVelocity(body, physicsClientId=self.client)
+        return math.hypot(*speed), math.hypot(*turn)
+
+    def _arm_rests(self, arm: LoadedArm) -> bool:
+        """Tell whether no joint of an arm moves."""
+        states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
+        return all(abs(state[1]) < RESTING for state in states)
+
+    def _load_arm(self, name: str, path: Path) -> LoadedArm:
+        """Load a robot, its fingers coupled, as the one motor of the real hand does, and with rubber pads."""
+        client, robot = self.client, robot_of(self.scene, name)
         with silenced(STDOUT):
-            arm = load_robot(client, self._urdf, self.robot.base)
-        left, right = self.robot.finger_joints
+            body = load_robot(client, path, robot.base)
+        left, right = robot.finger_joints
         ends = ([1, 0, 0], [0, 0, 0], [0, 0, 0])
-        gear = pybullet.createConstraint(arm, left, arm, right, pybullet.JOINT_GEAR, *ends, physicsClientId=client)
+        gear = pybullet.createConstraint(body, left, body, right, pybullet.JOINT_GEAR, *ends, physicsClientId=client)
         pybullet.changeConstraint(
             gear, gearRatio=-1, erp=COUPLING_GAIN, maxForce=COUPLING_FORCE, physicsClientId=client
         )
-        for link in self.robot.finger_links:
-            pybullet.changeDynamics(arm, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
-        return arm
+        for link in robot.finger_links:
+            pybullet.changeDynamics(body, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
+        return LoadedArm(robot, body, [*robot.arm_links, *robot.finger_joints])
 
 
 @contextmanager
@@ -152,11 +234,12 @@ def open_dynamics(scene: Scene) -> Iterator[Dynamics]:
     """Open a world with forces, and close it afterwards.
 
     Raises:
-        SceneError: the robot of the scene cannot be loaded, or there are several.
+        SceneError: a robot of the scene cannot be loaded.
     """
-    if len(scene.mounts) > 1:
-        raise SceneError(
-            f"demonstrations are performed by one robot; this scene has {', '.join(scene.mounts)}; use --tier transit"
-        )
     with TemporaryDirectory(prefix="prag_asp_") as folder, open_client() as client:
-        yield Dynamics(scene, client, write_robot(robot_of(scene), Path(folder)))
+        files = {}
+        for i, name in enumerate(scene.mounts):
+            place = Path(folder) / str(i)
+            place.mkdir()
+            files[name] = write_robot(robot_of(scene, name), place)
+        yield Dynamics(scene, client, files)

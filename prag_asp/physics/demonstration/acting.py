@@ -1,0 +1,105 @@
+"""Carry out the actions of a witness in a world with forces: move the arms, open and close their grippers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from prag_asp.physics.demonstration.driving import Driver
+from prag_asp.physics.demonstration.planning import Action, Angles, Arm, Leg, legs, planned_way, pulling_way
+from prag_asp.physics.demonstration.recording import Recorder
+from prag_asp.physics.motion.standing import situation_with
+from prag_asp.physics.motion.trajectory import blended
+from prag_asp.physics.search.attempt import NO_PATH
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import ArmState, Moment, Waypoint
+from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
+from prag_asp.physics.world.simulator import Simulator
+
+SQUEEZE = 0.008
+"""How much farther than an object is wide a gripper wants to close, in metres."""
+
+
+class Stopped(Exception):
+    """A performance failed: the cause, one of `CAUSES`, and what went wrong. It never leaves the performer."""
+
+
+class Actor:
+    """Moves the arms of a world from waypoint to waypoint, and knows where the witness has them by then."""
+
+    def __init__(self, world: Dynamics, planner: Simulator, recorder: Recorder, first: Moment):
+        self._world, self._planner = world, planner
+        arms = first.arms()
+        self._driver = Driver(world, recorder, {name: _first_command(arm) for name, arm in arms.items()})
+        self._arms = {name: Arm(arm.joints, arm.joints, arm.held) for name, arm in arms.items()}
+
+    def rest(self) -> None:
+        """Let things come to rest."""
+        self._driver.rest()
+
+    def act(self, action: Action) -> None:
+        """Carry out an action.
+
+        Raises:
+            Stopped: a way is not free.
+        """
+        ways: list[Angles] = []
+        robot = ""
+        for leg in legs(action):
+            waypoint = leg.waypoint
+            if waypoint.robot != robot or waypoint.opening is not None or self._fingers_move(waypoint):
+                self._drive(robot, ways)
+            robot, arm = waypoint.robot, self._arms[waypoint.robot]
+            if arm.held is None and waypoint.held is None and self._fingers_move(waypoint):
+                self._driver.move_fingers(robot, waypoint.width)
+            if waypoint.joints != arm.planned:
+                ways.append(self._way(arm, leg, action))
+                joints = tuple(ways[-1][-1].tolist())
+                arm = self._arms[robot] = replace(arm, joints=joints, planned=waypoint.joints)
+            if waypoint.held != arm.held:
+                self._drive(robot, ways)
+                self._grip(waypoint)
+        self._drive(robot, ways)
+
+    def _fingers_move(self, waypoint: Waypoint) -> bool:
+        """Tell whether a gripper that holds nothing is open otherwise than at a waypoint."""
+        return self._arms[waypoint.robot].held is None and waypoint.width != self._driver.opening(waypoint.robot)
+
+    def _grip(self, waypoint: Waypoint) -> None:
+        """Close the gripper on what it holds at a waypoint, or open it, and let things come to rest."""
+        squeeze = SQUEEZE if waypoint.held is not None else 0.0
+        self._arms[waypoint.robot] = replace(self._arms[waypoint.robot], held=waypoint.held)
+        self._driver.move_fingers(waypoint.robot, waypoint.width - squeeze)
+        self._driver.rest()
+
+    def _drive(self, robot: str, ways: list[Angles]) -> None:
+        """Move an arm along ways without a stop between them, and forget them."""
+        if ways:
+            self._driver.move(robot, blended(ways, TIME_STEP))
+            ways.clear()
+
+    def _way(self, arm: Arm, leg: Leg, action: Action) -> Angles:
+        """Return the joint angles of every time step on the way to a waypoint, shape (steps, 7).
+
+        Raises:
+            Stopped: there is no free way.
+        """
+        waypoint = leg.waypoint
+        self._planner.turn_to(waypoint.robot)
+        situation = self._situation(waypoint.robot)
+        if waypoint.held is not None and waypoint.opening is not None:
+            return pulling_way(self._planner, situation, arm, waypoint.held, waypoint.opening)
+        found = planned_way(self._planner, situation, arm, leg, action)
+        if found is None:
+            raise Stopped(NO_PATH, f"{action.effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
+        return found
+
+    def _situation(self, robot: str) -> Situation:
+        """Return where everything is now; an arm is to move."""
+        world, arms = self._world, self._world.arms()
+        states = {name: ArmState(*arm, self._arms[name].held) for name, arm in arms.items()}
+        return situation_with(world.scene, world.poses(), world.openings(), states, robot)
+
+
+def _first_command(arm: ArmState) -> Command:
+    """Return what the motors of an arm drive to at first."""
+    return Command(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))

@@ -1,0 +1,153 @@
+"""Plan the ways of an arm between the waypoints of a witness, from where things really are.
+
+The robot sees where the objects are: it grasps each as the witness does, from where it really stands, and puts it
+where the witness has it, however it lies in the hand. So small errors do not add up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.facts import Effect
+from prag_asp.physics.geometry import (
+    Pose,
+    compose,
+    invert,
+    multiply,
+    raised,
+    rotate,
+    wrap,
+    yaw_of,
+    yaw_quaternion,
+)
+from prag_asp.physics.motion.route import Load, free_path, pulled, straight, vertical
+from prag_asp.physics.motion.standing import Grip, grip_of
+from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
+from prag_asp.physics.robot import Joints
+from prag_asp.physics.robot.kinematics import adjusted, tool_pose
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import TRANSIT, Moment, Waypoint
+from prag_asp.physics.world.dynamics import TIME_STEP
+from prag_asp.physics.world.simulator import Simulator
+
+Angles = NDArray[np.float64]
+LARGEST_TURN = 0.3
+
+
+@dataclass(frozen=True)
+class Action:
+    """An action as a witness shows it: what it brings about, the moments before and after, the waypoints between."""
+
+    effect: Effect
+    before: Moment
+    after: Moment
+    motion: tuple[Waypoint, ...]
+
+
+@dataclass(frozen=True)
+class Arm:
+    """How far an arm has got: the joint angles that its motors hold, those that the witness has, what it holds."""
+
+    joints: Joints
+    planned: Joints
+    held: str | None
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A part of an action: a waypoint, the way there as far as the witness has one, the object that the arm goes to."""
+
+    waypoint: Waypoint
+    way: tuple[Joints, ...]
+    target: str | None
+
+
+def legs(action: Action) -> Iterator[Leg]:
+    """Yield the parts of an action."""
+    way: list[Joints] = []
+    for i, waypoint in enumerate(action.motion):
+        if waypoint.name == TRANSIT:
+            way.append(waypoint.joints)
+            continue
+        ahead = (each.held for each in action.motion[i:] if each.robot == waypoint.robot)
+        yield Leg(waypoint, tuple(way), next(filter(None, ahead), action.effect.visits))
+        way = []
+
+
+def planned_way(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
+    """Return the joint angles of every time step on a way, shape (steps, 7); None where no free one is found.
+
+    It is straight up or down, the one of the witness, or another that is free. `situation` is what is seen now.
+    """
+    robot, waypoint = planner.robot, leg.waypoint
+    if vertical(robot, arm.planned, waypoint.joints):
+        height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, arm.planned).position[2]
+        tool = raised(tool_pose(robot, arm.joints), height)
+        goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
+        return timed(straight(planner, arm.joints, goal), TIME_STEP, ACCELERATION, robot.speed)
+    tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
+    goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
+    load = Load(situation.width, _seen_grip(situation, arm.held))
+    if not leg.way:
+        return free_path(planner, situation, load, arm.joints, goal, TIME_STEP)
+    return timed(_along(arm, leg, goal), TIME_STEP, load.acceleration, robot.speed)
+
+
+def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
+    """Return the joint angles of every time step on which an arm moves furniture, shape (steps, 7).
+
+    `opening` is how far it shall be open, in metres or radians.
+    """
+    grip = compose(invert(situation.part(furniture)), tool_pose(planner.robot, arm.joints))
+    path = pulled(planner.robot, situation, furniture, grip, opening, arm.joints)
+    return timed(path, TIME_STEP, LOADED_ACCELERATION, planner.robot.speed)
+
+
+def _seen_grip(situation: Situation, held: str | None) -> Grip | None:
+    """Return what a gripper holds, as it really lies in it."""
+    return None if held is None else Grip(held, compose(invert(situation.tool), situation.poses[held]))
+
+
+def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
+    """Return the way of the witness, from where the arm is to a goal: the small differences are spread over it."""
+    first, last = np.subtract(arm.joints, arm.planned), np.subtract(goal, leg.waypoint.joints)
+    shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
+    between = np.array(leg.way) + (1 - shares) * first + shares * last
+    return [arm.joints, *map(tuple, between.tolist()), goal]
+
+
+def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) -> Pose:
+    """Return where the tool has to be at a waypoint, `planned` in the witness: objects are not just where it has them.
+
+    A held object shall come to where it is in the witness; the tool shall stand to another, which it goes to,
+    as in the witness.
+    """
+    waypoint, before = leg.waypoint, action.before
+    arms = (moment.arms()[waypoint.robot] for moment in (before, action.after))
+    grip, seen = grip_of(waypoint.held, *arms), _seen_grip(situation, waypoint.held)
+    if grip is not None and seen is not None:
+        turn = _turn(compose(planned, seen.pose), compose(planned, grip.pose))
+        quaternion = multiply(turn, planned.quaternion)
+        x, y, z = compose(planned, grip.pose).position
+        dx, dy, dz = rotate(quaternion, seen.pose.position)
+        return Pose((x - dx, y - dy, z - dz), quaternion)
+    if leg.target is None:
+        return planned
+    there = Situation(situation.scene, before.poses, planned, 0.0, openings=before.openings).part(leg.target)
+    here = situation.part(leg.target)
+    round_body = situation.shape(leg.target).traits.round
+    turn = yaw_quaternion(0.0) if round_body else _turn(there, here)
+    (x, y, z), (tx, ty, tz) = planned.position, there.position
+    offset = rotate(turn, (x - tx, y - ty, z - tz))
+    x, y, z = (a + b for a, b in zip(here.position, offset, strict=True))
+    return Pose((x, y, z), multiply(turn, planned.quaternion))
+
+
+def _turn(one: Pose, two: Pose) -> tuple[float, float, float, float]:
+    """Return the rotation about z from the heading of one pose to that of another, none where it is not small."""
+    angle = wrap(yaw_of(two.quaternion) - yaw_of(one.quaternion))
+    return yaw_quaternion(angle if abs(angle) < LARGEST_TURN else 0.0)
