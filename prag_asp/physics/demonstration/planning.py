@@ -88,7 +88,8 @@ def planned_way(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, ac
         height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, arm.planned).position[2]
         tool = raised(tool_pose(robot, arm.joints), height)
         goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
-        return timed(straight(planner, arm.joints, goal), TIME_STEP, ACCELERATION, robot.speed)
+        path = straight(robot, arm.joints, goal) or [arm.joints, goal]
+        return timed(path, TIME_STEP, ACCELERATION, robot.speed)
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
     load = Load(situation.width, _seen_grip(situation, arm.held))

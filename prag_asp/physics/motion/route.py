@@ -25,6 +25,9 @@ STRIDE, LOOK = 0.06, 0.02
 and through another hand by 1 cm unseen."""
 
 RUNGS = 4
+SWERVE = 0.1
+"""How far a joint may be from where it would be if all turned evenly on a straight way, in radians."""
+
 PULL_RUNGS = 6
 STRAIGHT = 1e-3
 
@@ -54,14 +57,21 @@ def vertical(robot: Robot, one: Joints, two: Joints) -> bool:
     return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT
 
 
-def straight(simulator: Simulator, start: Joints, goal: Joints) -> list[Joints]:
-    """Return a path on which the tool moves straight from one pose to another that is turned the same way."""
-    first, last = tool_pose(simulator.robot, start), tool_pose(simulator.robot, goal)
+def straight(robot: Robot, start: Joints, goal: Joints) -> list[Joints] | None:
+    """Return a path on which the tool moves straight from one pose to another that is turned the same way.
+
+    None where the joints of the arm do not let it follow the line.
+    """
+    first, last = tool_pose(robot, start), tool_pose(robot, goal)
     path = [start]
     for share in np.linspace(0.0, 1.0, RUNGS + 1)[1:-1].tolist():
         x, y, z = (a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
+        tool = Pose((x, y, z), last.quaternion)
         near = tuple(a + share * (b - a) for a, b in zip(start, goal, strict=True))
-        path.append(adjusted(simulator.robot, Pose((x, y, z), last.quaternion), near) or near)
+        joints = adjusted(robot, tool, near) or next(inverse(robot, tool, near), None)
+        if joints is None or max(abs(a - b) for a, b in zip(joints, near, strict=True)) > SWERVE:
+            return None
+        path.append(joints)
     return [*path, goal]
 
 
@@ -100,8 +110,10 @@ def checked_path(
     The ends are left out. Straight up and down there is one way only.
     """
     if vertical(simulator.robot, start, goal):
-        rungs = tuple(straight(simulator, start, goal)[1:-1])
-        carried = _carried(situation, load)
+        path = straight(simulator.robot, start, goal)
+        if path is None:
+            return None
+        rungs, carried = tuple(path[1:-1]), _carried(situation, load)
         return rungs if all(_free_at(simulator, situation, load, carried, joints) for joints in rungs) else None
     angles = free_path(simulator, situation, load, start, goal, time_step)
     return None if angles is None else tuple(_strides(start, angles, STRIDE))
