@@ -66,11 +66,11 @@ def _reach(x: float, y: float, z: float) -> Joints:
     return next(inverse(PANDA, Pose((x, y, z), DOWN)))
 
 
-def test_a_straight_path_is_straight(simulator):
+def test_a_straight_path_is_straight():
     high = _reach(0.5, 0.2, 0.2)
     low = next(inverse(PANDA, Pose((0.5, 0.2, 0.1), DOWN), near=high))
     assert vertical(PANDA, high, low) and not vertical(PANDA, high, _reach(0.5, 0.25, 0.2))
-    for row in timed(straight(simulator, high, low), TIME_STEP, ACCELERATION, PANDA.speed).tolist():
+    for row in timed(straight(PANDA, high, low), TIME_STEP, ACCELERATION, PANDA.speed).tolist():
         x, y, z = tool_pose(PANDA, tuple(row)).position
         assert (x, y) == pytest.approx((0.5, 0.2), abs=0.002) and 0.099 < z < 0.201
 

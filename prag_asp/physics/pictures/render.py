@@ -21,7 +21,7 @@ from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.layout import Panel, line_count, sheet
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.verdict import Moment, Witness
-from prag_asp.physics.witness.numbers import broken_numbers
+from prag_asp.physics.witness.numbers import LIMIT_TOLERANCE, broken_numbers
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.space.task import Task
 
@@ -33,6 +33,10 @@ RATE = 10
 
 LAST_PAUSE = 1500
 """Milliseconds for which an animation stops at its end."""
+
+GIVE = 0.005
+"""How far a joint or a finger that was measured may be pressed beyond its limit, in radians and metres."""
+
 TOLD_FIRST = (
     "holding",
     "on_top",
@@ -189,8 +193,9 @@ def _simulator(
         raise QueryError(str(error)) from None
     with open_simulator(sized, visual=True) as simulator:
         seen = problem(task, sized)
+        tolerance = LIMIT_TOLERANCE if isinstance(shown, Witness) else GIVE
         for k, moment in enumerate(moments):
-            for fault in broken_numbers(moment, seen, simulator):
+            for fault in broken_numbers(moment, seen, simulator, tolerance):
                 raise QueryError(f"state {k}: {fault}")
         yield simulator
 

@@ -14,8 +14,13 @@ from prag_asp.physics.world.simulator import Simulator
 LIMIT_TOLERANCE = 1e-9
 
 
-def broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Iterator[str]:
-    """Yield missing objects, numbers that are not finite, and what is beyond the limits of the robot."""
+def broken_numbers(
+    moment: Moment, seen: Problem, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
+) -> Iterator[str]:
+    """Yield missing objects, numbers that are not finite, and what is beyond the limits of the robot.
+
+    `tolerance` is how far a joint may be beyond its limits, in radians, and how much too wide a gripper, in metres.
+    """
     for entity in seen.objects:
         if entity not in moment.poses:
             yield f"{entity} has no pose"
@@ -29,7 +34,7 @@ def broken_numbers(moment: Moment, seen: Problem, simulator: Simulator) -> Itera
         yield f"it has the arms {_arms(moment.arms())}; the scene has {_arms(simulator.arms)}"
         return
     for name, arm in moment.arms().items():
-        yield from broken_arm(name, arm.joints, arm.width, simulator)
+        yield from broken_arm(name, arm.joints, arm.width, simulator, tolerance)
         if (arm.held is None) != (arm.grasp is None):
             yield "a held object and its grasp go together"
         elif arm.held is not None and (arm.held not in moment.poses or not finite(arm.grasp or Pose((0, 0, 0)))):
@@ -41,7 +46,9 @@ def _arms(names: Iterable[str]) -> str:
     return ", ".join(name or "one without a name" for name in names)
 
 
-def broken_arm(name: str, joints: tuple[float, ...], width: float, simulator: Simulator) -> Iterator[str]:
+def broken_arm(
+    name: str, joints: tuple[float, ...], width: float, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
+) -> Iterator[str]:
     """Yield joint angles and openings that a robot cannot take."""
     if name not in simulator.arms:
         yield f"there is no robot {name}"
@@ -49,7 +56,7 @@ def broken_arm(name: str, joints: tuple[float, ...], width: float, simulator: Si
     robot = simulator.arms[name].robot
     if len(joints) != len(robot.lower) or not all(map(math.isfinite, (*joints, width))):
         yield "the arm needs seven finite joint angles and a finite opening"
-    elif not robot.within_limits(joints, LIMIT_TOLERANCE):
+    elif not robot.within_limits(joints, tolerance):
         yield f"the joint angles {tuple(round(angle, 4) for angle in joints)} are beyond the limits"
-    elif not -LIMIT_TOLERANCE <= width <= robot.opening + LIMIT_TOLERANCE:
+    elif not -tolerance <= width <= robot.opening + tolerance:
         yield f"the gripper cannot open {width:.4f} m"
