@@ -6,11 +6,12 @@ import math
 import pickle
 import random
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from prag_asp import Domain, TaskSpace, load_domain
-from prag_asp.domain.scene import Box, Own, Scene, load_scene
+from prag_asp.domain.scene import Box, Own, Scene, Shape, load_scene
 from prag_asp.physics import Budget, check_witness, open_validator, validate_tasks
 from prag_asp.physics.facts import problem
 from prag_asp.physics.geometry import Pose, yaw_of
@@ -176,3 +177,35 @@ def test_what_is_carried_is_brought_where_the_relation_holds_in_the_air(fluent: 
         verdict = validator.validate(carried, seed=1)
     assert verdict.feasible and check_witness(carried, verdict.witness, scene) == []
     assert verdict.witness.moments[-1].poses["apple_1"].position[2] > 0.1
+
+
+LOOKING_AROUND = """
+from prag_asp.physics.predicates import Predicate, Volume, states
+
+def _clear(situation, arguments):
+    top = situation.top(arguments[0])
+    yield max([-1.0, *(0.005 - abs(situation.bottom(other) - top) for other in situation.poses)])
+
+def _anywhere(situation, arguments, quaternion):
+    return Volume()
+
+PREDICATES = {
+    "clear": Predicate("clear", _clear, _anywhere, states("{0} {is} clear")),
+}
+"""
+
+
+def test_a_predicate_that_looks_at_other_bodies_is_neither_proved_of_fixed_ones_nor_passed_over(tmp_path: Path) -> None:
+    file = tmp_path / "own.py"
+    file.write_text(LOOKING_AROUND)
+    shapes = {**SHAPES, "shelf_1": Shape("box", (0.2, 0.2, 0.05))}
+    own = {"clear": Own("clear", ("object",), file=str(file))}
+    scene = Scene(shapes=shapes, fixed={"shelf_1": (0.5, 0.3, 0.0)}, own=own, trusted=True)
+    pick = ("pick(panda,cup_1)", state("holding(panda,cup_1)"))
+    put = ("put(panda,cup_1,shelf_1)", state("-holding(panda,cup_1)", "on_top(cup_1,shelf_1)"))
+    covered = task(state("clear(shelf_1)"), pick, (put[0], {**put[1], **state("-clear(shelf_1)")}))
+    kept_clear = task(state("clear(shelf_1)"), pick, put)
+    with open_validator(scene) as validator:
+        verdicts = [validator.validate(each, seed=1) for each in (covered, kept_clear)]
+    assert [verdict.status for verdict in verdicts] == ["feasible", "not_found"]
+    assert check_witness(covered, verdicts[0].witness, scene) == []

@@ -45,7 +45,8 @@ class Predicate:
     is the position of the argument that moves when the predicate is made true; where `of_gripper` is true the
     volume is the gripper's, otherwise that of the subject. `inverse` names the predicate that holds of the
     two swapped arguments whenever this one does: itself where their order does not matter. `turns` is set where the
-    volume has ranges of yaws, `rests_on_other` where the subject may stand on or in its last argument.
+    volume has ranges of yaws, `rests_on_other` where the subject may stand on or in its last argument, `looks_around`
+    where the violations may depend on more than the arguments: so those from a Python file may.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Predicate:
     inverse: str | None = None
     turns: bool = False
     rests_on_other: bool = False
+    looks_around: bool = False
 
     def distance(self, situation: Situation, arguments: Arguments) -> float:
         """Return how far a situation is from satisfying the predicate, 0 exactly where it holds."""

@@ -54,6 +54,7 @@ def defined(own: Own) -> Predicate:
         violations=_guarded_violations(own, predicate.violations),
         volume=_guarded(own, "volume", predicate.volume),
         sentence=_guarded(own, "sentence", predicate.sentence),
+        looks_around=True,
     )
 
 

@@ -28,7 +28,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
         yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
         return
     yield from _size_reasons(fact, scene)
-    entities = () if fact.predicate.of_gripper else bodies(fact, scene)
+    entities = () if fact.predicate.of_gripper or fact.predicate.looks_around else bodies(fact, scene)
     still = _still(scene)
     if entities and all(entity in still.poses for entity in entities) and not fact.satisfied(still):
         yield f"{fact.sentence()} cannot hold, for nothing of it can move"

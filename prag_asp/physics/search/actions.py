@@ -91,7 +91,8 @@ def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[F
     }
     changed |= {entity for entity, opening in openings.items() if before.situation.openings[entity] != opening}
     for fact in facts:
-        concerned = fact.predicate.of_gripper or not changed.isdisjoint(fact.arguments)
+        predicate = fact.predicate
+        concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
         if (concerned or fact in known_again) and not fact.satisfied(after.situation):
             raise Failure(RELATION)
 
