@@ -5,12 +5,13 @@ This module loads no simulator, so that the linter can use it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
+from prag_asp.domain.misspelling import most_similar
 from prag_asp.domain.own_table import read_own
 from prag_asp.domain.plural import plural
 from prag_asp.domain.scene_kinds import KINDS
@@ -105,7 +106,8 @@ def scene_problems(
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
     report = Report(classes, entities, folder)
     scene = read_scene(report, table, read_own(report, table.get("own", {})))
-    problems = list(report.problems)
+    fluents = list(fluents)
+    problems = [*report.problems, *_misspelt_fluents(scene, fluents)]
     seen: set[tuple[str, str]] = set()
     for fluent in fluents:
         if not report.doubtful.isdisjoint(fluent.arguments):
@@ -115,6 +117,15 @@ def scene_problems(
                 seen.add((problem.key, problem.message))
                 problems.append(problem)
     return problems or _without_objects(scene)
+
+
+def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Problem]:
+    """Yield names under ``scene.predicates`` that are no fluent's, but nearly that of one which is not there."""
+    names = {fluent.name for fluent in fluents}
+    for name in scene.predicates.keys() - names:
+        meant = most_similar(name, sorted(names - scene.predicates.keys()))
+        if meant is not None:
+            yield Problem(f"scene.predicates.{name}", f"there is no fluent {name}; did you mean {meant}?")
 
 
 def _without_objects(scene: Scene) -> list[Problem]:
@@ -151,10 +162,14 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
             kind = entities.get(entity, entity)
             yield Problem(f"scene.shapes.{kind}", f"missing: {fluent} speaks about {entity}, a {kind}")
         elif role != "rotation" and shape is not None and not _plays(role, shape):
-            kind = entities.get(entity, entity)
             furniture = " or ".join(name for name, each in KINDS.items() if each.furniture)
             wanted = furniture if role == "furniture" else role
-            yield Problem(f"scene.shapes.{kind}.kind", f"{fluent} needs {entity} to be of the kind {wanted}")
+            text, kind = f"{fluent} needs {entity} to be of the kind {wanted}", entities.get(entity, entity)
+            if fluent.name in scene.predicates:
+                hint = f"let it mean something else, or change scene.shapes.{kind}"
+                yield Problem(f"scene.predicates.{fluent.name}", f"{text} where it means {meaning}; {hint}")
+            else:
+                yield Problem(f"scene.shapes.{kind}.kind", text)
 
 
 def _plays(role: str, shape: Shape) -> bool:

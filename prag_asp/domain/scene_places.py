@@ -36,7 +36,8 @@ def read_workspace(report: Report, value: Mapping[str, Any]) -> tuple[float, flo
         pair = value.get(name, default)
         fine = isinstance(pair, list) and len(pair) == PAIR and all(map(is_number, pair))
         if not fine or not -MAX_LENGTH <= pair[0] < pair[1] <= MAX_LENGTH:
-            report.add(f"scene.workspace.{name}", f"needs a low and a high end in metres; got {pair!r}")
+            limits = f"within {MAX_LENGTH:g} m of the robot"
+            report.add(f"scene.workspace.{name}", f"needs a low and a high end in metres, {limits}; got {pair!r}")
             pair = default
         bounds += [float(end) for end in pair]
     return (bounds[0], bounds[1], bounds[2], bounds[3])
@@ -72,13 +73,15 @@ def read_fixed(report: Report, value: Mapping[str, Any], shapes: Mapping[str, Sh
 
 
 def place_problems(table: Table, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> Iterator[Problem]:
-    """Yield fixed bodies that are not wholly on the table, and pairs of them that overlap."""
+    """Yield fixed bodies that are not wholly on the table, and pairs of the others that overlap."""
     (x, y), (size_x, size_y) = table.centre, table.size
+    bodies = [entity for entity in fixed if shapes[entity].traits.body]
     for entity, place in fixed.items():
         outer = corners(Footprint(shapes[entity], place))
         if any(abs(at_x - x) > size_x / 2 or abs(at_y - y) > size_y / 2 for at_x, at_y in outer):
             text = f"{entity} is not wholly on the table; move it or enlarge the table"
             yield Problem(f"scene.fixed.{entity}", text)
-    for one, two in combinations([entity for entity in fixed if shapes[entity].traits.body], 2):
+            bodies = [other for other in bodies if other != entity]
+    for one, two in combinations(bodies, 2):
         if not apart(Footprint(shapes[one], fixed[one]), Footprint(shapes[two], fixed[two]), TOUCHING):
             yield Problem(f"scene.fixed.{two}", f"{two} overlaps {one}, which is fixed too; move one of them")

@@ -107,11 +107,13 @@ def _sizes(report: Report, key: str, kind: str, value: Mapping[str, Any]) -> tup
 
 def _box(report: Report, key: str, value: object) -> tuple[Size, Size]:
     """Return the smallest and the largest sides of a box: a list of three, or a table of two such lists."""
-    ends = [value, value]
+    ends = [value]
     if isinstance(value, Mapping):
         report.unknown(key, value, ("low", "high"))
-        ends = [value.get("low"), value.get("high")]
-    found = [report.lengths(key, end, TRIPLE) for end in ends[: 2 if isinstance(value, Mapping) else 1]]
+        for name in sorted({"low", "high"} - value.keys()):
+            report.add(f"{key}.{name}", "missing: a range of sizes has low and high, three lengths in metres each")
+        ends = [value[name] for name in ("low", "high") if name in value] or [list(STAND_IN)]
+    found = [report.lengths(key, end, TRIPLE) for end in ends]
     (ax, ay, az), (bx, by, bz) = found[0] or found[-1] or STAND_IN, found[-1] or found[0] or STAND_IN
     if None not in found and (ax > bx or ay > by or az > bz):
         report.add(key, f"needs no side of low greater than that of high; got {value!r}")

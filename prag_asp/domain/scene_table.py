@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from prag_asp.domain.scene_colors import read_colors
@@ -77,7 +78,9 @@ def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> Non
             sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
             text = f"{sides[1]:g} x {sides[0]:g} m is larger than the table, which is {room[1]:g} x {room[0]:g} m"
             report.add(f"scene.shapes.{owner}", f"{text}; make it smaller")
-    report.problems += [*place_problems(scene.table, scene.shapes, scene.fixed), *base_problems(scene)]
+            report.doubtful.add(entity)
+    fixed = {entity: place for entity, place in scene.fixed.items() if entity not in report.doubtful}
+    report.problems += [*place_problems(scene.table, scene.shapes, fixed), *base_problems(replace(scene, fixed=fixed))]
 
 
 def _larger(shape: Shape, table: Table) -> bool:

@@ -241,7 +241,8 @@ def test_only_furniture_can_be_open(domain):
     fluents = list(state("open(drawer_1)"))
     told = scene_problems({**table, "shapes": shapes}, domain.facts.parents, entities, fluents)
     assert [problem.message for problem in told] == [
-        "open(drawer_1) needs drawer_1 to be of the kind drawer or cupboard"
+        "open(drawer_1) needs drawer_1 to be of the kind drawer or cupboard where it means is_open; "
+        "let it mean something else, or change scene.shapes.drawer"
     ]
 
 

@@ -62,7 +62,7 @@ def test_a_range_holds_sizes_from_its_lower_to_its_upper_end(ranged):
 @pytest.mark.parametrize(
     ("shape", "message"),
     [
-        ({"kind": "box", "size": {"low": [0.1, 0.1, 0.1]}}, "scene.shapes.cube.size: needs three positive lengths"),
+        ({"kind": "box", "size": {"low": [0.1, 0.1, 0.1]}}, "scene.shapes.cube.size.high: missing: a range of sizes"),
         (
             {"kind": "box", "size": {"low": [0.1, 0.1, 0.1], "high": [0.2, 0.05, 0.2]}},
             "scene.shapes.cube.size: needs no side of low greater than that of high",
