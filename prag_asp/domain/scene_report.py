@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -48,10 +47,8 @@ def suggest(name: str, known: Iterable[str]) -> str:
 
 
 def is_number(value: object) -> bool:
-    """Tell whether a TOML value is a finite number that a float can hold."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    return abs(value) <= 1e9 if isinstance(value, int) else math.isfinite(value)
+    """Tell whether a TOML value is a number that can be a length or an angle: no NaN, and not beyond all measure."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1e9
 
 
 class Report:
