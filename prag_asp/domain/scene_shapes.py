@@ -55,11 +55,11 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
     if kind == "urdf":
         return _urdf(report, f"{key}.path", value.get("path"))
     low, high = _sizes(report, key, kind, value)
-    if traits.furniture and (low != high or not all(side >= least for side, least in zip(low, LEAST, strict=True))):
+    small = traits.furniture and not all(side >= least for side, least in zip(low, LEAST, strict=True))
+    if small or (traits.furniture and low != high):
         text = f"needs one size of at least {' x '.join(f'{side:g}' for side in LEAST)} m for a {kind}"
         report.add(f"{key}.size", f"{text}; got {value.get('size')!r}")
-    sound = len(report.problems) == before
-    wall = _wall(report, key, value, low) if traits.hollow and sound else 0.0
+    wall = _wall(report, key, value, low) if traits.hollow and not small else 0.0
     if len(report.problems) > before:
         return ()
     return tuple(Shape(kind, size, wall) for size in _between(low, high))
