@@ -137,8 +137,12 @@ class _Pool:
         )
 
     def submit(self, chunk: Chunk) -> Future[list[Verdict]]:
-        """Hand a chunk to a worker."""
-        return self._executor.submit(_validate_chunk, chunk, *self._settings)
+        """Hand a chunk to a worker; one that is started for it never sees Ctrl-C, which is for its parent to answer."""
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return self._executor.submit(_validate_chunk, chunk, *self._settings)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     def kill(self) -> None:
         """End the workers in the middle of what they do, and wait until they are gone.
@@ -168,11 +172,10 @@ def _end_with(lifeline: Connection) -> None:
 
 
 def _start_worker(scene: Scene, lifeline: Connection) -> None:
-    """Prepare a spawned process: no output, no reaction to Ctrl-C (its parent ends it), one validator.
+    """Prepare a spawned process: no output, an end when its parent ends, one validator.
 
     An error is kept for the first chunk to raise: raised here it would only break the pool.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
     silence(STDOUT)
     resources = ExitStack()

@@ -73,6 +73,22 @@ def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_
     assert "interrupted" in err and "budget 10 x 10" in err and "Traceback" not in err
 
 
+@pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
+def test_workers_that_are_just_being_started_leave_an_interruption_to_their_parent(
+    tmp_path: Path, delay: float
+) -> None:
+    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
+    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
+    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", "2"], tmp_path) as process:
+        until = time.monotonic() + 60
+        while len(children(process.pid)) < 3 and time.monotonic() < until:
+            time.sleep(0.01)
+        time.sleep(delay)
+        err = interrupt(process)
+    assert process.returncode == 130
+    assert "interrupted" in err and "Traceback" not in err
+
+
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_validation_that_is_told_to_end_ends_as_an_interrupted_one_and_its_workers_with_it(
     tmp_path: Path, workers: str

@@ -39,7 +39,10 @@ class Seen:
         return np.asarray(pose.turn.T @ (at - pose.at))
 
     def wide(self, name: str, direction: Array) -> float:
-        """Return half the width of a body along a direction of length one."""
+        """Return half the width of a body along a direction of length one, of furniture that of the box around it."""
+        if name in self.world.furniture:
+            low, high = self.layout.span(name)
+            return float(np.abs(direction) @ (high - low)) / 2
         low, high = np.inf, -np.inf
         for solid in self.layout.body(name).solids:
             middle, half = solid.middle @ direction, reach(solid.part, solid.place.turn, direction[None])[0]

@@ -19,7 +19,10 @@ MARGIN = 0.003
 
 
 def _half_along(situation: Situation, entity: str, quaternion: Quaternion, direction: Vector) -> float:
-    """Return half the width of a body along a direction in metres; the table has none."""
+    """Return half the width of a body along a direction in metres, of furniture that of the box around it."""
+    if situation.shape(entity).traits.furniture:
+        half_x, half_y, _ = situation.half(entity)
+        return abs(direction[0]) * half_x + abs(direction[1]) * half_y
     return width_along(situation.shape(entity), quaternion, direction) / 2
 
 
