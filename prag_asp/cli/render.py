@@ -134,7 +134,8 @@ class _Drawing:
         from prag_asp.physics import Demonstration, animate, film_strip, still
 
         scene, task = options.scene_of(domain), record.task
-        headings = [sentence(action, domain.settings.language) for action in task.actions]
+        language = domain.settings.language
+        headings = [sentence(action, language) if action.name in language else None for action in task.actions]
         animated = self.form in ANIMATED
         with told_with_place(record, domain):
             shown = self._shown(record, number, scene)

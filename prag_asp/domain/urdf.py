@@ -18,9 +18,9 @@ from prag_asp.domain.plural import plural
 from prag_asp.domain.scene_forms import FORMS
 from prag_asp.domain.scene_model import Model, Shape, Size, Solid
 from prag_asp.domain.scene_report import SMALLEST
+from prag_asp.domain.standing import falls, rotation
 from prag_asp.errors import SceneError
 
-Rows = tuple[Size, Size, Size]
 ZEROS = "0 0 0"
 HULL_MARGIN = 0.001
 """How far PyBullet keeps other bodies off the hull of a mesh, in metres."""
@@ -57,7 +57,11 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
-    return Shape("urdf", _minus(high, low), model=Model(centred, weight))
+    size = _minus(high, low)
+    if falls(centred, size):
+        text = "falls over: the middle of its box, taken for its centre of mass, is not well above what it stands on"
+        raise SceneError(f"{path}:{lines[link]}: {name} {text}; turn it, or widen its foot")
+    return Shape("urdf", size, model=Model(centred, weight))
 
 
 def _parsed(path: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
@@ -185,7 +189,7 @@ def _ends(solid: Solid) -> Iterator[Size]:
     Raises:
         SceneError: a mesh cannot be read, or is too thin.
     """
-    rows, margin = _rotation(solid.turn), 0.0
+    rows, margin = rotation(solid.turn), 0.0
     if solid.mesh:
         points = [_size([a * b for a, b in zip(point, solid.size, strict=True)]) for point in mesh_points(solid.mesh)]
         if thickness(points) < SMALLEST:
@@ -199,16 +203,6 @@ def _ends(solid: Solid) -> Iterator[Size]:
     for point in turned:
         for side in (-margin, margin):
             yield _size([a + b + side for a, b in zip(point, solid.at, strict=True)])
-
-
-def _rotation(turn: Size) -> Rows:
-    """Return the rotation matrix of roll, pitch and yaw about the fixed axes, in radians."""
-    (a, b), (c, d), (e, f) = ((math.cos(angle), math.sin(angle)) for angle in turn)
-    return (
-        (e * c, e * d * b - f * a, e * d * a + f * b),
-        (f * c, f * d * b + e * a, f * d * a - e * b),
-        (-d, c * b, c * a),
-    )
 
 
 def _minus(one: Size, two: Size) -> Size:

@@ -241,11 +241,12 @@ def test_a_mesh_of_one_point_or_of_a_line_is_refused(tmp_path, points):
         scene_in(tmp_path, "m.urdf")
 
 
-def test_a_thin_mesh_that_is_thick_enough_is_read(tmp_path):
+def test_a_thin_mesh_that_is_thick_enough_leans_and_is_told_only_that(tmp_path):
     (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
     plate = [(x, y, z) for x in (0.0, 50.0) for y in (0.0, 40.0) for z in (0.0, 3.1)]
     (tmp_path / "box.obj").write_bytes(_turned(plate))
-    assert min(scene_in(tmp_path, "m.urdf").shapes["cube_1"].size) > 0.0031
+    with pytest.raises(SceneError, match="falls over"):
+        scene_in(tmp_path, "m.urdf")
 
 
 def test_measuring_a_urdf_loads_no_simulator(folder):
@@ -255,3 +256,42 @@ def test_measuring_a_urdf_loads_no_simulator(folder):
         "assert not {'pybullet', 'numpy'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+ALONE = ONE_LINK.format("<collision><origin rpy='{}'/><geometry>{}</geometry></collision>")
+CUBE, ROD, BALL = "<box size='.05 .05 .05'/>", "<cylinder radius='.02' length='.1'/>", "<sphere radius='.03'/>"
+
+
+@pytest.mark.parametrize(
+    ("turn", "solid", "stands"),
+    [
+        ("0 0 0.4", CUBE, True),
+        ("0 0.4 0", CUBE, False),
+        ("0 0.7854 0", CUBE, False),
+        ("0.7854 0.6155 0", CUBE, False),
+        ("0 0.02 0", CUBE, True),
+        ("0 0 0", ROD, True),
+        ("0 1.5708 0.3", ROD, True),
+        ("0 0.3 0", ROD, False),
+        ("0 0 0", BALL, True),
+    ],
+)
+def test_a_body_that_does_not_stand_by_itself_is_refused(tmp_path, turn, solid, stands):
+    (tmp_path / "m.urdf").write_text(ALONE.format(turn, solid))
+    if stands:
+        assert scene_in(tmp_path, "m.urdf").shapes["cube_1"].model.mass == 1.0
+        return
+    with pytest.raises(SceneError, match=r"m\.urdf:1: link a falls over: .*; turn it, or widen its foot"):
+        scene_in(tmp_path, "m.urdf")
+
+
+def test_a_cone_on_its_tip_is_refused_and_one_on_its_base_stands(tmp_path):
+    ring = [(20 * math.cos(i), 20 * math.sin(i)) for i in range(12)]
+    for name, tip in (("up", 60.0), ("down", -60.0)):
+        points = [(0.0, 0.0, tip), *((x, y, 0.0) for x, y in ring)]
+        (tmp_path / f"{name}.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in points))
+        mesh = f"<mesh filename='{name}.obj' scale='0.001 0.001 0.001'/>"
+        (tmp_path / f"{name}.urdf").write_text(ALONE.format("0 0 0", mesh))
+    assert scene_in(tmp_path, "up.urdf").shapes["cube_1"].size[2] == pytest.approx(0.062)
+    with pytest.raises(SceneError, match="falls over"):
+        scene_in(tmp_path, "down.urdf")

@@ -203,6 +203,12 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
             raise ValueError(f"{name} has to hold finite numbers")
     if frames == 0 or (len(content["ends"]) and not 0 <= content["ends"].min() <= content["ends"].max() < frames):
         raise ValueError(f"ends has to hold numbers of frames; it has {frames} frames")
+    limits = (frames, len(content["bodies"]), len(content["bodies"]))
+    if ((content["contacts"] < 0) | (content["contacts"] >= limits)).any():
+        raise ValueError("contacts has to hold a frame and the positions of two bodies")
+    for name in ("cause", "detail"):
+        if content[name].shape != () or content[name].dtype.kind != "U":
+            raise ValueError(f"{name} has to hold a text")
     return Demonstration(
         objects=tuple(map(str, content["objects"].tolist())),
         bodies=tuple(map(str, content["bodies"].tolist())),

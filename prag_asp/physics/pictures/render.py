@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -39,6 +40,7 @@ GIVE = 0.005
 
 TOLD_FIRST = (
     "holding",
+    "over",
     "on_top",
     "inside",
     "located",
@@ -57,6 +59,10 @@ TOLD_FIRST = (
     "at",
 )
 UNTOLD = ("reachable", "gripper_open")
+START_FACTS = 4
+"""How many facts of a first state are told, of what the task's actions name."""
+
+SIDES = re.compile(r"\b(left|right|in front|behind)\b")
 
 
 def film_strip(
@@ -67,7 +73,7 @@ def film_strip(
     frames: int | None = None,
     columns: int = 6,
     size: tuple[int, int] = (360, 320),
-    headings: Sequence[str] | None = None,
+    headings: Sequence[str | None] | None = None,
 ) -> Image.Image:
     """Return a picture of the states of a witness or a demonstration, or of `frames` of them with first and last.
 
@@ -87,7 +93,7 @@ def film_strip(
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
     with _simulator(task, shown, moments, scene) as simulator:
         pictures = [picture(simulator, moments[k], size) for k in chosen]
-    captions = [_caption(task, scene, k, headings) for k in chosen]
+    captions = _with_sides([_caption(task, scene, k, headings) for k in chosen], scene)
     return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
 
 
@@ -116,7 +122,7 @@ def animate(
     *,
     size: tuple[int, int] = (400, 350),
     speed: float = 2.0,
-    headings: Sequence[str] | None = None,
+    headings: Sequence[str | None] | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast: a .gif or .webp, by the name of the file.
@@ -209,7 +215,7 @@ def _moment(demonstration: Demonstration, frame: int) -> Moment:
     return Moment(poses, joints, width, openings=demonstration.opened(frame), robot=robot, others=arms)
 
 
-def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
+def _check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
     """Check that there is a heading for each action.
 
     Raises:
@@ -219,14 +225,30 @@ def _check_headings(task: Task, headings: Sequence[str] | None) -> None:
         raise QueryError(f"{plural(len(headings), 'heading')} for {_actions(task)}; give one for each")
 
 
-def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str] | None) -> tuple[str, str]:
+def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str | None] | None) -> tuple[str, str]:
     """Return the heading of a frame and what it shows, in plain words."""
     if k == 0:
-        return "start", _told([fact for fact in facts(scene, task.initial) if fact.value])
+        named = {argument for action in task.actions for argument in action.arguments}
+        known = [fact for fact in facts(scene, task.initial) if fact.value]
+        handled = [fact for fact in known if not named.isdisjoint(_things(fact, scene))]
+        return "start", _told(handled or known, START_FACTS)
     made = [fact for fact in facts(scene, task.subgoals[k - 1]) if fact.value]
     undone = [fact for fact in facts(scene, task.subgoals[k - 1]) if not fact.value]
-    heading = headings[k - 1] if headings is not None else _action_words(task.actions[k - 1], scene)
+    heading = (headings[k - 1] if headings is not None else None) or _action_words(task.actions[k - 1], scene)
     return f"{k}. {heading}", _told(made or undone[:1])
+
+
+def _things(fact: Fact, scene: Scene) -> set[str]:
+    """Return the objects that a fact speaks of."""
+    return {argument for argument in fact.arguments if argument in scene.shapes and scene.shapes[argument].traits.body}
+
+
+def _with_sides(captions: list[tuple[str, str]], scene: Scene) -> list[tuple[str, str]]:
+    """Return captions of which the first says whose sides they mean, where they mean any and not the viewer's."""
+    if scene.frame == "viewer" or not any(SIDES.search(text) for caption in captions for text in caption):
+        return captions
+    heading, told = captions[0]
+    return [(heading, f"{told} (sides are as the robot sees them)"), *captions[1:]]
 
 
 def _action_words(action: Atom, scene: Scene) -> str:
@@ -235,10 +257,10 @@ def _action_words(action: Atom, scene: Scene) -> str:
     return " ".join(words(part) for part in (action.name, *action.arguments) if part not in robots)
 
 
-def _told(made: Sequence[Fact]) -> str:
+def _told(made: Sequence[Fact], most: int = 2) -> str:
     """Return what is most worth telling of some facts; relations of the domain's own come first."""
     order = {name: position for position, name in enumerate(TOLD_FIRST)}
     worth = (fact for fact in made if fact.predicate.name not in UNTOLD)
     known = sorted(worth, key=lambda fact: order.get(fact.predicate.name, -1))
-    told = known[:2] or list(made[:1])
+    told = known[:most] or list(made[:1])
     return ", ".join(fact.sentence() for fact in told)

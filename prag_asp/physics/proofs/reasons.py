@@ -16,6 +16,7 @@ from prag_asp.physics.proofs.demands import bodies
 from prag_asp.physics.proofs.differences import ORIGIN, ROUNDING, Gap, impossible_row, lowest
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation, fixed_pose
+from prag_asp.physics.world.solids import weight
 
 AXES = ("x", "y", "z")
 NO_CONTAINER = (0.0, 0.0, 0.0)
@@ -35,17 +36,12 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
 
 
 def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
-    """Yield why a body is too wide for the gripper, or too large for a container however it is turned."""
+    """Yield why a body is too wide or heavy for the gripper, or too large for a container however it is turned."""
     name = fact.predicate.name
     if not fact.value:
         return
     if name == "holding":
-        entity, opening = fact.arguments[1], robot_of(scene, fact.arguments[0]).opening
-        # Bodies stand upright and are gripped from above, so that their height does not count.
-        narrowest = scene.shapes[entity].breadth(widest=False)
-        if narrowest > opening:
-            limit = f"{_gripper(fact.arguments[0], scene)} opens {opening * 1000:.0f} mm"
-            yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {limit}"
+        yield from _holding_reasons(fact.arguments[0], fact.arguments[1], scene)
     elif name in ("inside", "located"):
         entity, container = fact.arguments
         shape = scene.shapes[container]
@@ -58,6 +54,17 @@ def _size_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
             yield f"{words(entity)} is larger than the cavity of {words(container)}"
     elif name == "on_top" and not scene.shapes[fact.arguments[1]].traits.flat:
         yield f"nothing rests on {words(fact.arguments[1])}, which is a ball"
+
+
+def _holding_reasons(robot: str, entity: str, scene: Scene) -> Iterator[str]:
+    """Yield why a gripper cannot hold a body: it is too wide, or too heavy."""
+    able, gripper = robot_of(scene, robot), _gripper(robot, scene)
+    # Bodies stand upright and are gripped from above, so that their height does not count.
+    narrowest, heavy = scene.shapes[entity].breadth(widest=False), weight(scene, entity)
+    if narrowest > able.opening:
+        yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {gripper} opens {able.opening * 1000:.0f} mm"
+    if heavy > able.payload:
+        yield f"{words(entity)} weighs {heavy:.3g} kg, {gripper} carries {able.payload:g} kg"
 
 
 def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
