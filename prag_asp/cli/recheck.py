@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from hashlib import blake2b
 from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -23,7 +24,7 @@ from prag_asp.physics import (
     open_witness_check,
     problem,
     travel,
-    validate_tasks,
+    validate_numbered,
 )
 from prag_asp.physics.search.attempt import NO_PATH
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from prag_asp.space.task import Task
     from prag_asp.space.task_space import TaskSpace
 
+INDEX_BYTES = 6
 TOLD_TOGETHER = 128
 """Tasks of which the states are worked out together; that many are read ahead."""
 
@@ -102,22 +104,31 @@ def _fault(task: Task, expected: Task) -> str:
 
 
 def _anew(told: Iterator[Told], scene: Scene, seed: int, checking: Checking) -> Iterator[Outcome]:
-    """Yield what a new search says of each task."""
+    """Yield what a new search says of each task, wherever it stands in the file."""
     waiting: deque[str] = deque()
 
-    def valid() -> Iterator[Task]:
+    def valid() -> Iterator[tuple[int, Task]]:
         for record, fault in told:
             waiting.append(fault)
             if not fault:
-                yield record.task
+                yield _index(record), record.task
 
     budget = checking.limits()
-    with closing(validate_tasks(valid(), scene, seed=seed, workers=checking.workers, budget=budget)) as verdicts:
+    with closing(validate_numbered(valid(), scene, seed=seed, workers=checking.workers, budget=budget)) as verdicts:
         for verdict in verdicts:
             yield from _invalid(waiting)
             waiting.popleft()
             yield _outcome(verdict)
     yield from _invalid(waiting)
+
+
+def _index(record: Record) -> int:
+    """Return the index of a record's verdict, so that the same search is done; without one, one of its actions."""
+    known = (record.verdict or {}).get("index")
+    if type(known) is int and known >= 0:
+        return known
+    plan = " ".join(map(str, record.task.actions))
+    return int.from_bytes(blake2b(plan.encode(), digest_size=INDEX_BYTES).digest(), "big")
 
 
 def _invalid(waiting: deque[str]) -> Iterator[Outcome]:

@@ -169,18 +169,24 @@ class _Drawing:
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
         """Return what is drawn of a task: its recording where there is a folder of them, otherwise its witness."""
-        from prag_asp.physics import Demonstration, validate_task
+        from prag_asp.physics import Demonstration, check_demonstration, check_witness, validate_task
 
         if self.recordings is not None:
             name = (record.verdict or {}).get("demonstration", f"{number:06d}.npz")
             if not isinstance(name, str):
                 raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
             try:
-                return Demonstration.load(self.recordings / name)
+                recorded = Demonstration.load(self.recordings / name)
             except QueryError as error:
                 raise QueryError(f"{error}; {RECORD}") from None
+            for fault in check_demonstration(record.task, recorded, scene)[:1]:
+                raise QueryError(f"{self.recordings / name} does not show this task: {fault}; {RECORD}")
+            return recorded
         if record.witness is not None:
-            return read_witness(record)
+            witness = read_witness(record)
+            for fault in check_witness(record.task, witness, scene)[:1]:
+                raise QueryError(f"its witness fails: {fault}; {MEND}")
+            return witness
         verdict = validate_task(record.task, scene, seed=self.seed, index=number - 1)
         if verdict.witness is None:
             raise QueryError(f"{verdict.status.replace('_', ' ')}: {verdict.reason}; only feasible tasks can be drawn")
@@ -188,12 +194,10 @@ class _Drawing:
 
     def _performed(self, record: Record, shown: Witness | Demonstration, scene: Scene) -> Demonstration:
         """Return the recording of the robot performing a task."""
-        from prag_asp.physics import Witness, check_witness, demonstrate
+        from prag_asp.physics import Witness, demonstrate
 
         if not isinstance(shown, Witness):
             return shown
-        for fault in check_witness(record.task, shown, scene)[:1]:
-            raise QueryError(f"its witness fails: {fault}; {MEND}")
         demonstration = demonstrate(record.task, shown, scene)
         if not demonstration.success:
             raise QueryError(f"the robot fails to perform it: {demonstration.detail}; draw its states in place of that")

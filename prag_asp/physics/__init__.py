@@ -9,7 +9,7 @@ from prag_asp.physics.facts import problem
 from prag_asp.physics.motion.transit import travel
 from prag_asp.physics.pictures.camera import PicturesMissingError
 from prag_asp.physics.pictures.render import animate, film_strip, still
-from prag_asp.physics.pool import WorkerError, validate_tasks
+from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
 from prag_asp.physics.predicates import PREDICATES, Predicate
 from prag_asp.physics.search.attempt import CAUSES
 from prag_asp.physics.validator import Validator, open_validator, validate_task
@@ -43,6 +43,7 @@ __all__ = [
     "settle",
     "still",
     "travel",
+    "validate_numbered",
     "validate_task",
     "validate_tasks",
 ]

@@ -35,8 +35,11 @@ class WorkerError(PragError):
     """The processes that validate tasks died again and again."""
 
 
-Chunk = tuple[int, tuple[Task, ...]]
-"""The index of the first task, and the tasks."""
+Numbered = tuple[int, Task]
+"""The index of a task, and the task."""
+
+Chunk = tuple[Numbered, ...]
+"""Tasks that go to a worker together."""
 
 
 def validate_tasks(
@@ -47,7 +50,7 @@ def validate_tasks(
     workers: int = 1,
     budget: Budget | None = None,
 ) -> Generator[Verdict, None, None]:
-    """Yield the verdict on each task, in the order of the tasks, which may be endless.
+    """Yield the verdict on each task, in the order of the tasks, which may be endless; they are numbered from 0.
 
     One worker runs in this process, more are spawned; the verdicts do not depend on it. Tasks of a worker
     that was killed are done again in a new pool. Closing the iterator ends the workers at once.
@@ -57,6 +60,22 @@ def validate_tasks(
         SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
         WorkerError: workers died more than `REPLACEMENTS` times in a row.
     """
+    return validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget)
+
+
+def validate_numbered(
+    tasks: Iterable[Numbered],
+    scene: Scene,
+    *,
+    seed: int,
+    workers: int = 1,
+    budget: Budget | None = None,
+) -> Generator[Verdict, None, None]:
+    """Yield the verdict on each task with its index, of which alone it depends, not of the order of the tasks.
+
+    Raises:
+        as `validate_tasks` does.
+    """
     if workers < 1:
         raise QueryError(f"validation needs at least 1 worker; got {workers}")
     budget = budget or Budget()
@@ -65,15 +84,15 @@ def validate_tasks(
     return _in_pool(tasks, scene, seed, workers, budget)
 
 
-def _in_process(tasks: Iterable[Task], scene: Scene, seed: int, budget: Budget) -> Generator[Verdict, None, None]:
+def _in_process(tasks: Iterable[Numbered], scene: Scene, seed: int, budget: Budget) -> Generator[Verdict, None, None]:
     """Yield verdicts found in this process."""
     with open_validator(scene) as validator:
-        for index, task in enumerate(tasks):
+        for index, task in tasks:
             yield validator.validate(task, seed=seed, index=index, budget=budget)
 
 
 def _in_pool(
-    tasks: Iterable[Task], scene: Scene, seed: int, workers: int, budget: Budget
+    tasks: Iterable[Numbered], scene: Scene, seed: int, workers: int, budget: Budget
 ) -> Generator[Verdict, None, None]:
     """Yield verdicts found in spawned processes, a bounded number of tasks ahead."""
     waiting: deque[tuple[Chunk, Future[list[Verdict]] | None]] = deque()
@@ -96,7 +115,7 @@ def _in_pool(
             except BrokenProcessPool as error:
                 failures += 1
                 if failures > REPLACEMENTS:
-                    index = waiting[0][0][0]
+                    index = waiting[0][0][0][0]
                     raise WorkerError(
                         f"workers died {failures} times in a row around task {index}; "
                         "is there enough memory? Try fewer workers"
@@ -112,12 +131,11 @@ def _in_pool(
         pool.kill()
 
 
-def _chunks(tasks: Iterable[Task]) -> Iterator[Chunk]:
+def _chunks(tasks: Iterable[Numbered]) -> Iterator[Chunk]:
     """Yield the tasks in groups, so that fewer messages go between processes."""
-    iterator, start = iter(tasks), 0
+    iterator = iter(tasks)
     while group := tuple(islice(iterator, CHUNK)):
-        yield start, group
-        start += len(group)
+        yield group
 
 
 def _done(future: Future[list[Verdict]] | None) -> bool:
@@ -194,8 +212,7 @@ def _validate_chunk(chunk: Chunk, seed: int, budget: Budget) -> list[Verdict]:
     Raises:
         SceneError: the scene of this process could not be built.
     """
-    start, tasks = chunk
     validator, error = _worker[0].validator, _worker[0].error
     if validator is None:
         raise error or SceneError("the scene cannot be built")
-    return [validator.validate(task, seed=seed, index=start + i, budget=budget) for i, task in enumerate(tasks)]
+    return [validator.validate(task, seed=seed, index=index, budget=budget) for index, task in chunk]

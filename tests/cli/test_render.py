@@ -78,6 +78,12 @@ def test_recordings_are_drawn_as_they_were_performed(tmp_path: Path) -> None:
     shared = ("render", "tasks.jsonl", "--as", "state", "--size", "64x64", "--recordings")
     ok(*shared, "recorded", "-o", "shown.png", cwd=tmp_path)
     assert pixels(tmp_path / "shown.png").shape == (64, 64, 3)
+    ok(*sampled, "--seed", "5", "-o", "others.jsonl", "--demonstrate", "others", cwd=tmp_path)
+    for folder, name in (("others", "tasks"), ("recorded", "others")):
+        done = run("render", f"{name}.jsonl", *shared[2:], folder, "-o", "no.png", cwd=tmp_path)
+        assert done.returncode == 2 and f"{folder}/000001.npz does not show this task" in done.stderr
+    again = run(*sampled, "-o", "again.jsonl", cwd=tmp_path)
+    assert again.returncode == 1 and "recorded: has recordings already; give a new folder" in again.stderr
     missing = run(*shared, "elsewhere", "-o", "shown.png", cwd=tmp_path)
     assert missing.returncode == 2 and "elsewhere/000001.npz" in missing.stderr and missing.stderr.count("\n") == 1
 
@@ -142,3 +148,12 @@ def test_a_file_without_tasks_and_an_unwritable_folder_are_refused(tasks: Path, 
     assert "no tasks in it" in run("render", "empty.jsonl", cwd=tmp_path).stderr
     (tmp_path / "file").write_text("")
     assert "cannot be made" in run("render", str(tasks), "-o", "file/folder", cwd=tmp_path).stderr
+
+
+def test_a_witness_of_another_task_is_not_drawn(tmp_path: Path) -> None:
+    lines = ok("sample", "tabletop", "-n", "3", "--count", "2", "--seed", "7", "--format", "jsonl").splitlines()
+    first, second = map(json.loads, lines)
+    (tmp_path / "tasks.jsonl").write_text(json.dumps({**first, "witness": second["witness"]}) + "\n")
+    for form in ("strip", "state"):
+        done = run("render", "tasks.jsonl", "1", "--as", form, "-o", "one.png", cwd=tmp_path)
+        assert done.returncode == 2 and "its witness fails" in done.stderr and done.stderr.count("\n") == 1

@@ -60,6 +60,24 @@ def test_a_file_of_a_domain_that_is_a_folder_is_checked_from_anywhere(tmp_path: 
     assert ok("validate", str(moved), "--domain", str(home / "mine"), cwd=elsewhere).count("feasible") == 2
 
 
+@pytest.mark.parametrize("drawn", [("--budget", "1x1"), ("--no-physics",)])
+def test_a_verdict_does_not_depend_on_where_the_task_stands_nor_on_the_workers(
+    tmp_path: Path, drawn: tuple[str, ...]
+) -> None:
+    tight = ("--seed", "3", "--budget", "1x1")
+    lines = ok("sample", "tabletop", "-n", "4", "--count", "24", "--format", "jsonl", "--seed", "3", *drawn).splitlines()
+    for name, listed in (("there", lines), ("back", lines[::-1])):
+        (tmp_path / name).write_text("".join(f"{line}\n" for line in listed))
+    there, back, together = (
+        run("validate", name, *tight, *options, cwd=tmp_path).stdout.splitlines()
+        for name, options in (("there", ()), ("back", ()), ("there", ("--workers", "2")))
+    )
+    told = [line.split("\t")[1:] for line in there]
+    assert together == there and told == [line.split("\t")[1:] for line in back][::-1]
+    passed = sum(status == "feasible" for status, *_ in told)
+    assert 5 < passed < 24 if drawn == ("--no-physics",) else passed == 24
+
+
 def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_path: Path) -> None:
     arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
     ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)

@@ -213,6 +213,8 @@ def test_files_that_hold_no_recording_are_refused(stacked, tmp_path):
     for changed, message in (
         ({"poses": stacked.poses * np.nan}, "poses has to hold finite numbers"),
         ({"ends": stacked.ends + 10_000}, "ends has to hold numbers of frames"),
+        ({"contacts": stacked.contacts + len(stacked.bodies)}, "contacts has to hold a frame and the positions"),
+        ({"cause": 7}, "cause has to hold a text"),
         ({"times": np.array(3.0)}, r"times has the shape \(\); it has to be a list"),
     ):
         replace(stacked, **changed).save(path)

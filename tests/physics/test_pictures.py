@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from prag_asp.errors import QueryError
 from prag_asp.physics import PicturesMissingError, film_strip
-from tests.physics.scenarios import stacking
+from prag_asp.physics.pictures.render import captioned
+from tests.physics.scenarios import stacking, state, task
 
 
 @pytest.fixture(scope="module")
@@ -41,3 +43,14 @@ def test_without_pillow_the_extra_is_named(witness, tabletop, monkeypatch):
     monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(PicturesMissingError, match=r"prag_asp\[pictures\]"):
         film_strip(stacking(), witness, tabletop)
+
+
+def test_the_start_tells_of_what_is_handled_and_whose_sides_are_meant(tabletop):
+    known = state("on_top(can_1,table_1)", "on_top(cube_1,table_1)", "on_top(brick_1,table_1)")
+    step = ("place(panda,cube_1,left_of,brick_1)", state("left_of(cube_1,brick_1)"))
+    for frame, told in (("robot", " (sides are as the robot sees them)"), ("viewer", "")):
+        scene = replace(tabletop, frame=frame)
+        captions = captioned(task(known, step), scene, range(2), None)
+        assert captions[0] == ("start", f"cube 1 is on table 1, brick 1 is on table 1{told}")
+        assert captions[1] == ("1. place cube 1 left of brick 1", "cube 1 is to the left of brick 1")
+        assert captioned(task(known, step), scene, range(2), ["put it there"])[1][0] == "1. put it there"

@@ -9,13 +9,14 @@ from dataclasses import replace
 
 import pytest
 
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.domain.scene import Material, Scene, Shape
 from prag_asp.physics import PREDICATES
 from prag_asp.physics.facts import Fact, problem
 from prag_asp.physics.geometry import Pose, multiply, yaw_quaternion
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.proofs.differences import ORIGIN, Gap, impossible_row, lowest
 from prag_asp.physics.proofs.prover import Prover, impossibility
+from prag_asp.physics.proofs.reasons import own_reasons
 from prag_asp.physics.situation import Situation
 from tests.physics.scenarios import state, task
 
@@ -215,3 +216,14 @@ def test_differences_agree_with_all_orders_of_small_graphs() -> None:
                 sum(table[p] for p in walk) for walk in walks if walk[-1][1] == node and set(walk) <= table.keys()
             ]
             assert height == (max(lengths) if node != ORIGIN else 0)
+
+
+def test_what_is_heavier_than_an_arm_carries_cannot_be_held() -> None:
+    held = [Fact(PREDICATES["holding"], ("panda", "cube_1"), True)]
+    cube = 0.05**3
+    for robot, limit in (("panda", 3.0), ("kuka", 14.0)):
+        for kilograms, heavy in ((limit - 0.1, False), (limit + 0.1, True)):
+            made = scene(robot=robot, materials={"cube_1": Material(kilograms / cube)})
+            found = next(own_reasons(held[0], made), None)
+            told = f"cube 1 weighs {kilograms:.3g} kg, the gripper carries {limit:g} kg"
+            assert found == (told if heavy else None)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -159,3 +160,18 @@ def test_an_approach_that_is_not_straight_above_is_caught(witness, tabletop):
 
 def test_a_motion_without_waypoints_is_caught(witness, tabletop):
     assert "it has no waypoint" in _problems(replace(witness, motions=((), witness.motions[1])), tabletop)
+
+
+def test_an_arm_that_does_not_come_from_above_or_leave_upwards_is_caught(witness, tabletop):
+    picking, placing = witness.motions
+    assert [waypoint.name for waypoint in picking] == ["approach", "at", "at", "lift"]
+    assert [waypoint.name for waypoint in placing] == ["approach", "at", "at", "retreat"]
+    for motions, found in (
+        ((picking[1:], placing), "action 1, .*: it does not come down by 10 cm straight onto the object"),
+        ((picking, placing[1:]), "action 2, .*: it does not come down by 10 cm straight onto the object"),
+        (((picking[0], *picking[2:]), placing), "action 1, .*: it takes or lets go of cube_1 on its way"),
+        ((picking, (*placing[:2], placing[3])), "action 2, .*: it takes or lets go of cube_1 on its way"),
+        ((picking[-1:], placing), "action 1, .*: it takes or lets go of cube_1 on its way"),
+        (((*picking[:3], placing[0]), placing), "action 1, .*: it does not leave by 10 cm straight up"),
+    ):
+        assert re.search(found, _problems(replace(witness, motions=motions), tabletop)), found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -93,7 +93,7 @@ def film_strip(
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
     with _simulator(task, shown, moments, scene) as simulator:
         pictures = [picture(simulator, moments[k], size) for k in chosen]
-    captions = _with_sides([_caption(task, scene, k, headings) for k in chosen], scene)
+    captions = captioned(task, scene, chosen, headings)
     return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
 
 
@@ -243,8 +243,11 @@ def _things(fact: Fact, scene: Scene) -> set[str]:
     return {argument for argument in fact.arguments if argument in scene.shapes and scene.shapes[argument].traits.body}
 
 
-def _with_sides(captions: list[tuple[str, str]], scene: Scene) -> list[tuple[str, str]]:
-    """Return captions of which the first says whose sides they mean, where they mean any and not the viewer's."""
+def captioned(
+    task: Task, scene: Scene, chosen: Iterable[int], headings: Sequence[str | None] | None
+) -> list[tuple[str, str]]:
+    """Return heading and caption of some states; the first says whose sides are meant, where they are the robot's."""
+    captions = [_caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for caption in captions for text in caption):
         return captions
     heading, told = captions[0]

@@ -11,6 +11,7 @@ from prag_asp.physics.geometry import Pose, compose, invert
 from prag_asp.physics.search.grasping import LIFT
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint
+from prag_asp.physics.witness.approaches import approach_problems, straight_above
 from prag_asp.physics.witness.handling import carried_along, handling_problems, openings_at
 from prag_asp.physics.witness.numbers import broken_arm
 from prag_asp.physics.witness.states import near, situation_of, tool_in, visited
@@ -37,10 +38,10 @@ def motion_problems(motion: tuple[Waypoint, ...], before: Moment, after: Moment,
         heights.append(tool_in(simulator))
     stops = [(waypoint.name, pose) for waypoint, pose in zip(motion, heights, strict=True) if waypoint.name != TRANSIT]
     for (name, high), (other, low) in pairwise(stops):
-        if (name, other) == ("approach", "at") and not _straight_above(high, low):
+        if (name, other) == ("approach", "at") and not straight_above(high, low):
             yield f"its approach is not {LIFT * 100:.0f} cm straight above the object"
     wrong = list(handling_problems(motion, heights, before, after, simulator.scene))
-    yield from wrong
+    yield from wrong or approach_problems(motion, before, after, simulator)
     arms = before.arms()
     for i, waypoint in enumerate(() if wrong else motion):
         grasp = arms[waypoint.robot].grasp if waypoint.held == arms[waypoint.robot].held else None
@@ -109,9 +110,3 @@ def stray(effect: Effect, before: Moment, after: Moment, simulator: Simulator) -
         moved = not near(pose, after.poses.get(entity, pose))
         if moved and (entity not in may_move or entity in simulator.scene.fixed):
             yield f"{entity} has moved"
-
-
-def _straight_above(high: Pose, low: Pose) -> bool:
-    """Tell whether one pose of the tool is `LIFT` straight above another."""
-    x, y, z = low.position
-    return near(high, Pose((x, y, z + LIFT), low.quaternion))
