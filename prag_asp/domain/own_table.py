@@ -155,7 +155,8 @@ class _OwnReader:
             elif "is" not in fields or "0" not in fields:
                 self.add(key, f"needs {{0}}, and {{is}} for is or is not, as in {EXAMPLE}")
             return value
-        self.add(key, f"needs a sentence like {EXAMPLE}; got {value!r}")
+        got = "" if value is None else f"; got {value!r}"
+        self.add(key, f"{'missing: write' if value is None else 'needs'} a sentence like {EXAMPLE}{got}")
         return ""
 
     def file(self, key: str, value: object) -> str:

@@ -65,7 +65,9 @@ def test_a_verdict_does_not_depend_on_where_the_task_stands_nor_on_the_workers(
     tmp_path: Path, drawn: tuple[str, ...]
 ) -> None:
     tight = ("--seed", "3", "--budget", "1x1")
-    lines = ok("sample", "tabletop", "-n", "4", "--count", "24", "--format", "jsonl", "--seed", "3", *drawn).splitlines()
+    lines = ok(
+        "sample", "tabletop", "-n", "4", "--count", "24", "--format", "jsonl", "--seed", "3", *drawn
+    ).splitlines()
     for name, listed in (("there", lines), ("back", lines[::-1])):
         (tmp_path / name).write_text("".join(f"{line}\n" for line in listed))
     there, back, together = (

@@ -32,6 +32,12 @@ CASES = [
     ("domains/tabletop", "size = [0.30, 0.24, 0.035]", "size = { low = [0.3, 0.2, 0.1] }", "size.high: missing"),
     ("domains/prag", "open =", "opne =", "scene.predicates.opne: there is no fluent opne; did you mean open?"),
     ("domains/two_arms", 'lies = "on_top"', 'lies = "holding"', "to be of the kind robot where it means holding"),
+    (
+        "examples/own_predicates",
+        'sentence = "{0} {is} in a corner of {1}"\n',
+        "",
+        "in_corner.sentence: missing",
+    ),
     ("domains/kitchen", "size = [0.26, 0.24, 0.10]", "size = [0.26, 0.24, 0.01]", "needs one size of at least 0.12"),
     ("domains/prag", "quarter_turn = 90", "quarter_turn = 1e300", "scene.rotations.quarter_turn: needs a yaw"),
     ("domains/two_arms", "base =", "bse =", "scene.robots.left.bse: unknown key; did you mean base?"),
@@ -63,3 +69,12 @@ def test_two_mistakes_give_two_lines(tmp_path: Path) -> None:
         load_domain(tmp_path)
     told = [line.split(": ")[1] for line in str(caught.value).splitlines()]
     assert sorted(told) == ["scene.shapes.can.raduis", "scene.shapes.tray.size", "scene.shapes.tray.wall"]
+
+
+def test_an_unknown_class_of_several_entities_is_one_mistake(tmp_path: Path) -> None:
+    for file in (ROOT / "domains/tabletop").iterdir():
+        (tmp_path / file.name).write_text(file.read_text().replace("cube_2), cube)", "cube_2), kube)"))
+    with pytest.raises(DomainError) as caught:
+        load_domain(tmp_path)
+    (line,) = str(caught.value).splitlines()
+    assert line.endswith("domain.lp:16: unknown class kube of cube_1, cube_2; did you mean cube?")

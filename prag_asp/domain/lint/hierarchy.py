@@ -8,7 +8,7 @@ import clingo
 
 from prag_asp.domain.facts import rows
 from prag_asp.domain.lint.cycle import find_cycle
-from prag_asp.domain.lint.origin import Origins
+from prag_asp.domain.lint.origin import Origins, Place
 from prag_asp.domain.lint.problem import Problem, suggestion
 
 Symbol = clingo.Symbol
@@ -39,10 +39,10 @@ def _entity_problems(
     entities: Sequence[tuple[Symbol, Symbol]], declared: set[Symbol], origins: Origins
 ) -> Iterator[Problem]:
     first: dict[Symbol, Symbol] = {}
+    homeless: dict[tuple[Place, Symbol], list[Symbol]] = {}
     for entity, name in entities:
         if name not in declared:
-            hint = suggestion(str(name), map(str, declared), f"declare class({name})")
-            yield Problem(*origins.place("entity", entity, name), f"unknown class {name} of {entity}; {hint}")
+            homeless.setdefault((origins.place("entity", entity, name), name), []).append(entity)
         elif entity in first:
             place = max(origins.place("entity", entity, each) for each in (name, first[entity]))
             yield Problem(
@@ -52,6 +52,9 @@ def _entity_problems(
             )
         else:
             first[entity] = name
+    for (place, name), several in homeless.items():
+        hint = suggestion(str(name), map(str, declared), f"declare class({name})")
+        yield Problem(*place, f"unknown class {name} of {', '.join(map(str, several))}; {hint}")
 
 
 def _empty_classes(

@@ -12,23 +12,23 @@ from prag_asp.physics.robot import robot_of
 
 
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
-    """Yield a warning for each body that could be held, but leaves a gripper no room to close around it.
+    """Yield a warning for each shape of bodies that could be held, but leave a gripper no room to close around them.
 
     A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above; of a range of
     sizes that of the smallest.
     """
-    seen: set[tuple[str, float]] = set()
+    seen: set[tuple[str, float, float]] = set()
     for fluent in map(parse_atom, map(str, domain.facts.fluents)):
         if scene.meaning(fluent) != "holding":
             continue
         robot, entity = fluent.arguments
         opening = robot_of(scene, robot).opening
         width = min(shape.breadth(widest=False) for shape in scene.ranges.get(entity, (scene.shapes[entity],)))
-        most = opening - CLEARANCE
-        if most < width <= opening and (entity, opening) not in seen:
-            seen.add((entity, opening))
+        most, place = opening - CLEARANCE, _place(domain, entity)
+        if most < width <= opening and (place, width, opening) not in seen:
+            seen.add((place, width, opening))
             yield (
-                f"{_place(domain, entity)}: {entity} is {width * 1000:.3g} mm wide and the gripper opens "
+                f"{place}: {entity} is {width * 1000:.3g} mm wide and the gripper opens "
                 f"{opening * 1000:.3g} mm; it never closes around more than {most * 1000:.3g} mm, so make it narrower"
             )
 
