@@ -38,9 +38,9 @@ def test_what_a_gripper_cannot_close_around_is_told_with_its_width_and_the_limit
 ) -> None:
     place = f"warning: {tmp_path / 'it' / 'domain.toml'}:13: "
     told = (
-        f"is {width} mm wide and the gripper opens 80 mm; it never closes around more than 74 mm, so make it narrower"
+        f"are {width} mm wide and the gripper opens 80 mm; it never closes around more than 74 mm, so make it narrower"
     )
-    assert warnings(tmp_path / "it", crate) == [f"{place}crate_{number} {told}" for number in (1, 2)]
+    assert warnings(tmp_path / "it", crate) == [f"{place}crate_1, crate_2 {told}"]
 
 
 @pytest.mark.parametrize(

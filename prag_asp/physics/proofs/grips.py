@@ -17,20 +17,22 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
     A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above; of a range of
     sizes that of the smallest.
     """
-    seen: set[tuple[str, float, float]] = set()
+    found: dict[tuple[str, float, float], list[str]] = {}
     for fluent in map(parse_atom, map(str, domain.facts.fluents)):
         if scene.meaning(fluent) != "holding":
             continue
         robot, entity = fluent.arguments
         opening = robot_of(scene, robot).opening
         width = min(shape.breadth(widest=False) for shape in scene.ranges.get(entity, (scene.shapes[entity],)))
-        most, place = opening - CLEARANCE, _place(domain, entity)
-        if most < width <= opening and (place, width, opening) not in seen:
-            seen.add((place, width, opening))
-            yield (
-                f"{place}: {entity} is {width * 1000:.3g} mm wide and the gripper opens "
-                f"{opening * 1000:.3g} mm; it never closes around more than {most * 1000:.3g} mm, so make it narrower"
-            )
+        if opening - CLEARANCE < width <= opening:
+            several = found.setdefault((_place(domain, entity), width, opening), [])
+            several += [entity] if entity not in several else []
+    for (place, width, opening), several in found.items():
+        yield (
+            f"{place}: {', '.join(several)} {'is' if len(several) == 1 else 'are'} {width * 1000:.3g} mm wide and the "
+            f"gripper opens {opening * 1000:.3g} mm; it never closes around more than "
+            f"{(opening - CLEARANCE) * 1000:.3g} mm, so make it narrower"
+        )
 
 
 def _place(domain: Domain, entity: str) -> str:
