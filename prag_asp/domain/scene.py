@@ -122,7 +122,7 @@ def scene_problems(
 def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Problem]:
     """Yield names under ``scene.predicates`` that are no fluent's, but nearly that of one which is not there."""
     names = {fluent.name for fluent in fluents}
-    for name in scene.predicates.keys() - names:
+    for name in sorted(scene.predicates.keys() - names):
         meant = most_similar(name, sorted(names - scene.predicates.keys()))
         if meant is not None:
             yield Problem(f"scene.predicates.{name}", f"there is no fluent {name}; did you mean {meant}?")

@@ -36,7 +36,7 @@ def read_workspace(report: Report, value: Mapping[str, Any]) -> tuple[float, flo
         pair = value.get(name, default)
         fine = isinstance(pair, list) and len(pair) == PAIR and all(map(is_number, pair))
         if not fine or not -MAX_LENGTH <= pair[0] < pair[1] <= MAX_LENGTH:
-            limits = f"within {MAX_LENGTH:g} m of the robot"
+            limits = f"within {MAX_LENGTH:g} m of the origin"
             report.add(f"scene.workspace.{name}", f"needs a low and a high end in metres, {limits}; got {pair!r}")
             pair = default
         bounds += [float(end) for end in pair]

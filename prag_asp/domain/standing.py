@@ -7,7 +7,7 @@ their corners, cylinders and balls by points all around.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 from prag_asp.domain.mesh import mesh_points
@@ -32,12 +32,11 @@ def falls(solids: Sequence[Solid], size: Size) -> bool:
     return _depth(foot) < min(STEADY, min(size[:2]) / 8)
 
 
-def _depth(foot: Iterable[tuple[float, float]]) -> float:
+def _depth(foot: Sequence[tuple[float, float]]) -> float:
     """Return how far within the convex hull of points the origin is in metres, negative outside.
 
     It is the least distance, of all directions, from the origin to the line that bounds the points there.
     """
-    foot = list(foot)
     angles = (2 * math.pi * i / DIRECTIONS for i in range(DIRECTIONS))
     return min(max(x * math.cos(a) + y * math.sin(a) for x, y in foot) for a in angles)
 

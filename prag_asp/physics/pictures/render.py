@@ -78,7 +78,8 @@ def film_strip(
     """Return a picture of the states of a witness or a demonstration, or of `frames` of them with first and last.
 
     They stand side by side, at most `columns` in a row; `size` is that of one frame in pixels. Under each stand the
-    action and what it made true, in plain words; `headings` replace the words for the actions.
+    action and what it made true, in plain words; `headings` replace the words for the actions,
+    but for those that are None.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -251,7 +252,7 @@ def captioned(
     if scene.frame == "viewer" or not any(SIDES.search(text) for caption in captions for text in caption):
         return captions
     heading, told = captions[0]
-    return [(heading, f"{told} (sides are as the robot sees them)"), *captions[1:]]
+    return [(heading, f"{told} (sides are as the robot sees them)".lstrip()), *captions[1:]]
 
 
 def _action_words(action: Atom, scene: Scene) -> str:

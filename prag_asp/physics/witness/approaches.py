@@ -16,9 +16,8 @@ from prag_asp.physics.world.support import contacts
 
 
 class Stop(NamedTuple):
-    """Where an arm stands for a while: its joints, its tool, whether it takes or lets go of something there."""
+    """Where an arm stands for a while: its tool, and whether it takes or lets go of something there."""
 
-    joints: Joints
     tool: Pose
     handles: bool
 
@@ -52,7 +51,7 @@ def _stops(
     for joints, several in groupby(passed, key=lambda each: each[0]):
         simulator.turn_to(robot)
         simulator.pose_arm(joints, 0.0)
-        stops.append(Stop(joints, tool_in(simulator), any(handles for _, handles in several)))
+        stops.append(Stop(tool_in(simulator), any(handles for _, handles in several)))
     for k, moment in ((0, ends[0]), (-1, ends[1])):
         arms = moment.arms()
         own = situation_of(simulator, moment.poses, moment.openings, arms, robot)
