@@ -76,6 +76,30 @@ def test_counting_that_is_stopped_knows_the_words_that_begin_with_one_path(stop_
     assert count_within(completions, 30, lambda: None) == (engine.count(30), "")
 
 
+def test_a_count_that_is_stopped_follows_its_path_to_the_end_however_long_that_is() -> None:
+    completions = AutomatonEngine(Model(load_domain("prag")), "plan").explored(40).completions
+    automaton, calls = completions.automaton, iter(range(1000))
+    for length in range(6, 40):
+        until = next(calls) + 5
+        found, _ = count_within(completions, length, lambda until=until: "time" if next(calls) >= until else None)
+        row, state = completions.row(4), 0
+        for _ in range(length - 4):
+            edges = range(int(automaton.offsets[state]), int(automaton.offsets[state + 1]))
+            state = int(automaton.targets[max(edges, key=lambda edge: int(row[automaton.targets[edge]]))])
+        assert found == int(row[state])
+    begun = next(calls)
+    far, stopped = count_within(completions, 10**18, lambda: "time" if next(calls) >= begun + 100 else None)
+    assert stopped == "time" and far > 10**90
+
+
+def test_a_long_count_says_how_far_it_is() -> None:
+    told: list[str] = []
+    space = TaskSpace(load_domain("hanoi"), 12_000, progress=told.append, limits=Limits(cached=False))
+    reach = AutomatonEngine(Model(load_domain("hanoi")), "plan").explored(12_000)
+    assert space.count("plan") == int(reach.completions.last_row(12_000)[0])
+    assert "counted 8,192 of 12,000 actions" in told
+
+
 @pytest.mark.parametrize(
     ("text", "number"), [("4GB", 4 * 10**9), ("512 MiB", 2**29), ("1.5k", 1500), ("2gib", 2**31), ("77", 77)]
 )

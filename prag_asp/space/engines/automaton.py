@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 WORTH_KEEPING = 0.2
 """Seconds of exploring from which what was found is kept for the next run."""
 
+LONG = 10_000
+"""From this length on counting says how far it is."""
+
 
 class AutomatonEngine:
     """Answers for one domain at one level; what was explored is kept for the next question.
@@ -48,6 +51,7 @@ class AutomatonEngine:
         self._model = model
         self._level = level
         self._limits = limits
+        self._tell = progress or (lambda words: None)
         self._explorer = Explorer(model, level, progress, merge)
         self._plain = Explorer(model, level, progress, merge=False)
         self._shelf = _shelf_for(model, level, merge) if limits.cached else None
@@ -92,10 +96,10 @@ class AutomatonEngine:
         budget = self._limits.begin()
         reach = self._reach(length, budget)
         # What was explored in time is counted on a clock of its own, or nothing would be known at its end.
-        if prefix or self._limits.seconds is None:
+        if prefix or (self._limits.seconds is None and length < LONG):
             found, stopped = self._count(reach, length, prefix), reach.stopped
         else:
-            found, stopped = count_within(reach.completions, length, self._limits.begin().spent)
+            found, stopped = count_within(reach.completions, length, self._limits.begin().spent, self._tell)
         if stopped or reach.stopped:
             raise limit_reached(reach, reach.stopped or stopped, found, self._level, length)
         return found
