@@ -177,12 +177,39 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     Raises:
         ValueError: their shapes do not belong together, or they hold something else.
     """
+    robots = tuple(map(str, content[ROBOTS].ravel().tolist())) if ROBOTS in content else ()
+    _require_fitting(content, robots)
+    return Demonstration(
+        objects=tuple(map(str, content["objects"].tolist())),
+        bodies=tuple(map(str, content["bodies"].tolist())),
+        times=content["times"].astype(np.float32),
+        joints=content["joints"].astype(np.float32),
+        widths=content["widths"].astype(np.float32),
+        commands=content["commands"].astype(np.float32),
+        sizes=content["sizes"].astype(np.float32),
+        poses=content["poses"].astype(np.float32),
+        openings=content["openings"].astype(np.float32),
+        furniture=tuple(map(str, content["furniture"].tolist())),
+        contacts=content["contacts"].astype(np.int32),
+        forces=content["forces"].astype(np.float32),
+        ends=content["ends"].astype(np.int32),
+        cause=str(content["cause"]),
+        detail=str(content["detail"]),
+        robots=robots,
+    )
+
+
+def _require_fitting(content: Mapping[str, NDArray[Any]], robots: tuple[str, ...]) -> None:
+    """Check that the arrays of a recording, of several `robots` or a single one, belong together.
+
+    Raises:
+        ValueError: they do not, or they hold something else.
+    """
     lists = ("times", "forces", "ends", "bodies", "objects", "furniture", *([ROBOTS] if ROBOTS in content else []))
     for name in lists:
         if content[name].ndim != 1:
             raise ValueError(f"{name} has the shape {content[name].shape}; it has to be a list")
     frames, touches = len(content["times"]), len(content["forces"])
-    robots = tuple(map(str, content[ROBOTS].tolist())) if ROBOTS in content else ()
     several = (len(robots),) if robots else ()
     wanted = {
         "times": (frames,),
@@ -209,21 +236,3 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     for name in ("cause", "detail"):
         if content[name].shape != () or content[name].dtype.kind != "U":
             raise ValueError(f"{name} has to hold a text")
-    return Demonstration(
-        objects=tuple(map(str, content["objects"].tolist())),
-        bodies=tuple(map(str, content["bodies"].tolist())),
-        times=content["times"].astype(np.float32),
-        joints=content["joints"].astype(np.float32),
-        widths=content["widths"].astype(np.float32),
-        commands=content["commands"].astype(np.float32),
-        sizes=content["sizes"].astype(np.float32),
-        poses=content["poses"].astype(np.float32),
-        openings=content["openings"].astype(np.float32),
-        furniture=tuple(map(str, content["furniture"].tolist())),
-        contacts=content["contacts"].astype(np.int32),
-        forces=content["forces"].astype(np.float32),
-        ends=content["ends"].astype(np.int32),
-        cause=str(content["cause"]),
-        detail=str(content["detail"]),
-        robots=robots,
-    )
