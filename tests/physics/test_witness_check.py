@@ -137,7 +137,7 @@ def test_a_missing_body_and_an_unknown_one_are_caught(witness, tabletop):
 
 
 def test_a_missing_state_is_caught(witness, tabletop):
-    assert "the task has 3 states" in _problems(replace(witness, moments=witness.moments[:2]), tabletop)
+    assert "the witness has 2 states, the task 2 actions" in _problems(replace(witness, moments=witness.moments[:2]), tabletop)
 
 
 def test_an_arm_through_a_body_is_caught(witness, tabletop):

@@ -22,7 +22,7 @@ from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.layout import Panel, line_count, sheet
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.verdict import Moment, Witness
-from prag_asp.physics.witness.numbers import LIMIT_TOLERANCE, broken_numbers
+from prag_asp.physics.witness.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.space.task import Task
 
@@ -169,13 +169,13 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
         QueryError: they are not as many as the task has.
     """
     if isinstance(shown, Witness):
-        moments, what = shown.moments, "witness"
-        if len(shown.motions) != len(task.actions):
-            raise QueryError(f"the witness has {plural(len(shown.motions), 'motion')}, the task {_actions(task)}")
-    else:
-        moments, what = tuple(_moment(shown, frame) for frame in shown.ends.tolist()), "demonstration"
+        unfit = misfit(shown, len(task.actions))
+        if unfit is not None:
+            raise QueryError(unfit)
+        return shown.moments
+    moments = tuple(_moment(shown, frame) for frame in shown.ends.tolist())
     if len(moments) != len(task.actions) + 1:
-        raise QueryError(f"the {what} has {plural(len(moments), 'state')}, the task {_actions(task)}")
+        raise QueryError(f"the demonstration has {plural(len(moments), 'state')}, the task {_actions(task)}")
     return moments
 
 

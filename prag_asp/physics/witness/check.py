@@ -10,7 +10,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.verdict import Witness
 from prag_asp.physics.witness.motions import motion_problems, stray
-from prag_asp.physics.witness.numbers import broken_numbers
+from prag_asp.physics.witness.numbers import broken_numbers, misfit
 from prag_asp.physics.witness.states import state_problems
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.space.task import Task
@@ -40,11 +40,9 @@ def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[
 def _checked(task: Task, witness: Witness, scene: Scene, simulator: Simulator) -> list[str]:
     """Return what is wrong with a witness of a task."""
     seen = problem(task, scene)
-    if len(witness.moments) != len(seen.states) or len(witness.motions) != len(seen.effects):
-        return [
-            f"the witness has {len(witness.moments)} states and {len(witness.motions)} motions; "
-            f"the task has {len(seen.states)} states and {len(seen.effects)} actions"
-        ]
+    unfit = misfit(witness, len(seen.effects))
+    if unfit is not None:
+        return [unfit]
     unsized = [entity for entity in seen.objects if entity in scene.ranges and entity not in witness.sizes]
     if unsized:
         return [f"the witness has no size of {', '.join(unsized)}"]

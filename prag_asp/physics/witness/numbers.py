@@ -5,13 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
+from prag_asp.domain.plural import plural
 from prag_asp.physics.facts import Problem
 from prag_asp.physics.geometry import Pose, finite
-from prag_asp.physics.verdict import Moment
+from prag_asp.physics.verdict import Moment, Witness
 from prag_asp.physics.witness.handling import opening_problems
 from prag_asp.physics.world.simulator import Simulator
 
 LIMIT_TOLERANCE = 1e-9
+
+
+def misfit(witness: Witness, actions: int) -> str | None:
+    """Return that a witness has more or less parts than a task of so many actions, None where it has as many."""
+    for name, found, wanted in (
+        ("motion", len(witness.motions), actions),
+        ("state", len(witness.moments), actions + 1),
+    ):
+        if found != wanted:
+            return f"the witness has {plural(found, name)}, the task {plural(actions, 'action')}"
+    return None
 
 
 def broken_numbers(
