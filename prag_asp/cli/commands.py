@@ -16,7 +16,16 @@ from prag_asp.cli.render import render
 from prag_asp.cli.split import split
 from prag_asp.cli.statistics import stats
 from prag_asp.cli.task import task
-from prag_asp.cli.terminal import FAILED, LIMITED, Command, progress, require_writable, whole_lines, writer
+from prag_asp.cli.terminal import (
+    FAILED,
+    LIMITED,
+    Command,
+    progress,
+    require_unrecorded,
+    require_writable,
+    whole_lines,
+    writer,
+)
 from prag_asp.domain.plural import plural
 from prag_asp.errors import LimitReached, QueryError
 
@@ -170,6 +179,7 @@ def sample(
     from prag_asp.dataset.jsonl import Record
 
     require_writable(output)
+    require_unrecorded(checking.demonstrate)
     checking.tries()
     with progress() as tell:
         space = asked.space(tell)
@@ -213,6 +223,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
     """
     from prag_asp.dataset.jsonl import read_lines
 
+    require_unrecorded(checking.demonstrate)
     checking.tries()
     if witness_only and checking.budget != options.BUDGET:
         raise QueryError(

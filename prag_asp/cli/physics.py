@@ -28,7 +28,7 @@ class Recordings:
         """Make the folder, where there is to be one.
 
         Raises:
-            OutputError: it cannot be made, or has recordings already: those of other tasks would be taken for these.
+            OutputError: it cannot be made.
         """
         self._folder = None if folder is None else Path(folder)
         try:
@@ -36,8 +36,6 @@ class Recordings:
                 self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(f"{self._folder}: the folder cannot be made: {error.strerror}") from None
-        if self._folder is not None and any(self._folder.glob("*.npz")):
-            raise OutputError(f"{self._folder}: has recordings already; give a new folder, or remove them")
 
     def write(self, number: int, demonstration: Demonstration | None) -> str | None:
         """Write the demonstration of the task on a line, counted from 1, and return the name of its file.

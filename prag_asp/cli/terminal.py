@@ -115,6 +115,16 @@ def require_writable(output: str | None) -> None:
         raise OutputError(f"{output}: cannot be written: no permission; choose another file")
 
 
+def require_unrecorded(folder: str | None) -> None:
+    """Check that a folder has no recordings yet, before anything is written: those of other tasks would be among them.
+
+    Raises:
+        OutputError: it has.
+    """
+    if folder is not None and any(Path(folder).glob("*.npz")):
+        raise OutputError(f"{folder}: has recordings already; give a new folder, or remove them")
+
+
 @contextmanager
 def writer(output: str | None) -> Iterator[Callable[[str], None]]:
     """Yield a function that writes a line to a file, or to stdout; what was written stays, whatever happens later.

@@ -82,8 +82,10 @@ def test_recordings_are_drawn_as_they_were_performed(tmp_path: Path) -> None:
     for folder, name in (("others", "tasks"), ("recorded", "others")):
         done = run("render", f"{name}.jsonl", *shared[2:], folder, "-o", "no.png", cwd=tmp_path)
         assert done.returncode == 2 and f"{folder}/000001.npz does not show this task" in done.stderr
-    again = run(*sampled, "-o", "again.jsonl", cwd=tmp_path)
+    kept = (tmp_path / "tasks.jsonl").read_bytes()
+    again = run(*sampled, "-o", "tasks.jsonl", cwd=tmp_path)
     assert again.returncode == 1 and "recorded: has recordings already; give a new folder" in again.stderr
+    assert (tmp_path / "tasks.jsonl").read_bytes() == kept
     missing = run(*shared, "elsewhere", "-o", "shown.png", cwd=tmp_path)
     assert missing.returncode == 2 and "elsewhere/000001.npz" in missing.stderr and missing.stderr.count("\n") == 1
 

@@ -21,6 +21,7 @@ from prag_asp.physics import (
     open_validator,
     settle,
     validate_task,
+    validate_tasks,
 )
 from prag_asp.physics.geometry import Pose, multiply, yaw_quaternion
 from prag_asp.physics.mechanism import mechanism
@@ -29,6 +30,7 @@ from prag_asp.physics.search.handling import opened
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import arm_collision
 from prag_asp.physics.world.simulator import open_simulator
+from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import state, task
 
 FURNITURE = ("drawer_1", "cupboard_1")
@@ -256,3 +258,27 @@ def test_nothing_is_in_what_has_no_cavity(kitchen):
     situation = Situation(kitchen, poses, AWAY, 0.08)
     for name in ("inside", "located"):
         assert not PREDICATES[name].holds(situation, ("apple_1", "cup_1"))
+
+
+def test_a_handle_is_taken_and_let_go_from_straight_above(kitchen, validator):
+    made = opening_task("drawer_1")
+    witness = validator.validate(made, seed=3).witness
+    opening, closing = witness.motions
+    assert [waypoint.name for waypoint in opening][:3] == ["approach", "at", "at"] and opening[-1].name == "retreat"
+    for motion in (opening[1:], opening[2:], (*opening[:-2], opening[-1])):
+        assert check_witness(made, replace(witness, motions=(motion, closing)), kitchen) != []
+
+
+def test_a_gripper_that_reaches_into_a_deep_container_is_not_at_it():
+    scene = shipped_scene("tabletop")
+    bin_1 = scene.shapes["bin_1"]._replace(size=(0.26, 0.12, 0.14))
+    deep = replace(scene, shapes={**scene.shapes, "bin_1": bin_1})
+    space = TaskSpace(load_domain("tabletop"), 2).where("uses bin_1", "has insert")
+    tasks = space.sample(30, seed=9)
+    verdicts = list(validate_tasks(tasks, deep, seed=9))
+    inside = 0
+    for each, verdict in zip(tasks, verdicts, strict=True):
+        if verdict.witness is not None:
+            assert check_witness(each, verdict.witness, deep) == []
+            inside += 1
+    assert inside >= 25

@@ -11,6 +11,7 @@ from prag_asp.physics import Moment, Witness, check_witness
 from prag_asp.physics.geometry import Pose, compose, invert, multiply, yaw_quaternion
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.verdict import TRANSIT
 from tests.physics.scenarios import stacking
 
 LEAN = (math.sin(0.01), 0.0, 0.0, math.cos(0.01))
@@ -137,7 +138,9 @@ def test_a_missing_body_and_an_unknown_one_are_caught(witness, tabletop):
 
 
 def test_a_missing_state_is_caught(witness, tabletop):
-    assert "the witness has 2 states, the task 2 actions" in _problems(replace(witness, moments=witness.moments[:2]), tabletop)
+    assert "the witness has 2 states, the task 2 actions" in _problems(
+        replace(witness, moments=witness.moments[:2]), tabletop
+    )
 
 
 def test_an_arm_through_a_body_is_caught(witness, tabletop):
@@ -155,7 +158,7 @@ def test_an_approach_that_is_not_straight_above_is_caught(witness, tabletop):
     first = witness.motions[0]
     tilted = replace(first[0], joints=(first[0].joints[0] + 0.05, *first[0].joints[1:]))
     bad = replace(witness, motions=((tilted, *first[1:]), witness.motions[1]))
-    assert "its approach is not 10 cm straight above the object" in _problems(bad, tabletop)
+    assert "it does not come down by 10 cm straight onto the object" in _problems(bad, tabletop)
 
 
 def test_a_motion_without_waypoints_is_caught(witness, tabletop):
@@ -173,5 +176,27 @@ def test_an_arm_that_does_not_come_from_above_or_leave_upwards_is_caught(witness
         ((picking, (*placing[:2], placing[3])), "action 2, .*: it takes or lets go of cube_1 on its way"),
         ((picking[-1:], placing), "action 1, .*: it takes or lets go of cube_1 on its way"),
         (((*picking[:3], placing[0]), placing), "action 1, .*: it does not leave by 10 cm straight up"),
+    ):
+        assert re.search(found, _problems(replace(witness, motions=motions), tabletop)), found
+
+
+def test_no_name_of_a_waypoint_lets_an_arm_take_things_on_its_way(witness, tabletop):
+    picking, placing = witness.motions
+    hidden = tuple(replace(waypoint, name=TRANSIT) for waypoint in picking)
+    for motion in (hidden, hidden[-1:], (*picking[:2], *hidden[2:3], picking[3])):
+        bad = _problems(replace(witness, motions=(motion, placing)), tabletop)
+        assert re.search("action 1, .*: (it ends on its way|transit: it takes or lets go of cube_1 on its way)", bad)
+
+
+def test_taking_and_letting_go_elsewhere_or_with_open_fingers_is_caught(witness, tabletop):
+    picking, placing = witness.motions
+    away = [replace(picking[1], joints=placing[1].joints), replace(picking[2], joints=placing[1].joints)]
+    above = replace(picking[0], joints=placing[0].joints)
+    back = [replace(placing[1], joints=picking[1].joints), replace(placing[2], joints=picking[1].joints)]
+    for motions, found in (
+        (((above, *away, picking[3]), placing), "action 1, .*: at: cube_1 is not where the gripper takes it"),
+        ((picking, (placing[0], *back, placing[3])), "action 2, .*: at: cube_1 is not where the gripper lets it go"),
+        (((*picking[:2], replace(picking[2], width=0.08), picking[3]), placing), "at: the gripper does not close"),
+        ((picking, (replace(placing[0], width=0.08), *placing[1:])), "approach: the gripper does not close around"),
     ):
         assert re.search(found, _problems(replace(witness, motions=motions), tabletop)), found

@@ -9,6 +9,7 @@ from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.facts import Problem, problem
 from prag_asp.physics.verdict import Witness
+from prag_asp.physics.witness.approaches import End
 from prag_asp.physics.witness.motions import motion_problems, stray
 from prag_asp.physics.witness.numbers import broken_numbers, misfit
 from prag_asp.physics.witness.states import state_problems
@@ -66,5 +67,6 @@ def _problems(seen: Problem, witness: Witness, simulator: Simulator) -> Iterator
         where = f"action {k + 1}, {seen.effects[k].action}"
         broken = [text for moment in (before, after) for text in broken_numbers(moment, seen, simulator)]
         if not broken:
-            yield from (f"{where}: {text}" for text in motion_problems(motion, before, after, simulator))
+            ends = (End(before, seen.states[k]), End(after, seen.states[k + 1]))
+            yield from (f"{where}: {text}" for text in motion_problems(motion, *ends, simulator))
             yield from (f"{where}: {text}" for text in stray(seen.effects[k], before, after, simulator))

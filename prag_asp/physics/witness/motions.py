@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
 
 from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import Effect
 from prag_asp.physics.geometry import Pose, compose, invert
-from prag_asp.physics.search.grasping import LIFT
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint
-from prag_asp.physics.witness.approaches import approach_problems, straight_above
+from prag_asp.physics.witness.approaches import End, approach_problems
 from prag_asp.physics.witness.handling import carried_along, handling_problems, openings_at
 from prag_asp.physics.witness.numbers import broken_arm
 from prag_asp.physics.witness.states import near, situation_of, tool_in, visited
@@ -20,12 +18,13 @@ from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
 
 
-def motion_problems(motion: tuple[Waypoint, ...], before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:
+def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulator: Simulator) -> Iterator[str]:
     """Yield waypoints that the arm cannot take, approaches that are not straight above, and a wrong end."""
+    before, after = start.moment, end.moment
     if not motion:
         yield "it has no waypoint"
         return
-    heights: list[Pose] = []
+    tools: list[Pose] = []
     for waypoint in motion:
         broken = list(broken_arm(waypoint.robot, waypoint.joints, waypoint.width, simulator))
         if waypoint.held is not None and waypoint.held not in before.poses:
@@ -35,13 +34,9 @@ def motion_problems(motion: tuple[Waypoint, ...], before: Moment, after: Moment,
             return
         simulator.turn_to(waypoint.robot)
         simulator.pose_arm(waypoint.joints, waypoint.width)
-        heights.append(tool_in(simulator))
-    stops = [(waypoint.name, pose) for waypoint, pose in zip(motion, heights, strict=True) if waypoint.name != TRANSIT]
-    for (name, high), (other, low) in pairwise(stops):
-        if (name, other) == ("approach", "at") and not straight_above(high, low):
-            yield f"its approach is not {LIFT * 100:.0f} cm straight above the object"
-    wrong = list(handling_problems(motion, heights, before, after, simulator.scene))
-    yield from wrong or approach_problems(motion, before, after, simulator)
+        tools.append(tool_in(simulator))
+    wrong = list(handling_problems(motion, tools, before, after, simulator.scene))
+    yield from wrong or approach_problems(motion, tools, start, end, simulator)
     arms = before.arms()
     for i, waypoint in enumerate(() if wrong else motion):
         grasp = arms[waypoint.robot].grasp if waypoint.held == arms[waypoint.robot].held else None
