@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.atom import Atom
-from prag_asp.domain.misspelling import most_similar
+from prag_asp.domain.misspelling import is_slip
 from prag_asp.domain.own_table import read_own
 from prag_asp.domain.plural import plural
 from prag_asp.domain.scene_kinds import KINDS
@@ -120,12 +120,16 @@ def scene_problems(
 
 
 def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Problem]:
-    """Yield names under ``scene.predicates`` that are no fluent's, but nearly that of one which is not there."""
-    names = {fluent.name for fluent in fluents}
-    for name in sorted(scene.predicates.keys() - names):
-        meant = most_similar(name, sorted(names - scene.predicates.keys()))
-        if meant is not None:
-            yield Problem(f"scene.predicates.{name}", f"there is no fluent {name}; did you mean {meant}?")
+    """Yield names under ``scene.predicates`` that are no fluent's, but a slip away from that of one without meaning.
+
+    A fluent that nothing grounds is not seen here, so a name that is unlike all others may well be right.
+    """
+    known = {fluent.name for fluent in fluents}
+    meant = sorted(name for name in known if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
+    for name in sorted(scene.predicates.keys() - known):
+        for fluent in meant:
+            if is_slip(name, fluent):
+                yield Problem(f"scene.predicates.{name}", f"there is no fluent {name}; did you mean {fluent}?")
 
 
 def _without_objects(scene: Scene) -> list[Problem]:

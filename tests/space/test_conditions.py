@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from prag_asp import Condition, QueryError, TaskSpace, load_domain
 from tests.brute_force import Toy, term
-from tests.conditions import clauses, entities, satisfied
+from tests.conditions import Clause, clauses, ends, entities, satisfied
 from tests.domains import domain_of
 from tests.strategies import toys
 
@@ -30,8 +30,15 @@ def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy, data: st
     check_agreement(toy, data)
 
 
-def check_agreement(toy: Toy, data: st.DataObject) -> None:
-    asked = data.draw(st.lists(clauses(toy), min_size=1, max_size=3))
+@pytest.mark.slow
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(toys(closed=False), st.data())
+def test_one_last_state_satisfies_all_that_is_asked_of_it(toy: Toy, data: st.DataObject) -> None:
+    check_agreement(toy, data, data.draw(st.lists(ends(toy), min_size=1, max_size=3)))
+
+
+def check_agreement(toy: Toy, data: st.DataObject, asked: list[Clause] | None = None) -> None:
+    asked = asked or data.draw(st.lists(clauses(toy), min_size=1, max_size=3))
     domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
     spaces = [TaskSpace(domain, 0, engine=engine).where(*(clause.words for clause in asked)) for engine in ENGINES]
     for length in range(LENGTH + 1):
@@ -101,6 +108,26 @@ def test_a_goal_judges_the_start_where_no_step_is_possible(engine: str, never: s
     for value, plans in (("true", 1), ("false", 0)):
         space = TaskSpace(domain_of(text.format(value), "at_most"), 0, engine=engine)
         assert [space.at(length).count("plan") for length in range(3)] == [plans, 0, 0]
+
+
+@pytest.mark.parametrize("engine", (*ENGINES, "sat"))
+def test_choices_of_several_ends_are_made_together(engine: str) -> None:
+    bowl, straight = "located(can_1,bowl_1)", "rotated(can_1,straight)"
+    space = TaskSpace(load_domain("prag"), 2, engine=engine)
+    apart = [f"ends {bowl} or {straight}", f"ends not {bowl} or {straight}"]
+    assert space.where(*apart).count("plan") == space.where(f"ends {straight}").count("plan") > 0
+    assert space.where(*apart, f"ends not {straight}").count("plan") == 0
+
+
+@pytest.mark.parametrize("engine", (*ENGINES, "sat"))
+def test_what_is_impossible_is_so_in_every_choice_of_an_end(engine: str) -> None:
+    text = (
+        "fluent((a;b;c;d)). initially(c,true). impossible(a,c). impossible(b,c). impossible(b,b). action(noop). "
+        "action(set). postcondition(set,d,true)."
+    )
+    space = TaskSpace(domain_of(text, "at_most"), 2, engine=engine)
+    for formula, plans in (("a", 0), ("a or b", 0), ("(a and d) or (a and not d)", 0), ("a or d", 4), ("a or c", 4)):
+        assert space.where(f"ends {formula}").count("plan") == plans, formula
 
 
 def test_entities_that_a_condition_tells_apart_are_not_interchangeable() -> None:

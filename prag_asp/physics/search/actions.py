@@ -17,6 +17,7 @@ from prag_asp.physics.search.handling import turn
 from prag_asp.physics.search.meeting import move_over, take_over
 from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
 from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.world.solids import weight
 
 Outcome = tuple[Snapshot, tuple[Waypoint, ...]]
 
@@ -125,6 +126,8 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoi
 def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
     """Close the gripper on the object that it is at."""
     situation = snapshot.situation
+    if weight(situation.scene, entity) > search.robot.payload:
+        raise Failure(NO_GRASP)
     width = grip_width(situation, entity)
     grasp = compose(invert(situation.tool), situation.poses[entity])
     closed = replace(snapshot, situation=situation.with_tool(situation.tool, width), held=entity, grasp=grasp)

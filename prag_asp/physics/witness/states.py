@@ -13,6 +13,7 @@ from prag_asp.physics.situation import Situation, Standing, fixed_pose
 from prag_asp.physics.verdict import ArmState, Moment
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
+from prag_asp.physics.world.solids import weight
 from prag_asp.physics.world.support import unsupported
 
 POSITION_TOLERANCE = 1e-4
@@ -57,6 +58,8 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
         yield f"{held} does not stand upright in the gripper"
     if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
         yield f"{held} is wider than the gripper opens"
+    if weight(situation.scene, held) > situation.robot(robot).payload:
+        yield f"{held} is heavier than the gripper carries"
 
 
 def leaning(quaternion: Quaternion, direction: Vector) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import clingo
@@ -24,7 +25,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
         QueryError: the condition speaks of something that the domain does not have.
     """
     facts, files, asked = domain.facts, [], []
-    for number, clause in enumerate(condition.clauses):
+    for number, clause in enumerate(_one_end(condition.clauses, facts)):
         goal = _goal(clause, facts)
         if goal is not None:
             facts = replace(facts, goal=tuple(dict.fromkeys((*facts.goal, *goal))))
@@ -37,6 +38,18 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     sources = {source.path.resolve(): source for source in (*domain.program.sources, *read)}
     added = [Source(ADDED, " ".join(dict.fromkeys(asked)))] if asked else []
     return replace(domain, program=Program((*sources.values(), *added)), facts=facts)
+
+
+def _one_end(clauses: Sequence[Clause], facts: Facts) -> list[Clause]:
+    """Return clauses with all choices that the last state has as one clause, for one state has to satisfy them all.
+
+    What asks for one conjunction leaves no choice, and stays alone.
+    """
+    ends = [clause for clause in clauses if isinstance(clause, Ends) and len(clause.conjunctions(facts)) != 1]
+    if len(ends) < 2:
+        return list(clauses)
+    together = Ends(", ".join(f"({clause.formula})" for clause in ends))
+    return [*(clause for clause in clauses if clause not in ends), together]
 
 
 def _goal(clause: Clause, facts: Facts) -> list[tuple[clingo.Symbol, str]] | None:

@@ -97,7 +97,7 @@ class _Parser:
 
     def _joined(self, first: list[_Literals], second: list[_Literals]) -> list[_Literals]:
         if len(first) * len(second) > MOST_CONJUNCTIONS:
-            raise self._wrong("it has too many cases; split it into several conditions")
+            raise self._wrong("it has too many cases; ask for less")
         both = (one | other for one in first for other in second)
         return self._smallest([each for each in both if len(dict(each)) == len(each)])
 
