@@ -167,3 +167,13 @@ def test_a_wrong_condition_is_told_in_one_line(words: str, told: str) -> None:
         TaskSpace(load_domain("prag"), 3).where(words)
     assert told in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_long_expressions_are_read_and_those_that_are_too_deep_told() -> None:
+    space = TaskSpace(load_domain("prag"), 2)
+    assert space.where("matches .{600} | grasp drop").count("skeleton") == space.where("matches grasp drop").count(
+        "skeleton"
+    )
+    for words in (f"matches {'(' * 3000}grasp{')' * 3000}", f"ends {'not ' * 3000}open(panda)"):
+        with pytest.raises(QueryError, match="is nested too deep, or too long; write it shorter"):
+            space.where(words).count()

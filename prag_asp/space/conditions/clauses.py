@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -31,6 +32,19 @@ class Clause(Protocol):
             QueryError: it speaks of something that the domain does not have.
         """
         ...
+
+
+@contextmanager
+def within_reach(text: str) -> Iterator[None]:
+    """Read something that is nested, and say so where it is too deep.
+
+    Raises:
+        QueryError: it is.
+    """
+    try:
+        yield
+    except RecursionError:
+        raise QueryError(f"'{text[:40]}...' is nested too deep, or too long; write it shorter") from None
 
 
 @dataclass(frozen=True)
@@ -145,9 +159,9 @@ class Matches:
     def asked(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         names = {action_name(action) for action in facts.actions}
-        yield from asked_language(
-            number, recogniser(parse_expression(self.expression, names), names, inverse=self.inverse)
-        )
+        with within_reach(self.expression):
+            found = recogniser(parse_expression(self.expression, names), names, inverse=self.inverse)
+        yield from asked_language(number, found)
 
 
 @dataclass(frozen=True)
@@ -214,7 +228,8 @@ class Ends:
 
     def conjunctions(self, facts: Facts) -> Sequence[Mapping[str, bool]]:
         """Return the conjunctions, one of which the last state satisfies."""
-        return parse_formula(self.formula, map(str, facts.fluents))
+        with within_reach(self.formula):
+            return parse_formula(self.formula, map(str, facts.fluents))
 
 
 @dataclass(frozen=True)

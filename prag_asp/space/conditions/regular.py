@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 from prag_asp.errors import QueryError
@@ -36,10 +36,20 @@ class OneOf:
 
 @dataclass(frozen=True)
 class Chain:
-    """A word of `first`, then a word of `rest`."""
+    """A word of `first`, then a word of `rest`.
+
+    Its hash is made once, or that of a long chain would be made link by link, again and again.
+    """
 
     first: Expression
     rest: Expression
+    _hash: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((Chain, self.first, self.rest)))
+
+    def __hash__(self) -> int:
+        return self._hash
 
 
 @dataclass(frozen=True)
