@@ -1,9 +1,10 @@
-"""Which domain the tasks of a file are of, and how messages say where in the file they stand."""
+"""Which domain the tasks of a file are of, how their searches are numbered, and how messages say where they stand."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Witness
+
+INDEX_BYTES = 6
+"""So many bytes make a number that every reader of JSON keeps exactly."""
 
 MEND = "draw the task anew, or set its witness to null"
 
@@ -73,3 +77,12 @@ def told_with_place(record: Record, domain: Domain | None = None, advice: str = 
         other = foreign(record, domain) if domain is not None else ""
         parts = [f"{record.place}: {error}", other, advice if isinstance(error, QueryError) else ""]
         raise type(error)("; ".join(filter(None, parts))) from None
+
+
+def index_of(record: Record) -> int:
+    """Return the index of a record's verdict, so that the same search is done; without one, one of its actions."""
+    known = (record.verdict or {}).get("index")
+    if type(known) is int and known >= 0:
+        return known
+    plan = " ".join(map(str, record.task.actions))
+    return int.from_bytes(blake2b(plan.encode(), digest_size=INDEX_BYTES).digest(), "big")

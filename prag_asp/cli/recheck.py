@@ -6,13 +6,12 @@ from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import replace
-from hashlib import blake2b
 from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from prag_asp.cli.options import Asked, Checking, scene_of
-from prag_asp.cli.origin import foreign, named_domain, read_witness, told_with_place
+from prag_asp.cli.origin import foreign, index_of, named_domain, read_witness, told_with_place
 from prag_asp.cli.physics import Recordings
 from prag_asp.dataset.jsonl import Record
 from prag_asp.errors import QueryError
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     from prag_asp.space.task import Task
     from prag_asp.space.task_space import TaskSpace
 
-INDEX_BYTES = 6
 TOLD_TOGETHER = 128
 """Tasks of which the states are worked out together; that many are read ahead."""
 
@@ -111,7 +109,7 @@ def _anew(told: Iterator[Told], scene: Scene, seed: int, checking: Checking) -> 
         for record, fault in told:
             waiting.append(fault)
             if not fault:
-                yield _index(record), record.task
+                yield index_of(record), record.task
 
     budget = checking.limits()
     with closing(validate_numbered(valid(), scene, seed=seed, workers=checking.workers, budget=budget)) as verdicts:
@@ -120,15 +118,6 @@ def _anew(told: Iterator[Told], scene: Scene, seed: int, checking: Checking) -> 
             waiting.popleft()
             yield _outcome(verdict)
     yield from _invalid(waiting)
-
-
-def _index(record: Record) -> int:
-    """Return the index of a record's verdict, so that the same search is done; without one, one of its actions."""
-    known = (record.verdict or {}).get("index")
-    if type(known) is int and known >= 0:
-        return known
-    plan = " ".join(map(str, record.task.actions))
-    return int.from_bytes(blake2b(plan.encode(), digest_size=INDEX_BYTES).digest(), "big")
 
 
 def _invalid(waiting: deque[str]) -> Iterator[Outcome]:

@@ -12,7 +12,7 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, asks
-from prag_asp.cli.origin import MEND, named_domain, read_witness, told_with_place
+from prag_asp.cli.origin import MEND, index_of, named_domain, read_witness, told_with_place
 from prag_asp.cli.terminal import progress, require_writable
 from prag_asp.domain.plural import plural
 from prag_asp.errors import OutputError, QueryError
@@ -187,7 +187,7 @@ class _Drawing:
             for fault in check_witness(record.task, witness, scene)[:1]:
                 raise QueryError(f"its witness fails: {fault}; {MEND}")
             return witness
-        verdict = validate_task(record.task, scene, seed=self.seed, index=number - 1)
+        verdict = validate_task(record.task, scene, seed=self.seed, index=index_of(record))
         if verdict.witness is None:
             raise QueryError(f"{verdict.status.replace('_', ' ')}: {verdict.reason}; only feasible tasks can be drawn")
         return verdict.witness

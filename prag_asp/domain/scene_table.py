@@ -17,6 +17,7 @@ from prag_asp.domain.scene_places import place_problems, read_fixed, read_table,
 from prag_asp.domain.scene_report import Report, is_number, suggest
 from prag_asp.domain.scene_robots import ROBOTS, base_problems, read_robots
 from prag_asp.domain.scene_shapes import read_shapes
+from prag_asp.domain.standing import falls
 
 FRAMES = ("robot", "viewer")
 SCENE_KEYS = (
@@ -72,13 +73,19 @@ def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> Non
         if shape.traits.furniture and entity not in scene.fixed:
             report.add(f"scene.fixed.{entity}", f"missing: {entity} is a {shape.kind}, which does not move; say where")
     bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.traits.body}
+    fallen: dict[str, str] = {}
     for entity, shape in bodies.items():
+        owner = next(name for name in report.line(entity) if name in given)
+        if shape.model is not None and entity not in scene.fixed and falls(shape.model.solids):
+            fallen.setdefault(owner, entity)
         if _larger(shape, scene.table):
-            owner = next(name for name in report.line(entity) if name in given)
             sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
             text = f"{sides[1]:g} x {sides[0]:g} m is larger than the table, which is {room[1]:g} x {room[0]:g} m"
             report.add(f"scene.shapes.{owner}", f"{text}; make it smaller")
             report.doubtful.add(entity)
+    for owner, entity in fallen.items():
+        text = f"{entity} falls over: the middle of its box, its centre of mass here, is not above what it stands on"
+        report.add(f"scene.shapes.{owner}.path", f"{text}; turn it, widen its foot, or fix it to a place")
     fixed = {entity: place for entity, place in scene.fixed.items() if entity not in report.doubtful}
     report.problems += [*place_problems(scene.table, scene.shapes, fixed), *base_problems(replace(scene, fixed=fixed))]
 

@@ -1,7 +1,7 @@
 """Whether a body of solids stands by itself, upright as its URDF has it.
 
 It touches what it stands on with all that is within `CONTACT` of its lowest point. Boxes and meshes are looked at by
-their corners, cylinders and balls by points all around.
+their corners, cylinders and balls by points all around, balls just above their lowest point too.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from prag_asp.domain.scene_model import Size, Solid
 
 Rows = tuple[Size, Size, Size]
 CONTACT = 0.002
-STEADY = 0.005
-"""How far within its foot the middle of a body has to be in metres; a quarter of its narrower half is enough."""
+STEADY = 0.0025
+"""How far within its foot the middle of a body has to be in metres: on an edge it is hardly more than `CONTACT`."""
 
 DIRECTIONS = 64
 
 
-def falls(solids: Sequence[Solid], size: Size) -> bool:
+def falls(solids: Sequence[Solid]) -> bool:
     """Tell whether the middle of a body, its centre of mass, is beside what it touches the ground with, or on an edge.
 
-    The solids are relative to the middle, `size` is the sides of the box around them; metres.
+    The solids are relative to the middle. A round foot counts as if it were flat.
     """
     points = [point for solid in solids for point in surface(solid)]
     lowest = min(z for _, _, z in points)
     foot = [(x, y) for x, y, z in points if z <= lowest + CONTACT]
-    return _depth(foot) < min(STEADY, min(size[:2]) / 8)
+    return _depth(foot) < STEADY
 
 
 def _depth(foot: Sequence[tuple[float, float]]) -> float:
@@ -69,6 +69,9 @@ def _own_points(solid: Solid) -> Iterator[Size]:
         yield from ((x * a, x * b, height) for a, b in circle for height in (-z, z))
     else:
         yield from ((x * a * c, x * b * c, x * d) for a, b in circle for c, d in circle)
+        low = 0.99 * min(CONTACT, x)
+        wide = math.sqrt(low * (2 * x - low))
+        yield from ((wide * a, wide * b, low - x) for a, b in circle)
 
 
 def rotation(turn: Size) -> Rows:

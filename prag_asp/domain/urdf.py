@@ -18,7 +18,7 @@ from prag_asp.domain.plural import plural
 from prag_asp.domain.scene_forms import FORMS
 from prag_asp.domain.scene_model import Model, Shape, Size, Solid
 from prag_asp.domain.scene_report import SMALLEST
-from prag_asp.domain.standing import falls, rotation
+from prag_asp.domain.standing import rotation
 from prag_asp.errors import SceneError
 
 ZEROS = "0 0 0"
@@ -57,11 +57,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
-    size = _minus(high, low)
-    if falls(centred, size):
-        text = "falls over: the middle of its box, taken for its centre of mass, is not well above what it stands on"
-        raise SceneError(f"{path}:{lines[link]}: {name} {text}; turn it, or widen its foot")
-    return Shape("urdf", size, model=Model(centred, weight))
+    return Shape("urdf", _minus(high, low), model=Model(centred, weight))
 
 
 def _parsed(path: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:

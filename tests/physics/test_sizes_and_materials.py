@@ -177,3 +177,21 @@ def test_a_malformed_material_is_refused_with_its_key(table, message):
     with pytest.raises(SceneError) as caught:
         scene_with({}, materials=table)
     assert message in str(caught.value)
+
+
+def test_no_arm_takes_a_size_that_is_heavier_than_it_carries():
+    wide = {"kind": "box", "size": {"low": [0.04, 0.04, 0.04], "high": [0.07, 0.07, 0.07]}}
+    heavy = scene_with({"cube": wide}, materials={"cube": {"density": 15_000}})
+    limit, weights = 3.0, set()
+    for verdict in validate_tasks([stacking()] * 20, heavy, seed=1):
+        x, y, z = verdict.witness.sizes["cube_1"]
+        weights.add(round(15_000 * x * y * z, 3))
+        assert check_witness(stacking(), verdict.witness, heavy) == []
+    assert len(weights) > 2 and max(weights) < limit
+    light = replace(heavy, materials={**heavy.materials, "cube_1": Material(5_000)})
+    large = next(
+        verdict.witness
+        for verdict in validate_tasks([stacking()] * 40, light, seed=2)
+        if 15_000 * verdict.witness.sizes["cube_1"][0] ** 3 > limit
+    )
+    assert any("cube_1 is heavier than the gripper carries" in text for text in check_witness(stacking(), large, heavy))

@@ -226,8 +226,9 @@ def _require_fitting(content: Mapping[str, NDArray[Any]], robots: tuple[str, ...
     for name, shape in wanted.items():
         if content[name].shape != shape:
             raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
-        if content[name].dtype.kind not in "iuf" or not np.isfinite(content[name]).all():
-            raise ValueError(f"{name} has to hold finite numbers")
+        kinds = "iu" if name in ("contacts", "ends") else "iuf"
+        if content[name].dtype.kind not in kinds or not np.isfinite(content[name]).all():
+            raise ValueError(f"{name} has to hold {'whole' if kinds == 'iu' else 'finite'} numbers")
     if frames == 0 or (len(content["ends"]) and not 0 <= content["ends"].min() <= content["ends"].max() < frames):
         raise ValueError(f"ends has to hold numbers of frames; it has {frames} frames")
     limits = (frames, len(content["bodies"]), len(content["bodies"]))

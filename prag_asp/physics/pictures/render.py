@@ -252,7 +252,8 @@ def captioned(
     if scene.frame == "viewer" or not any(SIDES.search(text) for caption in captions for text in caption):
         return captions
     heading, told = captions[0]
-    return [(heading, f"{told} (sides are as the robot sees them)".lstrip()), *captions[1:]]
+    who = "robots see" if len(scene.mounts) > 1 else "robot sees"
+    return [(heading, f"{told} (sides are as the {who} them)".lstrip()), *captions[1:]]
 
 
 def _action_words(action: Atom, scene: Scene) -> str:
