@@ -26,7 +26,7 @@ def falls(solids: Sequence[Solid]) -> bool:
 
     The solids are relative to the middle. A round foot counts as if it were flat.
     """
-    points = [point for solid in solids for point in surface(solid)]
+    points = [point for solid in solids for point in _surface(solid)]
     lowest = min(z for _, _, z in points)
     foot = [(x, y) for x, y, z in points if z <= lowest + CONTACT]
     return _depth(foot) < STEADY
@@ -41,7 +41,7 @@ def _depth(foot: Sequence[tuple[float, float]]) -> float:
     return min(max(x * math.cos(a) + y * math.sin(a) for x, y in foot) for a in angles)
 
 
-def surface(solid: Solid) -> Iterator[Size]:
+def _surface(solid: Solid) -> Iterator[Size]:
     """Yield points of the surface of a solid in the frame of its body, in metres.
 
     Raises:

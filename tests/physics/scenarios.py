@@ -38,6 +38,18 @@ CLASSES = {
     "cupboard_1": "cupboard",
 }
 
+HANDOVER = (
+    "pick(left,bar_1,left_side)",
+    "move(left,middle)",
+    "move(right,middle)",
+    "give(left,right,bar_1)",
+    "move(left,left_side)",
+    "move(right,right_side)",
+    "place(right,bar_1,right_side)",
+)
+GIVE = HANDOVER.index("give(left,right,bar_1)")
+"""A plan of two_arms, and which of its actions hands the bar over."""
+
 
 def state(*fluents: str) -> dict[Atom, bool]:
     """Return a state: fluents that hold, those that do not with a minus in front."""

@@ -18,10 +18,7 @@ from tests.independent.check import problems
 from tests.independent.frames import frame
 from tests.independent.moments import arms_of
 from tests.independent.world import world_of
-
-HANDOVER = ("pick(left,bar_1,left_side)", "move(left,middle)", "move(right,middle)", "give(left,right,bar_1)")
-HANDOVER += ("move(left,left_side)", "move(right,right_side)", "place(right,bar_1,right_side)")
-
+from tests.physics.scenarios import HANDOVER
 
 FETCH = ("open(panda,{0})", "approach(panda,{1},{0})", "grasp(panda,{1})", "move(panda,{1},{2})")
 FETCH += ("drop(panda,{1})", "withdraw(panda,{1})", "close(panda,{0})")

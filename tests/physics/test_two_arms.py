@@ -30,17 +30,8 @@ from prag_asp.physics.world.simulator import open_client, open_simulator
 from prag_asp.space.task import Task
 from prag_asp.space.task_space import TaskSpace
 from tests.physics.random_tasks import shipped_scene
+from tests.physics.scenarios import GIVE, HANDOVER
 
-HANDOVER = (
-    "pick(left,bar_1,left_side)",
-    "move(left,middle)",
-    "move(right,middle)",
-    "give(left,right,bar_1)",
-    "move(left,left_side)",
-    "move(right,right_side)",
-    "place(right,bar_1,right_side)",
-)
-GIVE = HANDOVER.index("give(left,right,bar_1)")
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
 

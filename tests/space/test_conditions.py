@@ -174,6 +174,10 @@ def test_long_expressions_are_read_and_those_that_are_too_deep_told() -> None:
     assert space.where("matches .{600} | grasp drop").count("skeleton") == space.where("matches grasp drop").count(
         "skeleton"
     )
-    for words in (f"matches {'(' * 3000}grasp{')' * 3000}", f"ends {'not ' * 3000}open(panda)"):
+    for words in (
+        f"matches {'(' * 3000}grasp{')' * 3000}",
+        f"ends {'not ' * 3000}open(panda)",
+        f"after 1: {'not ' * 3000}open(panda)",
+    ):
         with pytest.raises(QueryError, match="is nested too deep, or too long; write it shorter"):
             space.where(words).count()

@@ -103,13 +103,13 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
     for one, two in pairwise(stops):
         if one.pulls and two.pulls:
             continue
-        if one.down and not straight_above(two.tool, one.tool):
+        if one.down and not _straight_above(two.tool, one.tool):
             yield f"it does not leave by {LIFT * 100:.0f} cm straight up"
-        if two.down and not straight_above(one.tool, two.tool):
+        if two.down and not _straight_above(one.tool, two.tool):
             yield f"it does not come down by {LIFT * 100:.0f} cm straight onto the object"
 
 
-def straight_above(high: Pose, low: Pose) -> bool:
+def _straight_above(high: Pose, low: Pose) -> bool:
     """Tell whether one pose of the tool is `LIFT` straight above another."""
     x, y, z = low.position
     return near(high, Pose((x, y, z + LIFT), low.quaternion))

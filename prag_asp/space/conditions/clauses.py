@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -14,7 +13,7 @@ from prag_asp.logic.program import action_name, mentioned_entities
 from prag_asp.space.conditions.formula import parse_conjunction, parse_formula
 from prag_asp.space.conditions.patterns import Pattern, class_members
 from prag_asp.space.conditions.regular import Recogniser, parse_expression, recogniser
-from prag_asp.space.spelling import unknown
+from prag_asp.space.spelling import not_too_deep, unknown
 
 
 class Clause(Protocol):
@@ -32,19 +31,6 @@ class Clause(Protocol):
             QueryError: it speaks of something that the domain does not have.
         """
         ...
-
-
-@contextmanager
-def within_reach(text: str) -> Iterator[None]:
-    """Read something that is nested, and say so where it is too deep.
-
-    Raises:
-        QueryError: it is.
-    """
-    try:
-        yield
-    except RecursionError:
-        raise QueryError(f"'{text[:40]}...' is nested too deep, or too long; write it shorter") from None
 
 
 @dataclass(frozen=True)
@@ -159,7 +145,7 @@ class Matches:
     def asked(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         names = {action_name(action) for action in facts.actions}
-        with within_reach(self.expression):
+        with not_too_deep(self.expression):
             found = recogniser(parse_expression(self.expression, names), names, inverse=self.inverse)
         yield from asked_language(number, found)
 
@@ -228,8 +214,7 @@ class Ends:
 
     def conjunctions(self, facts: Facts) -> Sequence[Mapping[str, bool]]:
         """Return the conjunctions, one of which the last state satisfies."""
-        with within_reach(self.formula):
-            return parse_formula(self.formula, map(str, facts.fluents))
+        return parse_formula(self.formula, map(str, facts.fluents))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from prag_asp.domain.atom import parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.space.spelling import unknown
+from prag_asp.space.spelling import not_too_deep, unknown
 
 Conjunction = Mapping[str, bool]
 """Fluents with their values."""
@@ -24,7 +24,8 @@ def parse_formula(text: str, fluents: Iterable[str]) -> tuple[Conjunction, ...]:
     Raises:
         QueryError: it is no formula, or speaks of an unknown fluent.
     """
-    return tuple(dict(literals) for literals in _Parser(text, frozenset(fluents)).whole())
+    with not_too_deep(text):
+        return tuple(dict(literals) for literals in _Parser(text, frozenset(fluents)).whole())
 
 
 def parse_conjunction(text: str, fluents: Iterable[str]) -> Conjunction:
