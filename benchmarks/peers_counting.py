@@ -12,7 +12,7 @@ from typing import Any
 from peers_process import lengths_up_to, limit_processor_time, tell, timed
 
 from prag_asp import Domain, TaskSpace, load_domain
-from prag_asp.logic.cnf import Cnf
+from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.model import Model
 from prag_asp.space.engines.formula import word_formula
 

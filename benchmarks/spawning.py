@@ -39,7 +39,6 @@ from spawning_ways import (
     wanted_scene,
 )
 
-from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Problem
 from prag_asp.physics.pictures.render import picture
 from prag_asp.physics.search.attempt import Search
@@ -47,6 +46,7 @@ from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import Moment
 from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.scene.load import Scene, Shape
 
 HERE = Path(__file__).parent
 

@@ -8,15 +8,15 @@ from itertools import combinations
 import numpy as np
 
 from prag_asp import Task
-from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import Scene, Shape
+from prag_asp.atom import Atom
 from prag_asp.physics.facts import Fact, Problem, problem
-from prag_asp.physics.geometry import Pose, extents, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES, Volume
 from prag_asp.physics.search.attempt import Failure, Search
 from prag_asp.physics.search.start import draw_start
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import colliding
+from prag_asp.scene.geometry import Pose, extents, yaw_quaternion
+from prag_asp.scene.load import Scene, Shape
 
 DIRECTIONS = ("left_of", "right_of", "in_front_of", "behind")
 SHAPES = {

@@ -25,8 +25,8 @@ from rich.table import Table
 
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.cli.options import scene_of
-from prag_asp.domain.scene import Scene
 from prag_asp.physics import validate_tasks
+from prag_asp.scene.load import Scene
 
 
 class Run(NamedTuple):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from prag_asp.domain.facts import ground_facts
 from prag_asp.domain.load import Domain
-from prag_asp.domain.paths import data_folder
-from prag_asp.domain.settings import Settings
-from prag_asp.domain.sources import Program, Source, core_sources, read_sources
+from prag_asp.program.facts import ground_facts
+from prag_asp.program.paths import data_folder
+from prag_asp.program.settings import Settings
+from prag_asp.program.sources import Program, Source, core_sources, read_sources
 
 ENCODINGS = data_folder("encodings")
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from prag_asp.domain.settings import read_table
+from prag_asp.program.settings import read_table
 from tests.simulation import Simulation
 
 LEVELS = ("plan", "task", "skeleton")

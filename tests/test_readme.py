@@ -22,7 +22,7 @@ from typing import NamedTuple
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.domain.scene import KINDS, PREDICATE_ROLES, SCENE_KEYS
+from prag_asp.scene.load import KINDS, PREDICATE_ROLES, SCENE_KEYS
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Quaternion, wrap, yaw_of
 from prag_asp.physics.predicates import Predicate, Side, Volume, states
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
 
 TOLERANCE, MARGIN = math.radians(15), math.radians(1)
 

@@ -45,8 +45,8 @@ def cli() -> None:
 @cli.command()
 def domains() -> None:
     """List the shipped domains."""
-    from prag_asp.domain.paths import shipped_domains
-    from prag_asp.domain.settings import read_table
+    from prag_asp.program.paths import shipped_domains
+    from prag_asp.program.settings import read_table
 
     folders = shipped_domains()
     width = max(map(len, folders), default=0)
@@ -193,7 +193,7 @@ def sample(
                 for task in islice(drawn, wanted):
                     write(line(Record(task)))
             return
-        from prag_asp.cli.physics import first_feasible
+        from prag_asp.dataset.feasible import first_feasible
 
         scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
         records = first_feasible(drawn, wanted, scene, seed, checking, limit, tell)
@@ -233,8 +233,8 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         total = _tasks_in(lines)
         if total == 0:
             raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
-        from prag_asp.cli.recheck import check_again
-        from prag_asp.cli.tally import Tally
+        from prag_asp.dataset.recheck import check_again
+        from prag_asp.dataset.tally import Tally
 
         budget = checking.limits()
         tally = Tally(("task", "tasks"), f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}")
@@ -276,6 +276,6 @@ def _tasks_in(lines: IO[str]) -> int | None:
 
 
 def _split(prefix: str | None) -> list[str]:
-    from prag_asp.domain.atom import split_terms
+    from prag_asp.atom import split_terms
 
     return split_terms(prefix) if prefix else []

@@ -14,7 +14,7 @@ from prag_asp.cli.terminal import FAILED
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.logic.explain import Explanation
+    from prag_asp.logic.formula.explain import Explanation
 
 
 @cli.command()
@@ -27,9 +27,9 @@ def explain(*, asked: Asked, actions: tuple[str, ...]) -> None:
     """
     import clingo
 
-    from prag_asp.logic.explain import explain as reasons_against
+    from prag_asp.logic.formula.explain import explain as reasons_against
     from prag_asp.logic.model import Model
-    from prag_asp.space.prefix import parse_prefix
+    from prag_asp.space.engines.prefix import parse_prefix
 
     domain = asked.domain()
     plan = parse_prefix(actions, "plan", domain.facts)

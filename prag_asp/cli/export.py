@@ -23,7 +23,7 @@ def export(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
 
     Projected on the variables that the file shows, the formula has one model for each task.
     """
-    from prag_asp.logic.cnf import dimacs
+    from prag_asp.logic.formula.cnf import dimacs
     from prag_asp.logic.model import Model
     from prag_asp.space.engines.formula import word_formula
 

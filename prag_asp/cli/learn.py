@@ -17,9 +17,9 @@ from prag_asp.domain.plural import plural
 from prag_asp.errors import DomainError
 
 if TYPE_CHECKING:
-    from prag_asp.cli.tally import Tally
+    from prag_asp.dataset.tally import Tally
     from prag_asp.domain.load import Domain
-    from prag_asp.domain.scene import Scene
+    from prag_asp.scene.load import Scene
     from prag_asp.space.task_space import TaskSpace
 
 Row = tuple[str, ...]
@@ -39,9 +39,9 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     N, and how many of K uniformly drawn tasks pass physics. A learned.lp that is there already is left out.
     """
     from prag_asp.domain.load import LEARNED, with_learned
-    from prag_asp.domain.sources import Source
     from prag_asp.physics.proofs.learning import proved
     from prag_asp.physics.proofs.schemas import rules, text_of
+    from prag_asp.program.sources import Source
 
     checking.tries()
     with progress() as tell:
@@ -115,7 +115,7 @@ def _tally(
     space: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking, tell: Callable[[str], None]
 ) -> Tally:
     """Return how many of some uniformly drawn tasks pass physics."""
-    from prag_asp.cli.tally import Tally
+    from prag_asp.dataset.tally import Tally
     from prag_asp.physics import validate_tasks
 
     tally = Tally(("drawn", "drawn"), f"budget {checking.limits()}")

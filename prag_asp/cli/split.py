@@ -14,9 +14,9 @@ from prag_asp.cli.terminal import progress, writer
 from prag_asp.errors import OutputError, QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.space.ranked import RankedTasks
-    from prag_asp.space.task import Task
+    from prag_asp.space.parts.ranked import RankedTasks
     from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
 
 
 @click.command()

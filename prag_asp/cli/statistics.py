@@ -14,7 +14,7 @@ from prag_asp.cli.options import Asked, Weighing, asks
 from prag_asp.cli.terminal import progress, writer
 
 if TYPE_CHECKING:
-    from prag_asp.space.statistics import Statistics
+    from prag_asp.space.drawing.statistics import Statistics
 
 DIGITS = 6
 """Decimal places of shares and expected numbers in text."""

@@ -14,8 +14,8 @@ from prag_asp.domain.plural import plural
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.space.task import State, Task
     from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import State, Task
 
 READINGS_SHOWN = 5
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from prag_asp.domain.atom import Atom, parse_atom
+from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.space.frozen import FrozenDict
-from prag_asp.space.task import Task
+from prag_asp.task import Task
 
 
 @dataclass(frozen=True)

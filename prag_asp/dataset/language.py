@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from prag_asp.domain.atom import Atom
-from prag_asp.space.task import Task
+from prag_asp.atom import Atom
+from prag_asp.task import Task
 
 
 def sentence(atom: Atom, templates: Mapping[str, str]) -> str:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import clingo
 
-from prag_asp.domain.facts import Facts
-from prag_asp.domain.lint import check, check_learned
-from prag_asp.domain.paths import data_folder, domain_folder
-from prag_asp.domain.rules import rule_sources
-from prag_asp.domain.settings import Settings
-from prag_asp.domain.sources import HIERARCHY, Program, Source, core_sources, read_sources
+from prag_asp.lint import check, check_learned
+from prag_asp.program.facts import Facts
+from prag_asp.program.paths import data_folder, domain_folder
+from prag_asp.program.rules import rule_sources
+from prag_asp.program.settings import Settings
+from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
 
 LEARNED = "learned.lp"
 """The file of invariants that physics has proved; `prag-asp learn` writes it."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from prag_asp.domain.paths import shipped_domains
 from prag_asp.errors import DomainError
+from prag_asp.program.paths import shipped_domains
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 

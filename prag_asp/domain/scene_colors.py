@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from prag_asp.domain.scene_model import Shape
-from prag_asp.domain.scene_report import Report, suggest
+from prag_asp.scene.model import Shape
+from prag_asp.scene.read.report import Report, suggest
 
 PALETTE = ("#e4572e", "#2e86ab", "#f2b134", "#3a9d5d", "#8e5bb5", "#d64577", "#4bb3b8", "#a0714f")
 CONTAINER_COLOR, FURNITURE_COLOR = "#b9c4cc", "#b08457"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from prag_asp.logic.clauses import Literal
-from prag_asp.logic.solver import Solver
+from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.solver import Solver
 
 
 def smallest_conflict(solver: Solver, given: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from prag_asp.physics.checks.check import check_witness, open_witness_check
+from prag_asp.physics.checks.settling import open_settling, settle
 from prag_asp.physics.demonstration.check import check_demonstration
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.perform import demonstrate
@@ -14,8 +16,6 @@ from prag_asp.physics.predicates import PREDICATES, Predicate
 from prag_asp.physics.search.attempt import CAUSES
 from prag_asp.physics.validator import Validator, open_validator, validate_task
 from prag_asp.physics.verdict import TIERS, Budget, Moment, Verdict, Waypoint, Witness
-from prag_asp.physics.witness.check import check_witness, open_witness_check
-from prag_asp.physics.witness.settling import open_settling, settle
 
 __all__ = [
     "CAUSES",

@@ -6,13 +6,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from prag_asp.domain.atom import Atom
+from prag_asp.atom import Atom
 from prag_asp.domain.plural import plural
-from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
-from prag_asp.space.task import State, Task
+from prag_asp.scene.load import Scene
+from prag_asp.task import State, Task
 
 OPENING = ("is_open", "is_closed")
 SUPPORTING = ("on_top", "inside")

@@ -19,12 +19,12 @@ from itertools import islice
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 
-from prag_asp.domain.scene import Scene
 from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics.validator import Validator, open_validator
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.physics.world.silence import STDOUT, silence
-from prag_asp.space.task import Task
+from prag_asp.scene.load import Scene
+from prag_asp.task import Task
 
 CHUNK = 4
 CHUNKS_AHEAD = 3

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from prag_asp.domain.scene import Scene, Size
 from prag_asp.errors import SceneError
+from prag_asp.physics.checks.settling import Settling, open_settling
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.perform import Performer, open_performer
 from prag_asp.physics.facts import Effect, Problem, problem
@@ -22,9 +22,9 @@ from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.search.start import draw_start
 from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
-from prag_asp.physics.witness.settling import Settling, open_settling
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.space.task import Task
+from prag_asp.scene.load import Scene, Size
+from prag_asp.task import Task
 
 
 class Validator:

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
-from prag_asp.domain.scene import Size
 from prag_asp.errors import QueryError
 from prag_asp.physics.fields import Field
-from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import Joints
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.load import Size
 
 if TYPE_CHECKING:
     from prag_asp.physics.demonstration.demonstration import Demonstration

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.hindsight import Hindsight
+from prag_asp.logic.step.hindsight import Hindsight
 
 
 def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -15,10 +15,10 @@ from prag_asp.space.limits import Limits
 
 if TYPE_CHECKING:
     from prag_asp.space.drawing.drawers import Drawer, Over
-    from prag_asp.space.narrate import Narrator
-    from prag_asp.space.readings import Hierarchy
-    from prag_asp.space.task import Task
-    from prag_asp.space.weights import Weights
+    from prag_asp.space.plans.narrate import Narrator
+    from prag_asp.space.plans.readings import Hierarchy
+    from prag_asp.space.weighing.weights import Weights
+    from prag_asp.task import Task
 
 
 @dataclass
@@ -77,13 +77,13 @@ class Shared:
     @cached_property
     def hierarchy(self) -> Hierarchy:
         """The composites of the domain."""
-        from prag_asp.space.readings import hierarchy_of
+        from prag_asp.space.plans.readings import hierarchy_of
 
         return hierarchy_of(self.model.domain.facts)
 
     @cached_property
     def narrator(self) -> Narrator:
         """Tells tasks from plans."""
-        from prag_asp.space.narrate import Narrator
+        from prag_asp.space.plans.narrate import Narrator
 
         return Narrator(self.model)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
-from prag_asp.domain.misspelling import most_similar
 from prag_asp.errors import QueryError
+from prag_asp.wording import most_similar
 
 
 def unknown(text: str, known: Iterable[str], kind: str) -> str:

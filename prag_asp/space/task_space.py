@@ -11,30 +11,30 @@ from fractions import Fraction
 from itertools import islice
 from typing import TYPE_CHECKING, overload
 
-from prag_asp.domain.atom import Atom, parse_atom
+from prag_asp.atom import Atom, parse_atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
+from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
-from prag_asp.logic.program import action_name
-from prag_asp.space.canonical import canonical_names, canonical_prefix, renamed
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level
+from prag_asp.space.engines.prefix import parse_prefix
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.prefix import parse_prefix
+from prag_asp.space.plans.canonical import canonical_names, canonical_prefix, renamed
 from prag_asp.space.shared import Shared
-from prag_asp.space.task import Task
-from prag_asp.space.weights import Number, Weights, parse_weights
+from prag_asp.space.weighing.weights import Number, Weights, parse_weights
+from prag_asp.task import Task
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from prag_asp.space.drawing.drawers import Over
-    from prag_asp.space.ranked import RankedTasks
-    from prag_asp.space.readings import Readings
-    from prag_asp.space.statistics import Statistics
-    from prag_asp.space.temperature import Temperature
+    from prag_asp.space.drawing.statistics import Statistics
+    from prag_asp.space.parts.ranked import RankedTasks
+    from prag_asp.space.plans.readings import Readings
+    from prag_asp.space.weighing.temperature import Temperature
 
 Prefix = Sequence[str | Atom]
 """What a word begins with: for each of the first steps an action or the name of one."""
@@ -138,7 +138,7 @@ class TaskSpace:
         return self._ranked()[rank]
 
     def _ranked(self) -> RankedTasks:
-        from prag_asp.space.ranked import Interval, RankedTasks
+        from prag_asp.space.parts.ranked import Interval, RankedTasks
 
         return RankedTasks(Interval(range(self.count())), self._told, self.index)
 
@@ -153,9 +153,9 @@ class TaskSpace:
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.ranked import Interval, RankedTasks, Shuffled
-        from prag_asp.space.shuffle import Shuffle
-        from prag_asp.space.split import divided, parse_shares
+        from prag_asp.space.parts.ranked import Interval, RankedTasks, Shuffled
+        from prag_asp.space.parts.shuffle import Shuffle
+        from prag_asp.space.parts.split import divided, parse_shares
 
         order = Shuffle(self.count(), seed)
         parts = divided(order.size, parse_shares(shares))
@@ -171,7 +171,7 @@ class TaskSpace:
             QueryError: the shares do not add up to 1.
         """
         from prag_asp.space.conditions.clauses import Part
-        from prag_asp.space.split import classes_for, divided, parse_shares
+        from prag_asp.space.parts.split import classes_for, divided, parse_shares
 
         found = parse_shares(shares)
         classes = classes_for(found)
@@ -188,7 +188,7 @@ class TaskSpace:
         Raises:
             QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
         """
-        from prag_asp.space.split import held_out
+        from prag_asp.space.parts.split import held_out
 
         without, having = held_out(what, self.domain.facts, self._shared.model.groups(self.length))
         return self.where(without), self.where(having)
@@ -209,7 +209,7 @@ class TaskSpace:
 
     def readings(self, task: Task) -> Readings:
         """Return the ways to read a task's plan as whole composites and free actions; its validity is not checked."""
-        from prag_asp.space.readings import Readings
+        from prag_asp.space.plans.readings import Readings
 
         return Readings(task.actions, self._shared.hierarchy)
 
@@ -317,12 +317,12 @@ class TaskSpace:
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
-        from prag_asp.space.statistics import statistics_of
+        from prag_asp.space.drawing.statistics import statistics_of
 
         return statistics_of(self._engine(by), self.domain.facts, by, self.length, self._tempered(weights, temperature))
 
     def _tempered(self, weights: Mapping[str, Number] | None, temperature: Temperature) -> Weights:
-        from prag_asp.space.temperature import tempered
+        from prag_asp.space.weighing.temperature import tempered
 
         return tempered(self.weights(weights), temperature)
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from prag_asp.domain.footprint import Footprint, apart
-from prag_asp.domain.scene import Shape
+from prag_asp.scene.footprint import Footprint, apart
+from prag_asp.scene.load import Shape
 
 SHAPES = (
     Shape("box", (0.2, 0.1, 0.05)),

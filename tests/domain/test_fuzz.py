@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp.domain.load import load_domain
-from prag_asp.domain.paths import shipped_domains
 from prag_asp.errors import DomainError
+from prag_asp.program.paths import shipped_domains
 
 FILES = ("domain.lp", "domain.toml")
 TOKEN = re.compile(r"\w+|\s+|.")

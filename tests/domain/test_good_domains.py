@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from prag_asp.domain.load import load_domain
-from prag_asp.domain.paths import shipped_domains
 from prag_asp.errors import DomainError
+from prag_asp.program.paths import shipped_domains
 
 SWITCH = """
 class(lamp).

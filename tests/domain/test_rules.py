@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from prag_asp.domain.load import load_domain
-from prag_asp.domain.paths import data_folder
 from prag_asp.errors import DomainError
+from prag_asp.program.paths import data_folder
 from tests.domain.test_good_domains import SWITCH, domain
 
 WRONG = [

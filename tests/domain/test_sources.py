@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp.domain.sources import Program, Source, read_sources
-from prag_asp.domain.tokens import blanked, open_comment
 from prag_asp.errors import DomainError
+from prag_asp.program.sources import Program, Source, read_sources
+from prag_asp.program.tokens import blanked, open_comment
 
 
 def write(folder: Path, **files: str) -> Path:

@@ -11,14 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import EngineError, load_domain
-from prag_asp.logic.clauses import TRUE, Clauses
-from prag_asp.logic.cnf import dimacs, plan_cnf
-from prag_asp.logic.completion import complete
-from prag_asp.logic.components import components
-from prag_asp.logic.ground import Rule
+from prag_asp.logic.formula.clauses import TRUE, Clauses
+from prag_asp.logic.formula.cnf import dimacs, plan_cnf
+from prag_asp.logic.formula.completion import complete
+from prag_asp.logic.formula.solver import Solver
+from prag_asp.logic.ground.ground import Rule
+from prag_asp.logic.ground.program import whole_program
 from prag_asp.logic.model import Model
-from prag_asp.logic.program import whole_program
-from prag_asp.logic.solver import Solver
+from prag_asp.logic.step.components import components
 from tests.domains import domain_of
 
 ATOMS = 5

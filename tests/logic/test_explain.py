@@ -11,12 +11,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import load_domain
-from prag_asp.logic.clauses import Clauses
 from prag_asp.logic.conflict import smallest_conflict
-from prag_asp.logic.explain import Explanation, explain
+from prag_asp.logic.formula.broken_constraints import tracked
+from prag_asp.logic.formula.clauses import Clauses
+from prag_asp.logic.formula.explain import Explanation, explain
+from prag_asp.logic.formula.solver import Solver
 from prag_asp.logic.model import Model
-from prag_asp.logic.solver import Solver
-from prag_asp.logic.tracked import tracked
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
 from tests.strategies import toys

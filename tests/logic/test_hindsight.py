@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Atom, TaskSpace
-from prag_asp.logic.hindsight import solved_states
 from prag_asp.logic.model import Model
+from prag_asp.logic.step.hindsight import solved_states
 from tests.brute_force import Action, State, Toy, agrees, term
 from tests.domains import domain_of
 from tests.strategies import toys

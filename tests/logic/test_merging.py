@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prag_asp.logic.merging import Merging, find_merging
 from prag_asp.logic.model import Model
-from prag_asp.logic.packed import pack, unpack
-from prag_asp.logic.patterns import read_patterns
-from prag_asp.logic.renaming import renamed
-from prag_asp.logic.transition import Transition
+from prag_asp.logic.step.packed import pack, unpack
+from prag_asp.logic.step.transition import Transition
+from prag_asp.logic.symmetry.merging import Merging, find_merging
+from prag_asp.logic.symmetry.patterns import read_patterns
+from prag_asp.logic.symmetry.renaming import renamed
 from tests.domains import domain_of
 
 # Every fluent is read, so that each is a variable: of single things, of pairs of things, of a thing and a place.

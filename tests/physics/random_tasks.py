@@ -9,9 +9,9 @@ from typing import Any
 
 import clingo
 
-from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import Scene, parse_scene
-from prag_asp.space.task import Task
+from prag_asp.atom import Atom
+from prag_asp.scene.load import Scene, parse_scene
+from prag_asp.task import Task
 
 try:
     import tomllib

@@ -6,9 +6,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Fact, problem
-from prag_asp.physics.geometry import IDENTITY, Pose
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, MARGIN, direction
 from prag_asp.physics.search.attempt import Failure, Search
@@ -17,6 +15,8 @@ from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.start import draw_start
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.scene.geometry import IDENTITY, Pose
+from prag_asp.scene.load import Scene, Shape
 from tests.physics.scenarios import state, task
 
 NAMES = ("cube_1", "brick_1", "can_1", "cube_2", "brick_2")

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prag_asp.domain.scene import Shape
-from prag_asp.physics.geometry import extents
+from prag_asp.scene.geometry import extents
+from prag_asp.scene.load import Shape
 
 
 @settings(max_examples=50, deadline=None)

@@ -12,15 +12,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from prag_asp import TaskSpace, load_domain
+from prag_asp.atom import Atom
 from prag_asp.cli.options import scene_of
-from prag_asp.domain.atom import Atom
 from prag_asp.domain.load import Domain, with_learned
-from prag_asp.domain.sources import Source
 from prag_asp.errors import DomainError
 from prag_asp.physics import check_witness, validate_tasks
 from prag_asp.physics.proofs.learning import proved, unproved
 from prag_asp.physics.proofs.schemas import rules, text_of
-from prag_asp.space.task import Task
+from prag_asp.program.sources import Source
+from prag_asp.task import Task
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
 from tests.strategies import toys

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 from prag_asp import Domain, TaskSpace, load_domain
-from prag_asp.domain.scene import Box, Own, Scene, Shape, load_scene
 from prag_asp.physics import Budget, check_witness, open_validator, validate_tasks
 from prag_asp.physics.facts import problem
-from prag_asp.physics.geometry import Pose, yaw_of
 from prag_asp.physics.predicates import Volume, predicate_of
 from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.search.start import order_of
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Pose, yaw_of
+from prag_asp.scene.load import Box, Own, Scene, Shape, load_scene
 from tests.physics.scenarios import STUDIO, state, task
 from tests.physics.scenarios import STUDIO_SHAPES as SHAPES
 

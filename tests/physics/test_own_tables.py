@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from prag_asp import SceneError
-from prag_asp.domain.atom import parse_atom
-from prag_asp.domain.scene import Box, Own, parse_scene
+from prag_asp.atom import parse_atom
 from prag_asp.physics.facts import facts
+from prag_asp.scene.load import Box, Own, parse_scene
 
 PAIR = ("object", "object")
 

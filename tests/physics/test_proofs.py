@@ -9,15 +9,15 @@ from dataclasses import replace
 
 import pytest
 
-from prag_asp.domain.scene import Material, Scene, Shape
 from prag_asp.physics import PREDICATES
 from prag_asp.physics.facts import Fact, problem
-from prag_asp.physics.geometry import Pose, multiply, yaw_quaternion
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.proofs.differences import ORIGIN, Gap, impossible_row, lowest
 from prag_asp.physics.proofs.prover import Prover, impossibility
 from prag_asp.physics.proofs.reasons import own_reasons
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
+from prag_asp.scene.load import Material, Scene, Shape
 from tests.physics.scenarios import state, task
 
 SHAPES = {

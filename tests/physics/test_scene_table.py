@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from prag_asp.domain.atom import Atom, parse_atom
-from prag_asp.domain.scene import PREDICATE_ROLES, Shape, ancestors, parse_scene, scene_problems
+from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import SceneError
 from prag_asp.physics import PREDICATES
+from prag_asp.scene.load import PREDICATE_ROLES, Shape, ancestors, parse_scene, scene_problems
 from tests.physics.random_tasks import Rules, shipped_scene
 
 CLASSES = {"robot": (), "movable": (), "cube": ("movable",), "ball": ("movable",), "tray": ()}
@@ -171,7 +171,7 @@ def test_the_light_list_of_predicates_names_those_that_exist():
 
 
 def test_reading_a_scene_loads_no_simulator():
-    code = "import sys, prag_asp.domain.scene; assert not {'pybullet', 'numpy', 'frankik'} & set(sys.modules)"
+    code = "import sys, prag_asp.scene.load; assert not {'pybullet', 'numpy', 'frankik'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

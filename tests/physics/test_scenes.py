@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from prag_asp.domain.scene import Scene, parse_scene
 from prag_asp.physics import Budget, check_witness, validate_task
-from prag_asp.space.task import Task
+from prag_asp.scene.load import Scene, parse_scene
+from prag_asp.task import Task
 from tests.physics.scenarios import state, task
 
 if sys.version_info >= (3, 11):

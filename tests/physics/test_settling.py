@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prag_asp.domain.scene import Scene
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Moment, Verdict, Witness, validate_tasks
+from prag_asp.physics.checks.settling import Settling, open_settling
 from prag_asp.physics.facts import Fact, Problem
-from prag_asp.physics.geometry import Pose, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
-from prag_asp.physics.witness.settling import Settling, open_settling
+from prag_asp.scene.geometry import Pose, yaw_quaternion
+from prag_asp.scene.load import Scene
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
 

@@ -8,7 +8,6 @@ from itertools import islice
 import pybullet
 import pytest
 
-from prag_asp.domain.scene import Material, Scene, Shape, parse_scene
 from prag_asp.errors import SceneError
 from prag_asp.physics import (
     Verdict,
@@ -24,6 +23,7 @@ from prag_asp.physics import (
 )
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.scene.load import Material, Scene, Shape, parse_scene
 from tests.physics.random_tasks import Rules, random_tasks, scene_table
 from tests.physics.scenarios import stacking
 

@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prag_asp.domain.scene import PREDICATE_ROLES, Box, Own, Scene, Shape
 from prag_asp.errors import SceneError
 from prag_asp.physics import PREDICATES
-from prag_asp.physics.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
 from prag_asp.physics.predicates import predicate_of
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
+from prag_asp.scene.load import PREDICATE_ROLES, Box, Own, Scene, Shape
 
 SHAPES = {
     "panda": Shape("robot"),

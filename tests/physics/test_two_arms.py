@@ -13,22 +13,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp.domain.load import load_domain
-from prag_asp.domain.scene import Mount, Scene, Shape, parse_scene
 from prag_asp.errors import SceneError
 from prag_asp.physics import Budget, Validator, Verdict, Witness, check_witness, open_validator, settle
+from prag_asp.physics.checks.states import tool_in
 from prag_asp.physics.facts import problem
-from prag_asp.physics.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import Snapshot
 from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.verdict import ArmState
-from prag_asp.physics.witness.states import tool_in
 from prag_asp.physics.world.bullet import pybullet, pybullet_data
 from prag_asp.physics.world.simulator import open_client, open_simulator
-from prag_asp.space.task import Task
+from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
+from prag_asp.scene.load import Mount, Scene, Shape, parse_scene
 from prag_asp.space.task_space import TaskSpace
+from prag_asp.task import Task
 from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import GIVE, HANDOVER
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from prag_asp.domain.load import load_domain
-from prag_asp.domain.scene import Scene
 from prag_asp.errors import QueryError
 from prag_asp.physics import (
     Budget,
@@ -25,8 +24,9 @@ from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.search.attempt import LOST
 from prag_asp.physics.verdict import TRANSIT, Verdict
 from prag_asp.physics.world import dynamics
-from prag_asp.space.task import Task
+from prag_asp.scene.load import Scene
 from prag_asp.space.task_space import TaskSpace
+from prag_asp.task import Task
 from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import GIVE, HANDOVER
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import pybullet
 import pytest
 
-from prag_asp.domain.scene import Scene, parse_scene
 from prag_asp.errors import SceneError
 from prag_asp.physics import check_witness, demonstrate, settle, validate_task, validate_tasks
-from prag_asp.physics.geometry import Pose
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.load import Scene, parse_scene
 from tests.physics.random_tasks import Rules, scene_table
 from tests.physics.scenarios import stacking
 
@@ -251,7 +251,7 @@ def test_a_thin_mesh_that_is_thick_enough_leans_and_is_told_only_that(tmp_path):
 
 def test_measuring_a_urdf_loads_no_simulator(folder):
     code = (
-        "import sys; from pathlib import Path; from prag_asp.domain.urdf import read_urdf; "
+        "import sys; from pathlib import Path; from prag_asp.scene.read.urdf import read_urdf; "
         f"read_urdf(Path({str(folder / 'models' / 'block.urdf')!r}), Path({str(folder)!r})); "
         "assert not {'pybullet', 'numpy'} & set(sys.modules)"
     )

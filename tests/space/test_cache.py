@@ -11,9 +11,9 @@ import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.logic.model import Model
-from prag_asp.space import cache, stored
-from prag_asp.space.cache import Entry, read_entry, write_entry
+from prag_asp.space.engines import cache, stored
 from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.engines.cache import Entry, read_entry, write_entry
 from prag_asp.space.limits import Limits, cache_folder
 
 KEY = "0123"

@@ -7,10 +7,10 @@ import pytest
 
 from prag_asp import load_domain
 from prag_asp.logic.model import Model
-from prag_asp.logic.packed import unpack
-from prag_asp.logic.transition import Transition
-from prag_asp.space import explore as exploring
-from prag_asp.space.explore import Explored, Extent, explore
+from prag_asp.logic.step.packed import unpack
+from prag_asp.logic.step.transition import Transition
+from prag_asp.space.automaton import explore as exploring
+from prag_asp.space.automaton.explore import Explored, Extent, explore
 from tests.domains import domain_of
 
 LAMPS = """
@@ -108,7 +108,7 @@ def test_a_domain_whose_state_is_empty_has_one_state() -> None:
 
 
 def test_states_are_packed_into_words_and_read_back() -> None:
-    from prag_asp.logic.packed import mask_of, pack
+    from prag_asp.logic.step.packed import mask_of, pack
 
     columns = np.random.default_rng(0).random((131, 7)) < 0.5
     rows = pack(columns)

@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import DomainError, TaskSpace, load_domain
-from prag_asp.domain.atom import parse_atom
+from prag_asp.atom import parse_atom
 from prag_asp.logic.model import Model
-from prag_asp.space.explore import explore
-from prag_asp.space.readings import Composite, Readings, hierarchy_of
+from prag_asp.space.automaton.explore import explore
+from prag_asp.space.plans.readings import Composite, Readings, hierarchy_of
 from tests.brute_force import Toy, part, term
 from tests.domains import domain_of
 from tests.strategies import hierarchies

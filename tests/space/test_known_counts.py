@@ -8,8 +8,8 @@ from typing import cast
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.domain.paths import shipped_domains
-from prag_asp.domain.settings import read_table
+from prag_asp.program.paths import shipped_domains
+from prag_asp.program.settings import read_table
 from prag_asp.space.engines.protocol import Level
 from tests.known_counts import known_counts
 

@@ -12,7 +12,7 @@ from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.errors import LimitReached
 from prag_asp.logic.model import Model
 from prag_asp.space import limits
-from prag_asp.space.bounded import count_within
+from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.limits import Limits, memory_in_use, parse_memory, parse_time
 from tests.domains import domain_of

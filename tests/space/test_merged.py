@@ -15,8 +15,8 @@ from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.drawing.draws import drawn_words, make_drawer
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.reach import equal_groups
-from prag_asp.space.weights import Weights, parse_weights
+from prag_asp.space.engines.reach import equal_groups
+from prag_asp.space.weighing.weights import Weights, parse_weights
 from tests.domains import domain_of
 from tests.strategies import symmetric_texts
 

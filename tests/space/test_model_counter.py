@@ -7,8 +7,8 @@ import time
 import pytest
 
 from prag_asp import EngineError, load_domain
-from prag_asp.logic.cnf import Cnf
-from prag_asp.logic.counter import count_models
+from prag_asp.logic.formula.cnf import Cnf
+from prag_asp.logic.formula.counter import count_models
 from prag_asp.logic.model import Model
 from prag_asp.space.engines import ENGINES
 from prag_asp.space.engines.sharp import SharpEngine
@@ -20,7 +20,7 @@ from tests.space.test_engines_clauses import needs_ganak
 
 
 def test_without_ganak_one_line_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prag_asp.logic.counter.find_spec", lambda name: None)
+    monkeypatch.setattr("prag_asp.logic.formula.counter.find_spec", lambda name: None)
     with pytest.raises(EngineError, match=r"pip install 'prag_asp\[sharp\]'"):
         ENGINES["sharp"](Model(domain_of(TWO)), "plan", None, UNLIMITED)
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from prag_asp.space import numbering
-from prag_asp.space.numbering import Numbering
+from prag_asp.space.automaton import numbering
+from prag_asp.space.automaton.numbering import Numbering
 
 ROWS = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 2**64 - 1) | st.integers(0, 2)), max_size=40)
 

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.space.ranked import Interval
-from prag_asp.space.shuffle import Shuffle
+from prag_asp.space.parts.ranked import Interval
+from prag_asp.space.parts.shuffle import Shuffle
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
 from prag_asp.logic.model import Model
-from prag_asp.space import automaton
+from prag_asp.space.automaton import automaton
 from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Level

@@ -10,7 +10,7 @@ from itertools import islice, pairwise
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.space.weights import Number
+from prag_asp.space.weighing.weights import Number
 
 DRAWS = 20_000
 DOMAIN = load_domain("prag")

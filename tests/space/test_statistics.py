@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.space.statistics import Statistics
-from prag_asp.space.weights import Number
+from prag_asp.space.drawing.statistics import Statistics
+from prag_asp.space.weighing.weights import Number
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
 from tests.space.test_sampling import KINDS, expected_weight

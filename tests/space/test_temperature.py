@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.space.temperature import LARGEST_DENOMINATOR, power, tempered
+from prag_asp.space.weighing.temperature import LARGEST_DENOMINATOR, power, tempered
 
 DOMAIN = load_domain("prag")
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import pytest
 
-from prag_asp.domain.paths import shipped_domains
+from prag_asp.program.paths import shipped_domains
 from tests.known_counts import check_known_counts
 from tests.simulation import Act, Simulation, Word
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from prag_asp.domain.scene import Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.facts import problem
-from prag_asp.space.task import Task
+from prag_asp.scene.load import Scene
+from prag_asp.task import Task
 
 
 def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) -> list[str]:

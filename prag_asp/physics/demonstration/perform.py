@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from prag_asp.domain.scene import Scene
 from prag_asp.physics.demonstration.acting import Actor, Stopped
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.planning import Action
@@ -16,7 +15,8 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import Witness
 from prag_asp.physics.world.dynamics import Dynamics, open_dynamics
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.space.task import Task
+from prag_asp.scene.load import Scene
+from prag_asp.task import Task
 
 
 class Performer:

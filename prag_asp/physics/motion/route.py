@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose, compose, invert, raised, turn_between
-from prag_asp.physics.mechanism import part_pose
 from prag_asp.physics.motion.standing import Grip
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
 from prag_asp.physics.robot import Joints, Robot
@@ -18,6 +16,8 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
+from prag_asp.scene.furniture import part_pose
+from prag_asp.scene.geometry import Pose, compose, invert, raised, turn_between
 
 HEIGHTS = (0.08, 0.16, 0.24)
 STRIDE, LOOK = 0.06, 0.02

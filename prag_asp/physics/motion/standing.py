@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from prag_asp.domain.scene import Scene
-from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.verdict import ArmState
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.load import Scene
 
 
 @dataclass(frozen=True)

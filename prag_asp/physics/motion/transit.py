@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import Effect, Problem, problem
-from prag_asp.physics.geometry import Pose, compose
 from prag_asp.physics.motion.route import Load, checked_path
 from prag_asp.physics.motion.standing import grip_of, situation_with
 from prag_asp.physics.robot import robot_of
@@ -18,7 +16,9 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.space.task import Task
+from prag_asp.scene.geometry import Pose, compose
+from prag_asp.scene.load import Scene
+from prag_asp.task import Task
 
 Motion = tuple[Waypoint, ...]
 

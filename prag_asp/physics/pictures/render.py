@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from prag_asp.domain.atom import Atom
+from prag_asp.atom import Atom
 from prag_asp.domain.plural import plural
-from prag_asp.domain.scene import Scene
 from prag_asp.errors import OutputError, QueryError, SceneError
+from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
 from prag_asp.physics.facts import Fact, facts, problem
 from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.layout import Panel, line_count, sheet
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.verdict import Moment, Witness
-from prag_asp.physics.witness.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.space.task import Task
+from prag_asp.scene.load import Scene
+from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from PIL import Image

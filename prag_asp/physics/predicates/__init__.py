@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from prag_asp.domain.scene import Own, Scene
 from prag_asp.errors import SceneError
 from prag_asp.physics.predicates.aligned import ALIGNED
 from prag_asp.physics.predicates.beside import BESIDE
@@ -21,6 +20,7 @@ from prag_asp.physics.predicates.python_file import defined
 from prag_asp.physics.predicates.rotated import ROTATED
 from prag_asp.physics.predicates.upright import UPRIGHT
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, Yaws
+from prag_asp.scene.load import Own, Scene
 
 PREDICATES: Mapping[str, Predicate] = {
     predicate.name: predicate

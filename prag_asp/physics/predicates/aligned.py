@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.domain.scene import Shape
-from prag_asp.physics.geometry import Quaternion, extents, wrap, yaw_of
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion, extents, wrap, yaw_of
+from prag_asp.scene.load import Shape
 
 TURN, TURN_MARGIN = math.radians(5), math.radians(0.5)
 OFFSET, GAP, MARGIN = 0.01, 0.005, 0.003

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.geometry import Quaternion, Vector, heading, rotate, to_local, width_along
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion, Vector, heading, rotate, to_local, width_along
 
 CENTRE_TOLERANCE = 0.015
 BELOW = 0.005

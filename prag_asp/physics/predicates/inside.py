@@ -8,8 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from prag_asp.domain.scene_forms import rectangle
-from prag_asp.physics.geometry import (
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.volume import Volume, turned_box
+from prag_asp.physics.situation import Situation
+from prag_asp.scene.forms import rectangle
+from prag_asp.scene.furniture import cavity
+from prag_asp.scene.geometry import (
     Outline,
     Pose,
     Quaternion,
@@ -21,10 +25,6 @@ from prag_asp.physics.geometry import (
     to_local,
     yaw_of,
 )
-from prag_asp.physics.mechanism import cavity
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
-from prag_asp.physics.predicates.volume import Volume, turned_box
-from prag_asp.physics.situation import Situation
 
 TOLERANCE = 0.002
 FLOOR_BAND = 0.01

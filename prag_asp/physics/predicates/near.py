@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Quaternion, extents
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion, extents
 
 NEAR, FAR = 0.10, 0.25
 MARGIN = 0.003

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Quaternion
-from prag_asp.physics.mechanism import mechanism
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.furniture import mechanism
+from prag_asp.scene.geometry import Quaternion
 
 OPEN, CLOSED = 0.9, 0.05
 OPEN_MARGIN, CLOSED_MARGIN = 0.05, 0.03

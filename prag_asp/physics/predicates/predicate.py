@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from prag_asp.physics.geometry import Quaternion
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion
 
 Arguments = tuple[str, ...]
 

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.geometry import Quaternion, wrap, yaw_of
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
 
 TOLERANCE = math.radians(10)
 MARGIN = math.radians(0.5)

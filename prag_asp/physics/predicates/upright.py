@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.geometry import Quaternion, rotate
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion, rotate
 
 TOLERANCE = math.radians(10)
 

@@ -10,14 +10,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
 
-from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import extents, yaw_quaternion
-from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.predicates import gripper, inside, on_top
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, direction
 from prag_asp.physics.proofs.differences import ORIGIN, Gap, Node, between
 from prag_asp.physics.robot import robot_of
+from prag_asp.scene.furniture import cavity
+from prag_asp.scene.geometry import extents, yaw_quaternion
+from prag_asp.scene.load import Scene, Shape
 
 Z = 2
 Demand = tuple[int, Gap]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from prag_asp.domain.atom import parse_atom
+from prag_asp.atom import parse_atom
 from prag_asp.domain.load import Domain
-from prag_asp.domain.scene import Scene, ancestors
 from prag_asp.physics.predicates.gripper import CLEARANCE
 from prag_asp.physics.robot import robot_of
+from prag_asp.scene.load import Scene, ancestors
 
 
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:

@@ -13,13 +13,13 @@ from itertools import combinations
 
 import clingo
 
-from prag_asp.domain.atom import Atom, parse_atom
-from prag_asp.domain.facts import Facts
-from prag_asp.domain.lint.closure import Graph, conflict, entailed, invariant_graph
+from prag_asp.atom import Atom, parse_atom
 from prag_asp.domain.load import Domain
-from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.proofs.prover import Prover
+from prag_asp.program.facts import Facts
+from prag_asp.program.invariants import Graph, conflict, entailed, invariant_graph
+from prag_asp.scene.load import Scene
 
 Fluents = tuple[Atom, ...]
 """One fluent, or two, in the order of the domain."""

@@ -13,8 +13,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from prag_asp.domain.atom import Atom
-from prag_asp.domain.scene import Scene
+from prag_asp.atom import Atom
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.proofs.demands import Demand, all_demands, bodies
 from prag_asp.physics.proofs.differences import Gap, Node
@@ -27,6 +26,7 @@ from prag_asp.physics.proofs.reasons import (
     room_reasons,
     turn_reasons,
 )
+from prag_asp.scene.load import Scene
 
 REMEMBERED = 1 << 14
 """How many groups of facts a prover keeps in mind."""

@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
-from prag_asp.domain.scene import Scene, Shape
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import IDENTITY, Pose, wrap
-from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.predicates import rotated
 from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.predicates.predicate import words
@@ -17,6 +14,9 @@ from prag_asp.physics.proofs.differences import ORIGIN, ROUNDING, Gap, impossibl
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.world.solids import weight
+from prag_asp.scene.furniture import cavity
+from prag_asp.scene.geometry import IDENTITY, Pose, wrap
+from prag_asp.scene.load import Scene, Shape
 
 AXES = ("x", "y", "z")
 NO_CONTAINER = (0.0, 0.0, 0.0)

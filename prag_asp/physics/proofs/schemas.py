@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, product
 
-from prag_asp.domain.atom import Atom
-from prag_asp.domain.facts import Facts
+from prag_asp.atom import Atom
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.proofs.learning import Fluents, Proofs
+from prag_asp.program.facts import Facts
 
 VARIABLES = "XYZVWUTSRQ"
 LINE = 120

@@ -15,8 +15,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose
 from prag_asp.physics.robot.model import Hand, Joints, Robot
+from prag_asp.scene.geometry import Pose
 
 Floats = NDArray[np.float64]
 

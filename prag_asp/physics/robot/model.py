@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose, Vector
+from prag_asp.scene.geometry import Pose, Vector
 
 Joints = tuple[float, ...]
 Box = tuple[Vector, Vector]

@@ -14,8 +14,8 @@ import frankik
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.geometry import Pose, wrap, yaw_of
 from prag_asp.physics.robot.model import Joints, Robot
+from prag_asp.scene.geometry import Pose, wrap, yaw_of
 
 POSTURE = (0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4)
 WRIST_LIMIT = 2.8973

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from prag_asp.physics.facts import Effect, Fact
-from prag_asp.physics.geometry import compose, invert
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.robot.kinematics import tool_pose
@@ -18,6 +17,7 @@ from prag_asp.physics.search.meeting import move_over, take_over
 from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
 from prag_asp.physics.verdict import Waypoint
 from prag_asp.physics.world.solids import weight
+from prag_asp.scene.geometry import compose, invert
 
 Outcome = tuple[Snapshot, tuple[Waypoint, ...]]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import IDENTITY, Pose, Quaternion
 from prag_asp.physics.predicates import Volume, Yaws, predicate_of
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import IDENTITY, Pose, Quaternion
 
 AIM = 0.6
 """What share of a tolerance of the heading is drawn from: what is put down may turn a little."""

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from prag_asp.physics.facts import Effect
-from prag_asp.physics.geometry import Pose, compose, invert, multiply, raised, yaw_of, yaw_quaternion
-from prag_asp.physics.mechanism import cavity
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.allowed import draw_yaws, relevant, yaw_ranges
@@ -27,6 +25,8 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import TABLE, resting_height
+from prag_asp.scene.furniture import cavity
+from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, yaw_of, yaw_quaternion
 
 OVER_RIM = 0.03
 ON_THE_SPOT = {"rotated", "upright"}

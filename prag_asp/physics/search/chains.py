@@ -10,10 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from prag_asp.physics.facts import Fact
-from prag_asp.physics.geometry import Quaternion, extents
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, MARGIN, direction, wedge
 from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import Quaternion, extents
 
 
 class Chain(NamedTuple):

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import SUPPORTING, Effect, Fact, Problem
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, INVERSES, MARGIN, direction
+from prag_asp.scene.load import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
 """For a state and an object that comes to its place in it: where all of it leaves ample room, then just enough."""

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
-from prag_asp.domain.scene import Shape
-from prag_asp.physics.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.physics.predicates.gripper import CLEARANCE
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import inverse
@@ -22,6 +20,8 @@ from prag_asp.physics.search.attempt import (
 )
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
+from prag_asp.scene.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
+from prag_asp.scene.load import Shape
 
 LIFT = 0.10
 """How far above an object the gripper approaches it, in metres."""

@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from prag_asp.physics.facts import OPENING, Fact
-from prag_asp.physics.geometry import IDENTITY, Pose, compose, invert, multiply, raised, wrap, yaw_of, yaw_quaternion
-from prag_asp.physics.mechanism import POST, mechanism, part_pose
 from prag_asp.physics.predicates import PREDICATES, Volume
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
@@ -30,6 +28,8 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import riders, unsupported
+from prag_asp.scene.furniture import POST, mechanism, part_pose
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, raised, wrap, yaw_of, yaw_quaternion
 
 SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
 """How far furniture moves between two checks, in metres or radians."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from prag_asp.physics.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search, Snapshot
@@ -20,6 +19,7 @@ from prag_asp.physics.search.moving import (
     with_riders,
 )
 from prag_asp.physics.verdict import Waypoint
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
 
 LOWEST, HIGHEST = 0.18, 0.28
 """Between which heights the tool moves over a place, in metres above its top."""

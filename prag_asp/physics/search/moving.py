@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.geometry import Pose, compose, invert, raised
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
@@ -14,6 +13,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.verdict import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import STEADY, riders, unsupported
+from prag_asp.scene.geometry import Pose, compose, invert, raised
 
 
 def turn_to(search: Search, snapshot: Snapshot, robot: str) -> Snapshot:

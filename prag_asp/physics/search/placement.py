@@ -8,8 +8,6 @@ from itertools import repeat
 from typing import NamedTuple
 
 from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
-from prag_asp.physics.geometry import Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
-from prag_asp.physics.mechanism import swept
 from prag_asp.physics.predicates import PREDICATES, Ring, Volume
 from prag_asp.physics.predicates.beside import DIRECTIONS
 from prag_asp.physics.predicates.volume import Floor
@@ -20,6 +18,8 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import Box, box
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
+from prag_asp.scene.furniture import swept
+from prag_asp.scene.geometry import Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
 
 TRIES = 8
 SPACING = 0.01

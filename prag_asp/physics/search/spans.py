@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import Fact, Problem
 from prag_asp.physics.predicates.between import GAP, MARGIN
+from prag_asp.scene.load import Scene
 
 FINGER_ROOM = 0.035
 DEPTH = 4

@@ -6,9 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.domain.scene import Scene
 from prag_asp.physics.facts import BEARING, SUPPORTING, Fact, Problem, of_robot
-from prag_asp.physics.geometry import Pose
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
@@ -20,6 +18,8 @@ from prag_asp.physics.search.meeting import move_over
 from prag_asp.physics.search.moving import raise_arm, turn_to, verify_objects
 from prag_asp.physics.search.placement import any_support, draw_pose, known_support
 from prag_asp.physics.situation import Situation, Standing, fixed_pose
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.load import Scene
 
 BACKTRACKS = 12
 """How often a first state goes back to an object that was put down before, instead of beginning anew."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from prag_asp.physics.geometry import Vector
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.world.simulator import COLLISION, Simulator
+from prag_asp.scene.geometry import Vector
 
 Box = tuple[Vector, Vector]
 BASE_LINK = -1

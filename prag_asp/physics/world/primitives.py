@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from prag_asp.domain.scene import Solid
 from prag_asp.errors import SceneError
 from prag_asp.physics.world.bullet import pybullet
+from prag_asp.scene.load import Solid
 
 GEOMETRIES: Mapping[str, int] = {
     "box": pybullet.GEOM_BOX,

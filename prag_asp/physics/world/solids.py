@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from prag_asp.domain.scene import Scene, Shape, Solid
-from prag_asp.domain.scene_forms import FORMS
-from prag_asp.physics.geometry import Vector
-from prag_asp.physics.mechanism import mechanism
+from prag_asp.scene.forms import FORMS
+from prag_asp.scene.furniture import mechanism
+from prag_asp.scene.geometry import Vector
+from prag_asp.scene.load import Scene, Shape, Solid
 
 
 def boxes(places: Iterable[tuple[Vector, Vector]]) -> tuple[Solid, ...]:

@@ -9,8 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from prag_asp.domain.scene_forms import rectangle
-from prag_asp.physics.geometry import (
+from prag_asp.physics.predicates.inside import floor_height, hollow
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.world.solids import weight
+from prag_asp.scene.forms import rectangle
+from prag_asp.scene.geometry import (
     Outline,
     Point,
     hull,
@@ -19,9 +22,6 @@ from prag_asp.physics.geometry import (
     outline,
     yaw_of,
 )
-from prag_asp.physics.predicates.inside import floor_height, hollow
-from prag_asp.physics.situation import Situation
-from prag_asp.physics.world.solids import weight
 
 CONTACT = 0.002
 BALANCE = 1e-6

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
-from prag_asp.domain.facts import Facts
 from prag_asp.errors import QueryError
-from prag_asp.logic.program import action_name, mentioned_entities
+from prag_asp.logic.ground.program import action_name, mentioned_entities
+from prag_asp.program.facts import Facts
 from prag_asp.space.conditions.formula import parse_conjunction, parse_formula
 from prag_asp.space.conditions.patterns import Pattern, class_members
 from prag_asp.space.conditions.regular import Recogniser, parse_expression, recogniser

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import clingo
 
-from prag_asp.domain.facts import Facts
 from prag_asp.domain.load import Domain
-from prag_asp.domain.sources import Program, Source, read_sources
-from prag_asp.logic.program import ADDED
+from prag_asp.logic.ground.program import ADDED
+from prag_asp.program.facts import Facts
+from prag_asp.program.sources import Program, Source, read_sources
 from prag_asp.space.conditions.clauses import Clause, Ends
 from prag_asp.space.conditions.condition import Condition
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from prag_asp.domain.atom import parse_atom
+from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.space.spelling import not_too_deep, unknown
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from prag_asp.domain.atom import split_terms
+from prag_asp.atom import split_terms
 from prag_asp.errors import QueryError
 from prag_asp.space.conditions.clauses import (
     After,

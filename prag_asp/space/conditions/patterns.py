@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import clingo
 
-from prag_asp.domain.atom import parse_atom
-from prag_asp.domain.facts import Facts
+from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.logic.program import action_name
+from prag_asp.logic.ground.program import action_name
+from prag_asp.program.facts import Facts
 from prag_asp.space.spelling import unknown
 
 ANY = "_"

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.space.automaton import Automaton
+from prag_asp.space.automaton.automaton import Automaton
 from prag_asp.space.drawing.bits import WORD, Words
 
 GUIDE_CELLS = 1 << 15

@@ -8,19 +8,19 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from prag_asp.errors import LimitReached
+from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
-from prag_asp.logic.program import action_name
-from prag_asp.logic.transition import Transition
-from prag_asp.space.automaton import Ranking, accepts, count_words, words
-from prag_asp.space.bounded import count_within
+from prag_asp.logic.step.transition import Transition
+from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, words
+from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.engines.protocol import Letters, Level, Progress
+from prag_asp.space.engines.reach import Explorer, Reach
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, cache_folder
-from prag_asp.space.reach import Explorer, Reach
-from prag_asp.space.weights import Weighed, Weights, refuse_weights
+from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
 
 if TYPE_CHECKING:
-    from prag_asp.space.merged import MergedRanking
-    from prag_asp.space.stored import Shelf
+    from prag_asp.space.automaton.merged import MergedRanking
+    from prag_asp.space.engines.stored import Shelf
 
 WORTH_KEEPING = 0.2
 """Seconds of exploring from which what was found is kept for the next run."""
@@ -109,7 +109,7 @@ class AutomatonEngine:
         reach = self.explored(length)
         sets = self._sets(prefix)
         if reach.merged:
-            from prag_asp.space.merged import merged_words
+            from prag_asp.space.automaton.merged import merged_words
 
             found = merged_words(reach.merged, reach.completions, length, sets)
         else:
@@ -124,7 +124,7 @@ class AutomatonEngine:
         reach = self.explored(len(word))
         numbers = [self._numbers[letter] for letter in word]
         if reach.merged:
-            from prag_asp.space.merged import accepts_merged
+            from prag_asp.space.automaton.merged import accepts_merged
 
             return accepts_merged(reach.merged, numbers)
         return accepts(reach.completions.automaton, numbers)
@@ -161,7 +161,7 @@ class AutomatonEngine:
     def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
         sets = self._sets(prefix)
         if reach.merged:
-            from prag_asp.space.merged import count_merged
+            from prag_asp.space.automaton.merged import count_merged
 
             return count_merged(reach.merged, reach.completions, length, sets)
         return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
@@ -198,7 +198,7 @@ class AutomatonEngine:
         return self._ranked[1]
 
     def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
-        from prag_asp.logic.hindsight import Hindsight
+        from prag_asp.logic.step.hindsight import Hindsight
         from prag_asp.space.goals import numbered_goals
 
         hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
@@ -220,7 +220,7 @@ def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
     folder = cache_folder()
     if folder is None:
         return None
-    from prag_asp.space.stored import shelf_for
+    from prag_asp.space.engines.stored import shelf_for
 
     return shelf_for(folder, model.domain, level, merge)
 
@@ -228,7 +228,7 @@ def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
 def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
     if not reach.merged:
         return None
-    from prag_asp.space.merged import MergedRanking
+    from prag_asp.space.automaton.merged import MergedRanking
 
     return MergedRanking(reach.merged, reach.completions, length)
 

@@ -9,8 +9,8 @@ from functools import cached_property
 import clingo
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.clauses import TRUE, Literal
-from prag_asp.logic.cnf import Cnf, plan_cnf
+from prag_asp.logic.formula.clauses import TRUE, Literal
+from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.model import Model
 from prag_asp.space.engines.protocol import Letters, Level, all_letters
 

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 from prag_asp.logic.model import Model
 from prag_asp.space.engines.protocol import Letters, Level
-from prag_asp.space.narrate import Narrator
-from prag_asp.space.tree import word_tree
-from prag_asp.space.weights import Weighed, Weights, refuse_weights
+from prag_asp.space.plans.narrate import Narrator
+from prag_asp.space.weighing.tree import word_tree
+from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
 
 
 def listed(

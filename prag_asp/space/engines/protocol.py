@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal, Protocol
 
+from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
-from prag_asp.logic.program import action_name
 from prag_asp.space.limits import Limits
 
 if TYPE_CHECKING:
-    from prag_asp.space.weights import Weighed, Weights
+    from prag_asp.space.weighing.weights import Weighed, Weights
 
 Level = Literal["plan", "task", "skeleton"]
 LEVELS: tuple[Level, ...] = ("plan", "task", "skeleton")

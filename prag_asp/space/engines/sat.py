@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
-from prag_asp.logic.clauses import TRUE
+from prag_asp.logic.formula.clauses import TRUE
+from prag_asp.logic.formula.solver import Solver
 from prag_asp.logic.model import Model
-from prag_asp.logic.solver import Solver
 from prag_asp.space.engines.formula import WordFormula, word_formula
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
 from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
-from prag_asp.space.weights import Weighed, Weights
+from prag_asp.space.weighing.weights import Weighed, Weights
 
 REPORTED = 1000
 """Words between two reports of progress."""

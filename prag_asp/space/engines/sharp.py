@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import takewhile
 
-from prag_asp.logic.counter import count_models, require_ganak
+from prag_asp.logic.formula.counter import count_models, require_ganak
 from prag_asp.logic.model import Model
 from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.engines.sat import SatEngine
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.weights import Weighed, Weights
+from prag_asp.space.weighing.weights import Weighed, Weights
 
 
 class SharpEngine:

@@ -1,0 +1,133 @@
+"""Composites whose stages do not fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import clingo
+
+from prag_asp.lint.cycle import find_cycle
+from prag_asp.lint.effects import Findings
+from prag_asp.lint.origin import Origins, Place
+from prag_asp.program.facts import Facts
+from prag_asp.program.problem import Problem
+
+MOST_ACTIONS = 100
+"""The actions of the longest composite: what is ahead of a reading is a term as deep as it has actions."""
+
+Symbol = clingo.Symbol
+
+
+class Complaint(NamedTuple):
+    """What is wrong with one composite: a place, the words that follow its name, and what to do."""
+
+    composite: Symbol
+    place: Place
+    words: str
+    advice: str
+
+
+def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
+    """Yield what is wrong with the composites, the stages and the free actions; each stage needs the ones before."""
+    undeclared = list(_undeclared(facts, origins))
+    yield from undeclared
+    misplaced = [] if undeclared else list(grouped(_misplaced(facts, origins)))
+    yield from misplaced
+    if undeclared or misplaced:
+        return
+    inner = {c: [part for _, part in facts.stages[c] if part in facts.stages] for c in facts.composites}
+    cycle = find_cycle(inner)
+    if cycle:
+        number = next(number for number, part in facts.stages[cycle[0]] if part == cycle[1])
+        place = origins.place("stage", cycle[0], number, cycle[1])
+        yield Problem(*place, f"composites form a cycle, {' > '.join(map(str, cycle))}; remove one of these stages")
+        return
+    yield from grouped(
+        Complaint(
+            composite,
+            origins.place("composite", composite),
+            f"has {size} actions, more than {MOST_ACTIONS}",
+            "split it",
+        )
+        for composite, size in _sizes(facts).items()
+        if size > MOST_ACTIONS
+    )
+
+
+def grouped(complaints: Iterable[Complaint]) -> Iterator[Problem]:
+    """Yield one problem for all composites of one name that one rule makes wrong."""
+    alike: dict[tuple[str, Place], list[Complaint]] = {}
+    for complaint in complaints:
+        alike.setdefault((complaint.composite.name, complaint.place), []).append(complaint)
+    for (_, place), found in alike.items():
+        composite, _, words, advice = found[0]
+        more = f" (and {len(found) - 1} more like it)" if len(found) > 1 else ""
+        yield Problem(*place, f"{composite} {words}{more}; {advice}")
+
+
+def _undeclared(facts: Facts, origins: Origins) -> Iterator[Problem]:
+    findings = Findings(origins, facts)
+    composites, actions = set(facts.composites), set(facts.actions)
+    for composite, stages in facts.stages.items():
+        for number, part in stages:
+            row = (composite, number, part)
+            if composite not in composites:
+                findings.undeclared("composite", composite, facts.composites, "stage", row)
+            if part not in actions and part not in composites:
+                findings.undeclared("action", part, (*facts.actions, *facts.composites), "stage", row)
+    for action in facts.free:
+        if action not in actions and action not in composites:
+            findings.undeclared("action", action, facts.actions, "free", (action,))
+    yield from findings.problems()
+    if facts.free and not facts.composites:
+        place = origins.place("free", facts.free[0])
+        yield Problem(*place, "without a composite, every action is free; declare a composite, or remove free(...)")
+
+
+def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
+    """Yield the composites without stages, with gaps in them, or with two parts at one."""
+    actions = set(facts.actions)
+    for composite in facts.composites:
+        if composite in facts.free:
+            place = origins.place("free", composite)
+            yield Complaint(composite, place, "is a composite, which may occur anyway", f"remove free({composite})")
+        stages = facts.stages.get(composite, ())
+        if composite in actions:
+            place = origins.place("composite", composite)
+            yield Complaint(composite, place, "is an action and a composite", "rename one")
+        if not stages:
+            advice = f"state stage({composite},1,...), or remove it"
+            yield Complaint(composite, origins.place("composite", composite), "has no stage", advice)
+        for expected, (number, _) in enumerate(stages, 1):
+            if number != clingo.Number(expected):
+                yield _out_of_order(composite, stages, expected, origins)
+                break
+
+
+def _out_of_order(
+    composite: Symbol, stages: Sequence[tuple[Symbol, Symbol]], expected: int, origins: Origins
+) -> Complaint:
+    """Return what is wrong with the first stage that does not have the number expected."""
+    number, part = stages[expected - 1]
+    place = origins.place("stage", composite, number, part)
+    if expected > 1 and stages[expected - 2][0] == number:
+        other = stages[expected - 2][1]
+        place = max(place, origins.place("stage", composite, number, other))
+        return Complaint(composite, place, f"has two parts at stage {number}, {other} and {part}", "keep one")
+    words = f"has a stage {number} where its stage {expected} should be"
+    return Complaint(composite, place, words, "number its stages 1, 2, 3, ...")
+
+
+def _sizes(facts: Facts) -> Mapping[Symbol, int]:
+    """Return the number of actions of each composite; composites form no cycle."""
+    sizes: dict[Symbol, int] = {}
+    waiting = list(facts.composites)
+    while waiting:
+        parts = [part for _, part in facts.stages[waiting[-1]]]
+        unknown = [part for part in parts if part in facts.stages and part not in sizes]
+        if unknown:
+            waiting += unknown
+        else:
+            sizes[waiting.pop()] = sum(sizes.get(part, 1) for part in parts)
+    return sizes

@@ -1,0 +1,74 @@
+"""Classes and entities that do not fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import clingo
+
+from prag_asp.lint.cycle import find_cycle
+from prag_asp.lint.origin import Origins, Place
+from prag_asp.program.facts import rows
+from prag_asp.program.problem import Problem, suggestion
+
+Symbol = clingo.Symbol
+
+
+def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Problem]:
+    """Yield what is wrong with the classes and entities of a grounded base part."""
+    tops = {name for (name,) in rows(control, "class", 1)}
+    pairs = [(child, parent) for child, parent in rows(control, "class", 2)]
+    declared = tops | {child for child, _ in pairs}
+    parents: dict[Symbol, list[Symbol]] = {}
+    for child, parent in pairs:
+        parents.setdefault(child, []).append(parent)
+        if parent not in declared:
+            hint = suggestion(str(parent), map(str, declared), f"declare class({parent})")
+            yield Problem(*origins.place("class", child, parent), f"unknown class {parent} above {child}; {hint}")
+    cycle = find_cycle(parents)
+    if cycle:
+        place = origins.place("class", cycle[0], cycle[1])
+        yield Problem(*place, f"classes form a cycle, {' < '.join(map(str, cycle))}; remove one of these class/2 facts")
+        return
+    entities = [(entity, name) for entity, name in rows(control, "entity", 2)]
+    wrong = list(_entity_problems(entities, declared, origins))
+    yield from wrong or _empty_classes(declared, parents, entities, origins)
+
+
+def _entity_problems(
+    entities: Sequence[tuple[Symbol, Symbol]], declared: set[Symbol], origins: Origins
+) -> Iterator[Problem]:
+    first: dict[Symbol, Symbol] = {}
+    homeless: dict[tuple[Place, Symbol], list[Symbol]] = {}
+    for entity, name in entities:
+        if name not in declared:
+            homeless.setdefault((origins.place("entity", entity, name), name), []).append(entity)
+        elif entity in first:
+            place = max(origins.place("entity", entity, each) for each in (name, first[entity]))
+            yield Problem(
+                *place,
+                f"entity {entity} has two classes, {first[entity]} and {name}; "
+                "keep one, and put the other above it with class(C, Parent)",
+            )
+        else:
+            first[entity] = name
+    for (place, name), several in homeless.items():
+        hint = suggestion(str(name), map(str, declared), f"declare class({name})")
+        yield Problem(*place, f"unknown class {name} of {', '.join(map(str, several))}; {hint}")
+
+
+def _empty_classes(
+    declared: set[Symbol],
+    parents: Mapping[Symbol, Sequence[Symbol]],
+    entities: Sequence[tuple[Symbol, Symbol]],
+    origins: Origins,
+) -> Iterator[Problem]:
+    """Yield the classes that nothing belongs to and that have no class below: no rule can ever use them."""
+    inhabited = {name for _, name in entities}
+    above = {parent for each in parents.values() for parent in each}
+    for name in sorted(declared - above - inhabited):
+        arguments = (name, parents[name][0]) if name in parents else (name,)
+        yield Problem(
+            *origins.place("class", *arguments),
+            f"class {name} has no entity; add entity(..., {name}), or remove it",
+        )

@@ -1,0 +1,107 @@
+"""Step rules that read a fluent whose value may be unknown: with them, three-valued states are not exact."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import clingo
+from clingo.ast import ASTType
+
+from prag_asp.program.facts import Facts
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.problem import Problem, Signature
+from prag_asp.program.syntax import Atom, Statement, atoms, names, variables
+
+READS = frozenset([("holds", 3), ("known", 3)])
+READ, UNSURE = "_read", "_unsure"
+ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
+
+
+def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the own rules of a step that read a fluent which may be unknown when they do."""
+    readings = [
+        (each, atom)
+        for each in statements
+        if each.own and each.timed and each.is_rule
+        for atom in each.body
+        if atom.signature in READS
+    ]
+    if not readings:
+        return
+    unsure = _unsure(grounder.control, facts)
+    if not unsure:
+        return
+    timed = {atom.signature for each in statements if each.timed for atom in each.heads}
+    seen: set[tuple[Path, int]] = set()
+    for number, (statement, atom) in enumerate(readings):
+        conditions = list(_conditions(statement, timed))
+        fluent = _read_fluent(grounder.control, f"{READ}_{number}", atom, conditions, unsure)
+        if fluent is None or (statement.path, statement.line) in seen:
+            continue
+        seen.add((statement.path, statement.line))
+        yield statement.problem(f"this rule of a step reads {fluent}, {unsure[fluent]}", atom.line)
+
+
+def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
+    """Return the fluents that may be unknown, each with why and what to do."""
+    known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature("holds", 3)}
+    unsure = {
+        fluent: f"which is unknown at the start; state initially({fluent}, ...), or include rules/closed_world.lp"
+        for fluent in facts.fluents
+        if fluent not in known
+    }
+    for action, values in facts.postconditions.items():
+        for fluent, value in values:
+            if value == "unknown":
+                unsure.setdefault(fluent, f"which {action} may leave unknown; let the action make it true or false")
+    return unsure
+
+
+def _read_fluent(
+    control: clingo.Control, part: str, atom: Atom, conditions: Sequence[str], unsure: Iterable[clingo.Symbol]
+) -> clingo.Symbol | None:
+    """Return the first fluent of `unsure` that a rule reads at an atom, None where it reads none of them."""
+    numbers = itertools.count()
+    fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
+    facts = " ".join(f"{UNSURE}({each})." for each in unsure)
+    for name, restricting in ((part, conditions), (f"{part}_at_all", ())):
+        rule = f"{name}({fluent}) :- {'; '.join([f'{UNSURE}({fluent})', *restricting])}."
+        try:
+            control.add(name, [], f"{facts}\n{rule}")
+            control.ground([(name, [])])
+        except RuntimeError:
+            continue
+        return min((each.symbol.arguments[0] for each in control.symbolic_atoms.by_signature(name, 1)), default=None)
+    return None
+
+
+def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
+    """Yield the conditions of a rule that do not depend on the step: they restrict what it reads."""
+    bound: set[str] = set()
+    comparisons: list[str] = []
+    for node, text in statement.literals:
+        if node.ast_type != ASTType.Literal or text.startswith("not "):
+            continue
+        if node.atom.ast_type == ASTType.Comparison:
+            comparisons.append(text)
+            continue
+        for atom in atoms(node, text):
+            condition = _timeless(atom, statement, timed)
+            if condition is not None:
+                bound |= variables(condition)
+                yield condition
+    for text in comparisons:
+        if variables(text) <= bound and not names([text]) & set(statement.parameters):
+            yield text
+
+
+def _timeless(atom: Atom, statement: Statement, timed: set[Signature]) -> str | None:
+    """Return an atom as a condition on the base part: what occurs is an action."""
+    if atom.signature == ("occurs", 2):
+        return f"action({atom.arguments[0]})"
+    if atom.signature in timed or atom.signature in READS or names(atom.arguments) & set(statement.parameters):
+        return None
+    return str(atom)

@@ -1,0 +1,68 @@
+"""Find the rule that states a ground atom, for clingo's ground program does not tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import clingo
+from clingo.ast import ASTType
+
+from prag_asp.program.syntax import Statement
+
+TRACE = "_stated"
+VIOLATED = "_violated"
+
+
+class Place(NamedTuple):
+    """A file and a line in it."""
+
+    path: Path
+    line: int
+
+
+class Origins:
+    """Where the base part states its atoms; it is grounded once more when the first one is asked for."""
+
+    def __init__(self, statements: Sequence[Statement]) -> None:
+        self._statements = statements
+
+    @cached_property
+    def _traces(self) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
+        return _trace([each for each in self._statements if each.part == "base" and each.kind != ASTType.Program])
+
+    def place(self, predicate: str, *arguments: clingo.Symbol) -> Place:
+        """Return the first rule that states the atom, or else the first that states the predicate."""
+        traced = self._traces.get((predicate, arguments))
+        if traced:
+            return Place(traced[0].path, traced[0].line)
+        own = [each for each in self._statements if each.own] or list(self._statements)
+        stating = [each for each in own if any(atom.name == predicate for atom in each.heads)]
+        return Place(stating[0].path, stating[0].line) if stating else Place(own[0].path, 1)
+
+    def violated(self) -> list[Statement]:
+        """Return the own constraints of the base part that what it states violates."""
+        return [each for each in self._traces.get((VIOLATED, ()), ()) if each.own]
+
+
+def _trace(base: Sequence[Statement]) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
+    """Ground the base part without its constraints, every head marked with its rule."""
+    lines = [str(each.node) for each in base if not each.is_rule or each.heads]
+    for number, statement in enumerate(base):
+        if statement.is_rule and statement.node.head.ast_type == ASTType.Literal:
+            body = "; ".join(text for _, text in statement.literals) or "#true"
+            stated = [str(atom).lstrip("-") for atom in statement.heads] or [VIOLATED]
+            lines += [f"{TRACE}({number},{each}) :- {body}." for each in stated]
+    control = clingo.Control(["--warn=none"], logger=lambda *_: None)
+    try:
+        control.add("base", [], "\n".join(lines))
+        control.ground([("base", [])])
+    except RuntimeError:
+        return {}
+    traces: dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]] = {}
+    marks = (atom.symbol.arguments for atom in control.symbolic_atoms.by_signature(TRACE, 2))
+    for number, term in sorted(((mark[0].number, mark[1]) for mark in marks), key=lambda mark: mark[0]):
+        traces.setdefault((term.name, tuple(term.arguments)), []).append(base[number])
+    return traces

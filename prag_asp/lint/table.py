@@ -1,0 +1,136 @@
+"""domain.toml: unknown keys, wrong types, weights of unknown names, and a scene that physics cannot build."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from string import Formatter
+from typing import Any
+
+from prag_asp.atom import Atom
+from prag_asp.program.facts import Facts
+from prag_asp.program.problem import Problem, suggestion
+from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
+from prag_asp.scene.load import scene_problems
+
+TYPES: Mapping[str, tuple[type, str]] = {
+    "title": (str, 'a string, such as "Blocks on a table"'),
+    "description": (str, 'a string, such as "Blocks on a table"'),
+    "weights": (dict, "a table, such as [weights] with grasp = 2 below it"),
+    "language": (dict, 'a table, such as [language] with grasp = "grasp {1}" below it'),
+    "scene": (dict, "a table that begins with [scene]"),
+}
+
+
+def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Problem]:
+    """Yield the unknown keys and the wrong types of a domain.toml."""
+    path = settings.path
+    for key, value in table.items():
+        if key not in KEYS:
+            hint = suggestion(key, KEYS, f"known are {', '.join(KEYS)}")
+            yield Problem(path, settings.line_of(key), f"unknown key {key}; {hint}")
+        elif not isinstance(value, TYPES[key][0]):
+            yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
+        elif key == "scene" and not value:
+            yield Problem(path, settings.line_of(key), "[scene] is empty; give it [scene.shapes], or leave it out")
+    for key, value in _entries(table, "weights"):
+        if weight_of(value) is None:
+            yield Problem(
+                path,
+                settings.line_of("weights", key),
+                f"the weight of {key} is {_shown(value)}; make it a number from 0 to 1e{MAX_EXPONENT}",
+            )
+    for key, value in _entries(table, "language"):
+        if not isinstance(value, str):
+            yield Problem(
+                path,
+                settings.line_of("language", key),
+                f"{key} is {_shown(value)}; make it a sentence in quotes",
+            )
+
+
+def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
+    """Yield the weights, the sentences and the parts of the scene that do not fit what the logic declares."""
+    yield from _weight_problems(settings, facts)
+    yield from _language_problems(settings, facts)
+    if settings.scene:
+        yield from _scene_problems(settings, facts)
+
+
+def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
+    found = table.get(name, {})
+    if isinstance(found, Mapping):
+        yield from found.items()
+
+
+def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
+    actions = {action.name for action in facts.actions}
+    entities = set(map(str, facts.entities))
+    known = Counter([*actions, *entities, *facts.parents, *(str(each) for each in facts.actions if each.arguments)])
+    for key in settings.weights:
+        parts = key.split(">")
+        for part in parts:
+            if len(parts) > 1 and part not in actions:
+                hint = suggestion(part, actions, f"actions are {', '.join(sorted(actions))}")
+                text = f"weight of {key}: there is no action {part or '(empty)'}; {hint}"
+                yield _problem(settings, "weights", key, text)
+            elif part not in known:
+                hint = suggestion(part, known, "give the name of an action, a class or an entity")
+                text = f"weight of {part}: no action, class or entity has that name; {hint}"
+                yield _problem(settings, "weights", key, text)
+            elif len(parts) == 1 and known[part] > 1:
+                text = f"weight of {part}: more than one of action, class and entity has that name"
+                yield _problem(settings, "weights", key, f"{text}; rename one in domain.lp")
+        if len(parts) > 2:
+            text = f"weight of {key}: more than two actions; write pairs such as grasp>move"
+            yield _problem(settings, "weights", key, text)
+
+
+def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
+    arities: dict[str, int] = {}
+    for term in (*facts.fluents, *facts.actions):
+        arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
+    for name, sentence in settings.language.items():
+        if name not in arities:
+            hint = suggestion(name, arities, "give the name of an action or a fluent")
+            text = f"sentence of {name}: no action or fluent has that name; {hint}"
+            yield _problem(settings, "language", name, text)
+        elif not _is_template(sentence, arities[name]):
+            places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
+            text = f"sentence of {name} has braces that name no argument; use {places}"
+            yield _problem(settings, "language", name, text)
+
+
+def _problem(settings: Settings, table: str, key: str, text: str) -> Problem:
+    return Problem(settings.path, settings.line_of(table, key), text)
+
+
+def _is_template(sentence: str, arity: int) -> bool:
+    """Return whether each pair of braces holds the index of an argument."""
+    try:
+        fields = [name for _, name, _, _ in Formatter().parse(sentence) if name is not None]
+    except ValueError:
+        return False
+    return all(name.isdecimal() and int(name) < arity for name in fields)
+
+
+def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
+    """Yield the problems of the scene; one of a table follows from one within it."""
+    entities = {str(entity): name for entity, name in facts.entities.items()}
+    fluents = [Atom(fluent.name, tuple(map(str, fluent.arguments))) for fluent in facts.fluents]
+    reported: set[str] = set()
+    for key, text in scene_problems(settings.scene, facts.parents, entities, fluents, folder=settings.path.parent):
+        if not any(f"{each}.".startswith(f"{key}.") for each in reported):
+            reported.add(key)
+            yield Problem(
+                settings.path,
+                settings.line_of(*key.split(".")),
+                f"{key}: {text}{'' if ';' in text else f'; set {key}'}",
+            )
+
+
+def _shown(value: object) -> str:
+    """Return a value of a TOML file as it is spelled there, shortened."""
+    text = {True: "true", False: "false"}[value] if isinstance(value, bool) else str(value)
+    text = f'"{text}"' if isinstance(value, str) else text
+    return text if len(text) <= 40 else f"{text[:40]}..."

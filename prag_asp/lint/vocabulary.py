@@ -1,0 +1,145 @@
+"""Predicates and names that are misspelt, for clingo says nothing about them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from clingo.ast import ASTType
+
+from prag_asp.program.problem import Problem, Signature, nearest, spelled, suggestion
+from prag_asp.program.sources import HIERARCHY
+from prag_asp.program.syntax import Atom, Statement, names, plain_atom
+
+BY_LIBRARY = {("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2), ("introduces_late", 2), ("successor", 2)}
+"""What the encodings in ``rules`` and ``conditions`` derive, which join the program where they are asked for."""
+
+SHOWN = (ASTType.ShowSignature, ASTType.Defined)
+
+
+def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the heads that nothing reads, the atoms that nothing defines, and the names that nothing has."""
+    contract = contract_signatures(statements)
+    unread = _unread_heads(statements, contract)
+    undefined = _undefined_atoms(statements, contract)
+    known = {name for name, _ in contract} | {name for name, _ in undefined}
+    for signature, (statement, atom) in unread.items():
+        near = nearest(signature[0], known)
+        for missing in [each for each in undefined if each[0] == near]:
+            del undefined[missing]
+        others = sorted(arity for name, arity in contract if name == signature[0])
+        yield statement.problem(f"{_unread(signature, near, others)}", atom.line)
+    yield from _undefined_problems(statements, contract, undefined)
+    yield from _nameless_problems(statements)
+    yield from _taken_problems(statements)
+
+
+def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
+    """Return the predicates that a domain may state: those of the contract, and what the encodings define."""
+    signatures: set[Signature] = set()
+    for statement in statements:
+        if not statement.own:
+            signatures |= {atom.signature for atom in statement.heads}
+            if statement.kind == ASTType.Defined:
+                signatures.add((statement.node.name, statement.node.arity))
+    return signatures
+
+
+def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the own heads of predicates that only the library may derive."""
+    taken = dict.fromkeys(BY_LIBRARY, "conditions and tasks")
+    for each in statements:
+        if not each.own and each.path.name == HIERARCHY:
+            taken |= dict.fromkeys((atom.signature for atom in each.heads), "the hierarchy of actions")
+    for statement in statements:
+        for atom in statement.heads if statement.own else ():
+            if atom.signature in taken:
+                text = f"{spelled(atom.signature)} belongs to {taken[atom.signature]}; choose another name"
+                yield statement.problem(text, atom.line)
+
+
+def _unread_heads(statements: Iterable[Statement], contract: set[Signature]) -> dict[Signature, tuple[Statement, Atom]]:
+    """Return the own heads outside of the contract that no body reads, where they first stand."""
+    found: dict[Signature, tuple[Statement, Atom]] = {}
+    for statement in statements:
+        if statement.own:
+            for atom in statement.heads:
+                if atom.signature not in contract:
+                    found.setdefault(atom.signature, (statement, atom))
+    for statement in sorted(statements, key=lambda each: not each.own):
+        if not found:
+            break
+        for atom in statement.body:
+            found.pop(atom.signature, None)
+        if statement.own and statement.kind in SHOWN:
+            found.pop((statement.node.name, statement.node.arity), None)
+    return found
+
+
+def _unread(signature: Signature, near: str | None, others: Sequence[int]) -> str:
+    if others:
+        counts = " or ".join(map(str, others))
+        return f"unknown predicate {spelled(signature)}; {signature[0]} takes {counts} arguments"
+    if near:
+        return f"unknown predicate {spelled(signature)}; did you mean {near}?"
+    return f"unknown predicate {spelled(signature)}; read it in the body of a rule, or remove it"
+
+
+def _undefined_atoms(
+    statements: Iterable[Statement], contract: set[Signature]
+) -> dict[Signature, tuple[Statement, Atom]]:
+    """Return the atoms of own bodies that are in no head and not in the contract, where they first stand."""
+    defined = set(contract)
+    for statement in statements:
+        defined |= {atom.signature for atom in statement.heads}
+        if statement.own and statement.kind == ASTType.Defined:
+            defined.add((statement.node.name, statement.node.arity))
+    found: dict[Signature, tuple[Statement, Atom]] = {}
+    for statement in statements:
+        if statement.own:
+            for atom in statement.body:
+                if atom.signature not in defined:
+                    found.setdefault(atom.signature, (statement, atom))
+    return found
+
+
+def _undefined_problems(
+    statements: Iterable[Statement],
+    contract: set[Signature],
+    undefined: Mapping[Signature, tuple[Statement, Atom]],
+) -> Iterator[Problem]:
+    defined = contract | {atom.signature for statement in statements for atom in statement.heads}
+    for signature, (statement, atom) in undefined.items():
+        name = signature[0]
+        others = " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
+        near = nearest(name, {other for other, _ in defined})
+        if others:
+            hint = f"{name} takes {others} arguments"
+        else:
+            hint = f"did you mean {near}?" if near else "define it in a fact or a rule, or remove it"
+        yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line)
+
+
+def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the names in own bodies that no head can ever make, so that the atom never holds."""
+    made = _made_names(statements)
+    seen: set[str] = set()
+    for statement in statements:
+        if statement.own and statement.is_rule:
+            for atom in statement.body:
+                for name in sorted(names(atom.arguments) - made - seen - set(statement.parameters)):
+                    seen.add(name)
+                    hint = suggestion(name, made, "declare it, or remove the rule")
+                    yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", atom.line)
+
+
+def _made_names(statements: Iterable[Statement]) -> set[str]:
+    """Return every name that a ground atom can hold: stated by a head, or computed in a body."""
+    made: set[str] = set()
+    for statement in statements:
+        if statement.kind == ASTType.Definition:
+            made |= names([statement.node.name, str(statement.node.value)])
+        for atom in statement.heads:
+            made |= names(atom.arguments)
+        if statement.own:
+            made |= names(text for node, text in statement.literals if plain_atom(node, text) is None)
+    return made

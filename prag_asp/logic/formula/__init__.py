@@ -1,0 +1,1 @@
+"""The unrolled program as clauses, and what solves and counts them."""

@@ -1,0 +1,67 @@
+"""A program whose constraints tell that they are broken, and by which line, in place of forbidding it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import clingo
+from clingo.ast import AST, ASTType, parse_string
+
+from prag_asp.program.sources import Program, Source
+
+BROKEN = "__broken"
+TIMES = {"base": "0", "step": "t", "check": "t+1"}
+"""When a constraint of a part is broken: the start, a step, or what comes after the last step."""
+
+
+@dataclass(frozen=True)
+class TrackedProgram:
+    """A program without constraints; ``__broken(L,T)`` says that the one of line L is broken at time T.
+
+    `rules` has the file and the line of each such L, and the text that stands there.
+    """
+
+    program: Program
+    rules: Mapping[int, tuple[Path, int, str]]
+
+
+def tracked(program: Program) -> TrackedProgram:
+    """Return a program with its constraints turned into rules that derive an atom."""
+    lines = program.text.splitlines()
+    statements: list[str] = []
+    rules: dict[int, tuple[Path, int, str]] = {}
+    part = "base"
+
+    def collect(statement: AST) -> None:
+        nonlocal part
+        if statement.ast_type == ASTType.Program:
+            part = statement.name
+        if not _is_constraint(statement) or part not in TIMES:
+            statements.append(str(statement))
+            return
+        begin, end = statement.location.begin.line, statement.location.end.line
+        rules[begin] = (*program.locate(begin), " ".join(line.strip() for line in lines[begin - 1 : end]))
+        body = "; ".join(map(str, statement.body))
+        statements.append(f"{BROKEN}({begin},{TIMES[part]}) :- {body or '#true'}.")
+
+    parse_string(program.text, collect)
+    return TrackedProgram(Program((Source(Path("tracked.lp"), "\n".join(statements)),)), rules)
+
+
+def broken_atoms(symbols: Mapping[clingo.Symbol, int]) -> dict[int, dict[int, int]]:
+    """Return by time, then by line, the literals of the atoms that say that a constraint is broken."""
+    found: dict[int, dict[int, int]] = {}
+    for symbol, literal in symbols.items():
+        if symbol.match(BROKEN, 2):
+            line, time = (argument.number for argument in symbol.arguments)
+            found.setdefault(time, {})[line] = literal
+    return found
+
+
+def _is_constraint(statement: AST) -> bool:
+    if statement.ast_type != ASTType.Rule or statement.head.ast_type != ASTType.Literal:
+        return False
+    atom = statement.head.atom
+    return bool(atom.ast_type == ASTType.BooleanConstant and not atom.value and not statement.head.sign)

@@ -1,0 +1,56 @@
+"""A SAT solver that hears Ctrl-C and leaves nothing behind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from types import TracebackType
+from typing import Any
+
+from prag_asp.logic.formula.clauses import Literal
+
+CONFLICTS = 2000
+"""Conflicts between two looks at the signals: some milliseconds."""
+
+
+class Solver:
+    """A solver of clauses under assumptions (Glucose 4.1 by way of python-sat), which keeps what it learns."""
+
+    def __init__(self, variables: int, clauses: Iterable[Sequence[Literal]]) -> None:
+        from pysat.solvers import Glucose4  # noqa: PLC0415
+
+        self._solver: Any = Glucose4()
+        self._solver.add_clause([-variables, variables])  # a model has all variables, also those of no clause
+        for clause in clauses:
+            self._solver.add_clause(clause)
+
+    def __enter__(self) -> Solver:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the memory of the solver, which then answers nothing any more."""
+        self._solver.delete()
+
+    def add(self, clause: Sequence[Literal]) -> None:
+        """Add a clause for all questions to come."""
+        self._solver.add_clause(clause)
+
+    def satisfiable(self, assumptions: Sequence[Literal] = ()) -> bool:
+        """Return whether some model satisfies the literals."""
+        while True:
+            self._solver.conf_budget(CONFLICTS)
+            # With this flag, python-sat leaves the handling of signals to Python, which does it between two calls.
+            answer = self._solver.solve_limited(assumptions=list(assumptions), expect_interrupt=True)
+            if answer is not None:
+                return bool(answer)
+
+    def model(self) -> list[Literal]:
+        """Return the model found last: the literal of variable v is at place v - 1."""
+        found: list[Literal] = self._solver.get_model()
+        return found
+
+    def core(self) -> list[Literal]:
+        """Return literals assumed last that no model satisfies together; not always a smallest set of them."""
+        return list(self._solver.get_core() or ())

@@ -1,0 +1,1 @@
+"""Ground programs: one step of a domain, or all of them."""

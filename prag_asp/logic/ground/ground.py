@@ -1,0 +1,289 @@
+"""One step of a domain as ground rules, exactly as clingo made them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import clingo
+
+from prag_asp.logic.ground.growth import locate_head
+from prag_asp.logic.ground.stationary import StepReads
+from prag_asp.logic.syntax import Signature
+from prag_asp.program.facts import Facts
+from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.sources import Program
+
+STEP = 1_000_000_000
+"""The number of the step that is grounded: one that no domain uses for anything else."""
+
+FEW_STEPS, MOST_ATOMS = 30, 1_000_000
+"""Where a predicate that carries something along is held to go on without end: after so many steps, or atoms."""
+CONTRACT = {("holds", 3), ("occurs", 2)}
+
+NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
+OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A ground rule: some head follows where the weights of the true literals of the body reach `bound`.
+
+    Literals are atoms, negative where negated. Without `weights`, all literals of the body have to be true.
+    """
+
+    heads: tuple[int, ...]
+    body: tuple[int, ...]
+    choice: bool = False
+    bound: int = 0
+    weights: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class GroundStep:
+    """The ground rules of one step in any state, by program part.
+
+    `names` holds the symbol of every named atom; `before`, `now` and `ending` the atoms of step t-1 and of step t by
+    their symbol without its time. `initial` are the timed symbols that hold at the start, without their time;
+    `obstacles` says why the step is not a function of the state and the action, where it is not.
+    """
+
+    rules: Mapping[str, tuple[Rule, ...]]
+    names: Mapping[int, clingo.Symbol]
+    before: Mapping[clingo.Symbol, int]
+    now: Mapping[clingo.Symbol, int]
+    initial: frozenset[clingo.Symbol]
+    consistent: bool
+    obstacles: tuple[str, ...]
+
+
+def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
+    """Ground one step of a program for every state that it may start from.
+
+    Which atoms step t-1 may have is not known beforehand: the step is grounded again until it makes no new ones. Where
+    it makes new ones without end, such as a counter without a bound, the result has an obstacle that says so.
+
+    Raises:
+        DomainError: clingo cannot ground the program.
+    """
+    seeds = _seeds(facts, reads)
+    started = _start(program)
+    if _initial(started[0], reads) <= seeds:
+        ground = _ground_once(started, program, seeds, facts, reads)
+        if not _unforeseen(ground, seeds, reads):  # nothing but the state is carried along
+            return ground
+    endless = _add_carried(seeds, program, reads)
+    for _ in range(_most_steps(program, reads)):
+        ground = _ground_once(_start(program), program, seeds, facts, reads)
+        new = _unforeseen(ground, seeds, reads)
+        if not new or endless:
+            break
+        seeds |= new
+    else:
+        endless = _signature(min(new))
+    if not endless:
+        return ground
+    where = locate_head(program, endless)
+    told = (
+        f"{where}: {endless[0]}/{endless[1]} takes new values at every step without end; add a condition that ends it"
+    )
+    return replace(ground, obstacles=(*ground.obstacles, told))
+
+
+def _unforeseen(ground: GroundStep, seeds: set[clingo.Symbol], reads: StepReads) -> set[clingo.Symbol]:
+    """Return what the start or a step makes that the next step reads, but that was not left open before it."""
+    made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
+    return (made | ground.initial) - seeds
+
+
+def _most_steps(program: Program, reads: StepReads) -> int:
+    """Return after how many steps a predicate that still takes new values is held to take them without end.
+
+    A counter that is bounded ends at a number that the program names, or not far beyond.
+    """
+    if reads.growing & reads.previous:
+        return FEW_STEPS
+    numbers = (int(digits) for digits in re.findall(r"(?<!\d)\d{1,4}(?!\d)", program.text))
+    return FEW_STEPS + 2 * max(numbers, default=0)
+
+
+def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) -> Signature | None:
+    """Add to `seeds` what steps may carry along; return a predicate that does not come to an end.
+
+    Steps are ground one after another, and looked at after 1, 2, 4, ... of them.
+    """
+    carried = sorted(reads.previous - CONTRACT)
+    if not carried:
+        return None
+    grounder = Grounder(program)
+    grounder.ground([("base", [])])
+    atoms = grounder.control.symbolic_atoms
+    _declare(grounder, seeds | _initial(grounder, reads), [])
+    most, steps = _most_steps(program, reads), 0
+    while True:
+        more = max(steps, 1)
+        grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
+        steps += more
+        last = clingo.Number(STEP + steps - 1)
+        found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
+        seeds |= {timeless(symbol) for symbol in found if symbol.arguments[-1] != last}
+        new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds
+        if not new:
+            return None
+        seeds |= new
+        if steps > most or len(atoms) > MOST_ATOMS:
+            return _signature(min(new))
+
+
+def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
+    """Return a timed atom without its last argument."""
+    return clingo.Function(symbol.name, symbol.arguments[:-1])
+
+
+def _signature(symbol: clingo.Symbol) -> Signature:
+    return symbol.name, len(symbol.arguments) + 1
+
+
+def _seeds(facts: Facts, reads: StepReads) -> set[clingo.Symbol]:
+    seeds: set[clingo.Symbol] = set()
+    if ("holds", 3) in reads.previous:
+        seeds |= {clingo.Function("holds", [fluent, value]) for fluent in facts.fluents for value in OPEN_VALUES}
+    if ("occurs", 2) in reads.previous:
+        seeds |= {clingo.Function("occurs", [action]) for action in facts.actions}
+    return seeds
+
+
+class _Recorder(clingo.Observer):
+    """Keeps the rules that clingo grounds, by the part under way."""
+
+    def __init__(self) -> None:
+        self.part = "base"
+        self.rules: dict[str, list[Rule]] = {}
+        self.obstacles: list[str] = []
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        if body or choice or not head or self.part != "base":
+            self.rules.setdefault(self.part, []).append(Rule(tuple(head), tuple(body), choice))
+
+    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]) -> None:
+        literals, weights = tuple(each[0] for each in body), tuple(each[1] for each in body)
+        found = Rule(tuple(head), literals, choice, lower_bound, weights)
+        self.rules.setdefault(self.part, []).append(found)
+
+    def theory_atom(self, *_: object) -> None:
+        self.obstacles.append("the program uses a theory")
+
+
+def _ground_once(
+    started: tuple[Grounder, _Recorder], program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads
+) -> GroundStep:
+    grounder, recorder = started
+    # What `not p(_,t)` reads is defined by rules that clingo makes as soon as the atoms p(X,t) are there.
+    recorder.part = "step"
+    # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
+    told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
+    _declare(grounder, seeds, told)
+    _ground_parts(grounder, recorder, ("step", "hindsight"))
+    if grounder.control.is_conflicting:
+        return _ground_start(program, told, reads)
+    recorder.part = "step"
+    _open_start(grounder, reads)
+    _ground_parts(grounder, recorder, ("check", "ending"))
+    return _recorded(grounder, recorder, reads)
+
+
+def _ground_start(program: Program, told: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
+    """Ground what judges a plan without a step, where no state allows one: clingo grounds nothing after a conflict."""
+    grounder, recorder = _start(program)
+    recorder.part = "step"
+    _declare(grounder, (), told)
+    _open_start(grounder, reads)
+    _ground_parts(grounder, recorder, ("check", "ending"))
+    return _recorded(grounder, recorder, reads)
+
+
+def _ground_parts(grounder: Grounder, recorder: _Recorder, parts: Iterable[str]) -> None:
+    for part in parts:
+        recorder.part = part
+        grounder.ground([(part, [NOW])])
+
+
+def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
+    """Return the atoms of the start, without their time."""
+    atoms = grounder.control.symbolic_atoms
+    found = (atom.symbol for signature in reads.timed | reads.previous for atom in atoms.by_signature(*signature))
+    return {timeless(symbol) for symbol in found if symbol.arguments[-1] == START}
+
+
+def _open_start(grounder: Grounder, reads: StepReads) -> None:
+    """Leave open which atoms that only the start has are there: the check of a plan without a step reads them."""
+    atoms = grounder.control.symbolic_atoms
+    missing = [at_now for at_now in sorted(map(_now, _initial(grounder, reads))) if atoms[at_now] is None]
+    grounder.control.add("start", [], "\n".join(f"#external {atom}." for atom in missing))
+    grounder.ground([("start", [])])
+
+
+def _now(symbol: clingo.Symbol) -> clingo.Symbol:
+    return clingo.Function(symbol.name, [*symbol.arguments, NOW])
+
+
+def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:
+    """Leave open what step t-1 may have, and the atoms `told`."""
+    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told]
+    grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
+    grounder.ground([("before", [])])
+
+
+def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
+    """Ground all steps of plans of a length; `names` then has the atoms of every step.
+
+    Raises:
+        DomainError: clingo cannot ground the program.
+    """
+    grounder, recorder = _start(program)
+    recorder.part = "step"
+    grounder.ground(unrolled(length))
+    return _recorded(grounder, recorder, reads)
+
+
+def unrolled(length: int) -> list[Part]:
+    """Return the program parts of plans of a length, after the base."""
+    steps: list[Part] = [("step", [clingo.Number(k)]) for k in range(1, length + 1)]
+    return [*steps, ("check", [clingo.Number(length)])]
+
+
+def _start(program: Program) -> tuple[Grounder, _Recorder]:
+    grounder, recorder = Grounder(program), _Recorder()
+    grounder.control.register_observer(recorder)
+    grounder.ground([("base", [])])
+    return grounder, recorder
+
+
+def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> GroundStep:
+    obstacles = [*reads.obstacles, *recorder.obstacles]
+    names: dict[int, clingo.Symbol] = {}
+    before: dict[clingo.Symbol, int] = {}
+    now: dict[clingo.Symbol, int] = {}
+    initial: set[clingo.Symbol] = set()
+    atoms = grounder.control.symbolic_atoms
+    signatures = sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)})
+    for atom in (atom for signature in signatures for atom in atoms.by_signature(*signature)):
+        symbol = atom.symbol
+        *arguments, time = symbol.arguments
+        if time == START:
+            initial.add(clingo.Function(symbol.name, arguments))
+            if not atom.is_fact:
+                obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
+            continue
+        names[atom.literal] = symbol
+        if time in (NOW, BEFORE):
+            (now if time == NOW else before)[clingo.Function(symbol.name, arguments)] = atom.literal
+    if any(rule.heads for rule in recorder.rules.get("base", [])):
+        obstacles.append("the base part makes a choice")
+    return GroundStep(
+        {part: tuple(rules) for part, rules in recorder.rules.items()},
+        names, before, now, frozenset(initial),
+        consistent=not any(not rule.heads for rule in recorder.rules.get("base", [])),
+        obstacles=tuple(dict.fromkeys(obstacles)),
+    )  # fmt: skip

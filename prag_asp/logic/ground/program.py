@@ -1,0 +1,60 @@
+"""The whole logic program of a domain: its files, and the facts that the library adds to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import clingo
+
+from prag_asp.domain.load import Domain
+from prag_asp.program.facts import Facts
+from prag_asp.program.sources import Program, Source, read_sources
+
+ADDED = Path("<added by the library>")
+
+
+def whole_program(domain: Domain) -> Program:
+    """Return the program of a domain with `name` and `mentions` for every action."""
+    return with_facts(domain.program, _naming_facts(domain.facts))
+
+
+def canonical_program(domain: Domain, groups: Iterable[tuple[clingo.Symbol, ...]]) -> Program:
+    """Return the program whose plans introduce the entities of each group in the group's order.
+
+    With groups of interchangeable entities, it has one plan for each task.
+    """
+    rules = read_sources(domain.encodings / "rules" / "canonical_names.lp", domain.encodings)
+    known = {source.path.resolve() for source in domain.program.sources}
+    program = Program((*domain.program.sources, *(rule for rule in rules if rule.path.resolve() not in known)))
+    pairs = [f"successor({d},{e})." for group in groups for d, e in pairwise(group)]
+    return with_facts(program, [*_naming_facts(domain.facts), *pairs])
+
+
+def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
+    """Yield the entities that a term names, from the left, as often as it names them."""
+    if action in entities:
+        yield action
+    elif action.type == clingo.SymbolType.Function:
+        for argument in action.arguments:
+            yield from mentioned_entities(argument, entities)
+
+
+def action_name(action: clingo.Symbol) -> str:
+    """Return the name of an action: its functor, or the whole term where it has none."""
+    return action.name if action.type == clingo.SymbolType.Function and action.name else str(action)
+
+
+def _naming_facts(facts: Facts) -> list[str]:
+    added = []
+    for action in facts.actions:
+        added.append(f"name({action},{action_name(action)}).")
+        for position, entity in enumerate(mentioned_entities(action, facts.entities), 1):
+            added.append(f"mentions({action},{position},{entity}).")
+    return added
+
+
+def with_facts(program: Program, facts: Sequence[str]) -> Program:
+    """Return a program with more facts, each a text that ends in a period."""
+    return Program((*program.sources, Source(ADDED, " ".join(facts))))

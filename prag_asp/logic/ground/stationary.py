@@ -1,0 +1,177 @@
+"""Whether a step program is the same function at every step, told from its syntax.
+
+The one-step program stands for all steps only if no rule looks at the number of a step, or at a step other than the
+one before. That cannot be seen in the ground program of a single step, so it is read off the rules themselves.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import clingo
+from clingo.ast import AST, ASTType, parse_string
+
+from prag_asp.logic.ground.growth import growing_heads
+from prag_asp.logic.syntax import BEFORE, NOW, Signature, children_of
+from prag_asp.program.sources import Program
+from prag_asp.program.syntax import STRING, Atom, atoms, head_atoms, plain_atom
+
+START = "0"
+PARTS = ("base", "step", "check")
+NUMBER = clingo.Function("t", [])
+"""The number of the step."""
+
+SPELLED_NUMBER = re.compile(r"(?<![\w'])t(?![\w'(])")
+
+
+@dataclass(frozen=True)
+class StepReads:
+    """What the rules of a step read of the step before, and why they are no function of it, if they are none.
+
+    `timed` are the predicates that carry a time; `growing` those of them that may take new values without end.
+    """
+
+    timed: frozenset[Signature]
+    previous: frozenset[Signature]
+    obstacles: tuple[str, ...]
+    growing: frozenset[Signature]
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """A rule, and what is read off it.
+
+    Texts are looked at wherever they tell enough: clingo is slow to hand out the nodes of its syntax trees.
+    """
+
+    node: AST
+
+    @cached_property
+    def text(self) -> str:
+        return str(self.node)
+
+    @cached_property
+    def _head(self) -> tuple[list[Atom], list[Atom]]:
+        return head_atoms(self.node.head)
+
+    @property
+    def heads(self) -> list[Atom]:
+        """The atoms that the rule derives."""
+        return self._head[0]
+
+    @cached_property
+    def literals(self) -> tuple[tuple[AST, str], ...]:
+        """The literals of the body, each with its text."""
+        return tuple((literal, str(literal)) for literal in self.node.body)
+
+    def atoms(self) -> Iterator[Atom]:
+        """Yield all atoms, those of conditions included."""
+        for found in self._head:
+            yield from found
+        for literal, text in self.literals:
+            yield from atoms(literal, text)
+
+    def reads_number(self) -> bool:
+        """Return whether the number of the step stands anywhere but as the time of an atom."""
+        if not SPELLED_NUMBER.search(self.text):
+            return False
+        head = self.node.head
+        return any(_reads_number(node, text) for node, text in ((head, str(head)), *self.literals))
+
+
+def read_step(program: Program) -> StepReads:
+    """Return what the parts ``step(t)`` and ``check(t)`` of a program read of step t-1."""
+    rules: dict[str, list[_Rule]] = {name: [] for name in PARTS}
+    part = rules["base"]
+
+    def collect(statement: AST) -> None:
+        nonlocal part
+        kind = statement.ast_type
+        if kind == ASTType.Program:
+            part = rules.setdefault(statement.name, [])
+        elif kind == ASTType.Rule:
+            part.append(_Rule(statement))
+
+    parse_string(program.text, collect)
+    timed = {("occurs", 2), ("holds", 3)}
+    for rule in rules["step"]:
+        timed |= {atom.signature for atom in rule.heads if _time_of(atom) == NOW}
+    rules["base"] = [rule for rule in rules["base"] if _may_carry_time(rule, timed)]
+    previous: set[Signature] = set()
+    obstacles = []
+    for name in PARTS:
+        for rule in rules[name]:
+            obstacle = _obstacle(rule, name, timed, previous)
+            if obstacle:
+                path, line = program.locate(rule.node.location.begin.line)
+                obstacles.append(f"{path}:{line}: {obstacle}")
+    growing = {head for rule in rules["step"] for head in growing_heads(rule.node, timed)}
+    return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing))
+
+
+def _may_carry_time(rule: _Rule, timed: Collection[Signature]) -> bool:
+    """Return whether the text of a rule has the name of a predicate that carries a time, or the step before."""
+    return BEFORE in rule.text or any(name in rule.text for name, _ in timed)
+
+
+def _obstacle(rule: _Rule, part: str, timed: Collection[Signature], previous: set[Signature]) -> str | None:
+    """Return why a rule is not the same at every step, if it is not; add what it reads of the step before."""
+    for atom in rule.atoms():
+        obstacle = _read_elsewhere(atom, timed) if part == "base" else _misread(atom, part, timed)
+        if obstacle:
+            return f"{atom.name}/{len(atom.arguments)} {obstacle}"
+        if _time_of(atom) == BEFORE:
+            previous.add(atom.signature)
+    if part == "step" and any(_time_of(atom) != NOW for atom in rule.heads):
+        return "a head in step(t) does not carry the time t"
+    if part != "base" and rule.reads_number():
+        return "the rule reads the number of the step; carry a counter along instead"
+    return None
+
+
+def _read_elsewhere(atom: Atom, timed: Collection[Signature]) -> str | None:
+    if atom.signature in timed and _time_of(atom) != START:
+        return "is read outside of the parts step(t) and check(t)"
+    return None
+
+
+def _misread(atom: Atom, part: str, timed: Collection[Signature]) -> str | None:
+    time = _time_of(atom)
+    if atom.name.startswith("-") and (time in (NOW, BEFORE) or atom.signature in timed):
+        return "is strongly negated; carry a predicate of another name along instead"
+    if time == BEFORE and part == "check":
+        return "is read at step t-1 by the check after the last step"
+    if atom.signature in timed and time not in (NOW, BEFORE, START):
+        return "is read at a step other than t and t-1"
+    return None
+
+
+def _time_of(atom: Atom) -> str:
+    return atom.arguments[-1] if atom.arguments else ""
+
+
+def _reads_number(node: AST, text: str) -> bool:
+    """Return whether the number of the step stands in a literal anywhere but as the time of an atom."""
+    if not SPELLED_NUMBER.search(text):
+        return False
+    plain = plain_atom(node, text)
+    return _depends_on_number(plain) if plain else _has_number(node)
+
+
+def _has_number(node: AST) -> bool:
+    """Return the same of any node of a syntax tree."""
+    kind = node.ast_type
+    if kind == ASTType.SymbolicTerm:
+        return bool(node.symbol == NUMBER)
+    if kind == ASTType.SymbolicAtom:
+        return any(map(_depends_on_number, atoms(node, str(node))))
+    return any(map(_has_number, children_of(node)))
+
+
+def _depends_on_number(atom: Atom) -> bool:
+    """Return whether an argument of an atom other than its time has the number of the step."""
+    others = atom.arguments[:-1] if _time_of(atom) in (NOW, BEFORE) else atom.arguments
+    return any(SPELLED_NUMBER.search(STRING.sub("", argument)) for argument in others)

@@ -1,0 +1,180 @@
+"""What is known of the states that plans pass, with hindsight: many plans at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.ground.ground import timeless, unrolled
+from prag_asp.logic.step.normal import Body, NormalStep
+from prag_asp.logic.step.strata import Column, Stratum, evaluate, stratify
+from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.sources import Program
+
+Plan = tuple[clingo.Symbol, ...]
+
+Told = NDArray[np.int8]
+"""What is known of states: 1 true, 0 false, -1 unknown; one row for each fluent."""
+
+Truth = NDArray[np.bool_]
+"""The truth of atoms, one a row, in several plans, one a column."""
+
+TRUE, FALSE, UNKNOWN = 1, 0, -1
+
+
+@dataclass(frozen=True)
+class Hindsight:
+    """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
+
+    A *state* is what a step reads of the step before, shape (variables, plans); *seen* is what hindsight reads of a
+    step, shape (atoms, plans); *told* is the truth of each ``state(F, V, t)``, shape (atoms, plans). All are boolean.
+    `fluents` are numbered in their order.
+    """
+
+    step: NormalStep
+    fluents: tuple[clingo.Symbol, ...]
+
+    @cached_property
+    def _forward(self) -> list[Stratum]:
+        return stratify(self.step.ground.now.values(), self.step.bodies)
+
+    @cached_property
+    def _carried(self) -> Mapping[int, int]:
+        """For each variable, an atom of step t-1, its counterpart of step t; 0 where there is none."""
+        ground = self.step.ground
+        carried = {ground.before[symbol]: atom for symbol, atom in ground.now.items() if symbol in ground.before}
+        return {**{ground.before[symbol]: 0 for symbol in ground.initial if symbol in ground.before}, **carried}
+
+    @cached_property
+    def _rows(self) -> list[tuple[int, int, int, int]]:
+        """For each ``state(F, V, t)``: its atom, that of step t-1 (or 0), the row of F, and the number for V."""
+        rows = {fluent: row for row, fluent in enumerate(self.fluents)}
+        before = self.step.ground.before
+        states = ((symbol, atom) for symbol, atom in self.step.ground.now.items() if symbol.name == "state")
+        return [
+            (atom, before.get(symbol, 0), rows[symbol.arguments[0]], _number(symbol.arguments[1]))
+            for symbol, atom in states
+            if symbol.arguments[0] in rows
+        ]
+
+    @cached_property
+    def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[Body, ...]], list[Stratum]]]:
+        """What tells of the last state and of a state before: the rules, and what of them is needed, in order."""
+        roots = {"ending": [atom for atom, *_ in self._rows], "hindsight": [before for _, before, *_ in self._rows]}
+        parts = {}
+        for part, needed in roots.items():
+            bodies = dict(self.step.final_bodies) if part == "ending" else {}
+            for rule in self.step.ground.rules.get(part, ()):
+                for head in rule.heads:
+                    bodies[head] = (*bodies.get(head, ()), Body(rule.body, rule.bound, rule.weights))
+            parts[part] = (bodies, stratify(needed, bodies))
+        return parts
+
+    def _read(self, part: str) -> list[int]:
+        """Return the atoms that a part reads and does not define, without those that are told."""
+        bodies, strata = self._parts[part]
+        defined = {atom for stratum in strata for atom in stratum.atoms}
+        literals = {abs(each) for atom in defined for body in bodies[atom] for each in body.literals}
+        return sorted(literals - defined - {atom for atom, *_ in self._rows})
+
+    @cached_property
+    def _seen(self) -> list[int]:
+        return sorted({*self._read("ending"), *self._read("hindsight")})
+
+    @cached_property
+    def last_read(self) -> tuple[clingo.Symbol, ...]:
+        """The timed atoms, without their time, that what is told of the last state depends on."""
+        names = self.step.ground.names
+        return tuple(timeless(names[atom]) for atom in self._read("ending"))
+
+    @cached_property
+    def start(self) -> tuple[Truth, Truth]:
+        """The initial state and, for a plan without actions, what is seen of it; one column each."""
+        ground = self.step.ground
+        holding = {ground.before[symbol] for symbol in ground.initial if symbol in ground.before}
+        now = {ground.now[symbol] for symbol in ground.initial if symbol in ground.now}
+        state = np.array([[atom in holding] for atom in self._carried], dtype=np.bool_).reshape(-1, 1)
+        return state, np.array([[atom in now] for atom in self._seen], dtype=np.bool_).reshape(-1, 1)
+
+    def follow(self, states: Truth, letters: NDArray[np.int64]) -> tuple[Truth, Truth]:
+        """Return the states after valid actions, given by number, and what is seen of these steps."""
+        size = len(letters)
+        columns = dict(zip(self._carried, states, strict=True))
+        columns.update((atom, letters == number) for number, atom in enumerate(self.step.occurs.values()))
+        _evaluate(self._forward, self.step.bodies, columns, size)
+        return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
+
+    def tell_last(self, seen: Truth) -> Truth:
+        """Return what is told of the last state, from what is seen of the last step."""
+        return self._tell(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
+
+    def tell_before(self, seen: Truth, told: Truth) -> Truth:
+        """Return what is told of the states before steps, from what is seen of these and told of those after."""
+        columns = dict(zip(self._seen, seen, strict=True))
+        columns.update(zip((atom for atom, *_ in self._rows), told, strict=True))
+        return self._tell(columns, "hindsight", seen.shape[1])
+
+    def tell_ends(self, read: Truth) -> Told:
+        """Return what is told of last states of which the atoms `last_read` are known; shape (fluents, plans)."""
+        columns = dict(zip(self._read("ending"), read, strict=True))
+        return self.values(self._tell(columns, "ending", read.shape[1]))
+
+    def _tell(self, columns: dict[int, Column], part: str, size: int) -> Truth:
+        bodies, strata = self._parts[part]
+        _evaluate(strata, bodies, columns, size)
+        place = 0 if part == "ending" else 1
+        return _rows_of(columns, (row[place] for row in self._rows), size)
+
+    def values(self, told: Truth) -> Told:
+        """Return what is told as the values of fluents."""
+        found = np.full((len(self.fluents), told.shape[1]), UNKNOWN, dtype=np.int8)
+        for (_, _, row, value), column in zip(self._rows, told, strict=True):
+            found[row, column] = value
+        return found
+
+
+def _number(value: clingo.Symbol) -> int:
+    return TRUE if value.name == "true" else FALSE
+
+
+def _rows_of(columns: Mapping[int, Column], atoms: Iterable[int], size: int) -> Truth:
+    """Return the columns of atoms as rows; what nothing derives is false."""
+    false = np.zeros(size, dtype=np.bool_)
+    rows = [columns.get(atom, false) for atom in atoms]
+    return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
+
+
+def _evaluate(
+    strata: list[Stratum], bodies: Mapping[int, tuple[Body, ...]], columns: dict[int, Column], size: int
+) -> None:
+    false = np.zeros(size, dtype=np.bool_)
+    evaluate(strata, bodies.__getitem__, columns, lambda atom: columns.get(atom, false), size)
+
+
+def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> Told:
+    """Return what is known of the states of one plan by solving the unrolled program: slower, for any program.
+
+    Shape (fluents, length of the plan + 1).
+    """
+    length = len(plan)
+    grounder = Grounder(program, "1")
+    grounder.ground([("base", [])])
+    hindsight: list[Part] = [("hindsight", [clingo.Number(k)]) for k in range(1, length + 1)]
+    grounder.ground([*unrolled(length), ("ending", [clingo.Number(length)]), *hindsight])
+    atoms = grounder.control.symbolic_atoms
+    occurring = [atoms[clingo.Function("occurs", [a, clingo.Number(k)])] for k, a in enumerate(plan, 1)]
+    told = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
+    rows = {fluent: row for row, fluent in enumerate(fluents)}
+    with grounder.control.solve(assumptions=[a.literal for a in occurring if a], yield_=True) as handle:
+        model = handle.model()
+        assert model is not None, "the states of an invalid plan were asked for"
+        for symbol in model.symbols(atoms=True):
+            if symbol.match("state", 3) and symbol.arguments[0] in rows:
+                fluent, value, time = symbol.arguments
+                told[rows[fluent], time.number] = _number(value)
+    return told

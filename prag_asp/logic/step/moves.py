@@ -1,0 +1,116 @@
+"""What is left of the rules of a step once its action is known.
+
+The ground rules are evaluated once with no action; an action then evaluates again just the atoms that depend on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.packed import Rows, mask_of, words_for
+from prag_asp.logic.step.simplify import Constants, simplified
+from prag_asp.logic.step.step_rules import StepRules
+from prag_asp.logic.step.strata import Stratum
+
+
+@dataclass(frozen=True)
+class Move:
+    """One action: guards over the state, then rules, then constraints, then what of the state after it is set.
+
+    `touched` are the constraints that read the action. Of the packed state that no action leaves, the bits `keep`
+    stay, the bits `put` are set, and `changed` says which other places an atom decides; `labels` and `fixed_labels`
+    are the same for labels. `constants` are the atoms whose truth the action alone decides.
+    """
+
+    guards: tuple[Body, ...]
+    strata: tuple[Stratum, ...]
+    bodies: Mapping[int, tuple[Body, ...]]
+    constraints: tuple[Body, ...]
+    touched: frozenset[int]
+    constants: Mapping[int, bool]
+    impossible: bool
+    keep: Rows
+    put: Rows
+    changed: tuple[tuple[int, int], ...]
+    labels: tuple[tuple[int, int], ...]
+    fixed_labels: tuple[tuple[int, bool], ...]
+
+
+def compile_move(rules: StepRules, action: int) -> Move:
+    """Return what is left of the rules once the atom `action` is true and no other action is."""
+    affected = _affected(rules, action)
+    constants = {**rules.no_action, action: True}
+    bodies, strata = _left_of_rules(rules, action, affected, constants)
+    touched = {number for atom in (*affected, action) for number in rules.constraint_readers.get(atom, ())}
+    left = [simplified(rules.constraints[number], constants) for number in sorted(touched)]
+    residual = [body for body in left if isinstance(body, Body)]
+    guards = tuple(body for body in residual if not any(abs(literal) in affected for literal in body.literals))
+    later = tuple(body for body in residual if any(abs(literal) in affected for literal in body.literals))
+    known = {atom: constants[atom] for atom in (action, *affected) if atom in constants}
+    values = {place: value for atom, value in known.items() for place in rules.places.get(atom, ())}
+    changed = {place: atom for atom in affected if atom not in known for place in rules.places.get(atom, ())}
+    labels = [(place, atom) for atom in affected if atom not in known for place in rules.label_places.get(atom, ())]
+    words = words_for(len(rules.written))
+    wanted = {*changed.values(), *(atom for _, atom in labels)}
+    return Move(
+        guards,
+        _needed(strata, bodies, wanted | {abs(literal) for body in later for literal in body.literals}),
+        bodies,
+        later,
+        frozenset(touched),
+        known,
+        any(body is True for body in left),
+        keep=~mask_of([*values, *changed], words),
+        put=mask_of([place for place, value in values.items() if value], words),
+        changed=tuple(sorted(changed.items())),
+        labels=tuple(sorted(labels)),
+        fixed_labels=tuple(
+            (place, value) for atom, value in known.items() for place in rules.label_places.get(atom, ())
+        ),
+    )
+
+
+def _affected(rules: StepRules, action: int) -> set[int]:
+    affected: set[int] = set()
+    waiting = [action]
+    while waiting:
+        for reader in rules.readers.get(waiting.pop(), ()):
+            if reader not in affected:
+                affected.add(reader)
+                waiting.append(reader)
+    return affected
+
+
+def _left_of_rules(
+    rules: StepRules, action: int, affected: set[int], constants: Constants
+) -> tuple[dict[int, tuple[Body, ...]], list[Stratum]]:
+    """Return what is left of the bodies of the atoms affected, and these in order; learn what is constant."""
+    bodies: dict[int, tuple[Body, ...]] = {}
+    strata = []
+    for place in sorted({rules.order[atom] for atom in affected}):
+        stratum = rules.strata[place]
+        inside = set(stratum.atoms) if stratum.recursive else set()
+        for atom in stratum.atoms:
+            left = [simplified(body, constants) for body in rules.bodies_with(action, atom)]
+            if any(body is True for body in left):
+                constants[atom] = True
+            elif atom not in inside and all(body is False for body in left):
+                constants[atom] = False
+            bodies[atom] = tuple([body for body in left if isinstance(body, Body)])
+        open_atoms = tuple(atom for atom in stratum.atoms if atom not in constants)
+        if open_atoms:
+            strata.append(Stratum(open_atoms, stratum.recursive))
+    return bodies, strata
+
+
+def _needed(strata: Sequence[Stratum], bodies: Mapping[int, tuple[Body, ...]], roots: set[int]) -> tuple[Stratum, ...]:
+    """Return the strata that the atoms `roots` still depend on after simplification."""
+    needed = set(roots)
+    found = []
+    for stratum in reversed(strata):
+        if needed & set(stratum.atoms):
+            needed |= {abs(literal) for atom in stratum.atoms for body in bodies[atom] for literal in body.literals}
+            found.append(stratum)
+    return tuple(reversed(found))

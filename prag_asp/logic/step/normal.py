@@ -1,0 +1,162 @@
+"""A ground step in normal form: what defines each atom, and what no step may do.
+
+The choice of the action is not evaluated but given. A rule that allows an action therefore turns into a constraint:
+what occurs must be allowed, and what is derived to occur must occur.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.errors import EngineError
+from prag_asp.logic.ground.ground import GroundStep, Rule
+
+
+@dataclass(frozen=True)
+class Body:
+    """A conjunction of literals or, with `weights`, a sum of the weights of the true ones that reaches `bound`."""
+
+    literals: tuple[int, ...]
+    bound: int = 0
+    weights: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class NormalStep:
+    """A step whose only choice is the action.
+
+    `occurs` maps each action to its atom; `bodies` holds the bodies that derive an atom, `constraints` what must
+    not be true in a step. `final_bodies` and `final` are the same for the check after the last step.
+    """
+
+    ground: GroundStep
+    occurs: Mapping[clingo.Symbol, int]
+    bodies: Mapping[int, tuple[Body, ...]]
+    constraints: tuple[Body, ...]
+    final_bodies: Mapping[int, tuple[Body, ...]]
+    final: tuple[Body, ...]
+
+
+def normal_step(ground: GroundStep) -> NormalStep:
+    """Return the normal form of a ground step.
+
+    Raises:
+        EngineError: the step is not a function of the state and the action.
+    """
+    if ground.obstacles:
+        raise EngineError(ground.obstacles[0])
+    rules = (rule for part in ("step", "check") for rule in ground.rules.get(part, ()))
+    choosable = {atom for rule in rules if rule.choice for atom in rule.heads}
+    timed = (
+        (symbol, atom) for symbol, atom in ground.now.items() if (symbol.name, len(symbol.arguments)) == ("occurs", 1)
+    )
+    occurs = {symbol.arguments[0]: atom for symbol, atom in sorted(timed)}
+    others = choosable - set(occurs.values())
+    if others:
+        spelled = [_at_step(ground.names[atom]) for atom in others if atom in ground.names] or ["an unnamed atom"]
+        raise EngineError(f"a step chooses more than its action: {min(spelled)}")
+    allowed, bodies, constraints = _step_rules(ground, set(occurs.values()))
+    final_bodies: dict[int, list[Body]] = {}
+    final: list[Body] = []
+    for rule in ground.rules.get("check", ()):
+        for head in _single_head(rule):
+            final_bodies.setdefault(head, []).append(_body(rule))
+        if not rule.heads:
+            final.append(_body(rule))
+    _add_unnamed(ground, final_bodies, final)
+    return NormalStep(
+        ground, {action: atom for action, atom in occurs.items() if atom in allowed}, _frozen(bodies),
+        tuple(constraints), _frozen(final_bodies), tuple(final),
+    )  # fmt: skip
+
+
+def _step_rules(ground: GroundStep, actions: set[int]) -> tuple[set[int], dict[int, list[Body]], list[Body]]:
+    bodies: dict[int, list[Body]] = {}
+    constraints: list[Body] = []
+    support: dict[int, list[Body]] = {}
+    fresh = _fresh_atoms(ground)
+    for rule in ground.rules.get("step", ()):
+        body = _body(rule)
+        if not rule.heads:
+            constraints.append(body)
+        for head in _single_head(rule):
+            if head not in actions:
+                bodies.setdefault(head, []).append(body)
+                continue
+            support.setdefault(head, []).append(body)
+            if not rule.choice:
+                derived = next(fresh)
+                bodies[derived] = [body]
+                constraints.append(Body((derived, -head)))
+    for action, allowed in support.items():
+        if not any(not body.literals and body.bound <= 0 for body in allowed):
+            _refuse_circular(allowed, bodies, actions)
+            atom = next(fresh)
+            bodies[atom] = allowed
+            constraints.append(Body((action, -atom)))
+    return set(support), bodies, constraints
+
+
+def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[Body]], final: Iterable[Body]) -> None:
+    """Add to `final_bodies` what defines the unnamed atoms that the final check reads.
+
+    An atom with an unnamed argument, such as ``p(_,t)``, has one definition in the part that reads it first, and each
+    later part adds to the one before.
+    """
+    defined: dict[int, list[Body]] = {}
+    for part in ground.rules.values():
+        for rule in part:
+            for head in rule.heads:
+                if head not in ground.names:
+                    defined.setdefault(head, []).append(_body(rule))
+    waiting = [body for found in final_bodies.values() for body in found] + list(final)
+    while waiting:
+        for literal in waiting.pop().literals:
+            atom = abs(literal)
+            if atom not in final_bodies and atom in defined:
+                final_bodies[atom] = defined[atom]
+                waiting += defined[atom]
+
+
+def _at_step(symbol: clingo.Symbol) -> str:
+    """Return how an author writes an atom of the step that was grounded."""
+    return str(clingo.Function(symbol.name, [*symbol.arguments[:-1], clingo.Function("t")]))
+
+
+def _single_head(rule: Rule) -> tuple[int, ...]:
+    if len(rule.heads) > 1 and not rule.choice:
+        raise EngineError("a rule of a step has a disjunction as its head")
+    return rule.heads
+
+
+def _body(rule: Rule) -> Body:
+    return Body(rule.body, rule.bound, rule.weights)
+
+
+def _frozen(bodies: Mapping[int, list[Body]]) -> dict[int, tuple[Body, ...]]:
+    return {atom: tuple(found) for atom, found in bodies.items()}
+
+
+def _fresh_atoms(ground: GroundStep) -> Iterator[int]:
+    rules: Iterable[Rule] = (rule for part in ground.rules.values() for rule in part)
+    highest = max((abs(atom) for rule in rules for atom in (*rule.heads, *rule.body)), default=0)
+    highest = max([highest, *ground.names])
+    while True:
+        highest += 1
+        yield highest
+
+
+def _refuse_circular(allowed: Iterable[Body], bodies: Mapping[int, list[Body]], actions: set[int]) -> None:
+    """Refuse to allow an action because of what occurs: it could support itself."""
+    seen: set[int] = set()
+    waiting = [abs(literal) for body in allowed for literal in body.literals]
+    while waiting:
+        atom = waiting.pop()
+        if atom in actions:
+            raise EngineError("which actions may occur depends on what occurs in the same step")
+        if atom not in seen:
+            seen.add(atom)
+            waiting += [abs(literal) for body in bodies.get(atom, ()) for literal in body.literals]

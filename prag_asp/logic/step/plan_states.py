@@ -1,0 +1,151 @@
+"""Hindsight of many plans: each different step is evaluated once, and remembered by its number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.step.hindsight import Hindsight, Told, Truth, solved_states
+from prag_asp.program.facts import Facts
+from prag_asp.program.sources import Program
+
+Numbers = NDArray[np.int64]
+
+ENTRIES = 1 << 18
+"""Entries of a table after which what was remembered is better forgotten, for memory's sake."""
+
+
+class _Rows:
+    """Different columns of truth values, by number."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[bytes, int] = {}
+        self._texts: list[bytes] = []
+        self._height = 0
+
+    def add(self, columns: Truth) -> list[int]:
+        """Return the number of each column; a new one gets the next."""
+        self._height = columns.shape[0]
+        numbers = []
+        for row in np.packbits(columns, axis=0).T:
+            text = row.tobytes()
+            number = self._numbers.setdefault(text, len(self._texts))
+            if number == len(self._texts):
+                self._texts.append(text)
+            numbers.append(number)
+        return numbers
+
+    def get(self, numbers: Sequence[int]) -> Truth:
+        """Return the columns of numbers."""
+        text = b"".join(self._texts[number] for number in numbers)
+        packed = np.frombuffer(text, dtype=np.uint8).reshape(len(numbers), -(-self._height // 8))
+        columns: Truth = np.unpackbits(packed, axis=1, count=self._height).astype(np.bool_).T
+        return columns
+
+
+class Telling:
+    """What is known of the states of plans, with hindsight; equal states have equal numbers.
+
+    Steps are functions of a state and an action, and hindsight one of a step and what is told of the state after it.
+    So a plan is told by looking up its steps, forward and then backward; what is new is evaluated, all plans together.
+    """
+
+    def __init__(self, hindsight: Hindsight) -> None:
+        self._hindsight = hindsight
+        self._width = len(hindsight.step.occurs)
+        self._states, self._seen, self._told = _Rows(), _Rows(), _Rows()
+        self._steps: dict[int, tuple[int, int]] = {}
+        self._last: dict[int, int] = {}
+        self._before: dict[int, int] = {}
+        start, seen = hindsight.start
+        self._start = self._states.add(start)[0]
+        self._nothing = self._seen.add(seen)[0]
+
+    @property
+    def full(self) -> bool:
+        """Whether so much is remembered that a new start saves memory."""
+        return max(len(self._steps), len(self._before)) > ENTRIES
+
+    @property
+    def letters(self) -> tuple[clingo.Symbol, ...]:
+        """The actions, in the order of their numbers."""
+        return tuple(self._hindsight.step.occurs)
+
+    def numbers(self, plans: Numbers) -> Numbers:
+        """Return the number of what is known of each state 0..n of valid plans; shape (plans, n + 1).
+
+        Plans have shape (plans, n) and hold the numbers of actions.
+        """
+        count, length = plans.shape
+        state = np.full(count, self._start)
+        seen = np.full((length + 1, count), self._nothing)
+        for k in range(length):
+            step = _looked_up(self._steps, state * self._width + plans[:, k], self._follow)
+            state, seen[k + 1] = step[:, 0], step[:, 1]
+        told = np.empty((length + 1, count), dtype=np.int64)
+        told[length] = _looked_up(self._last, seen[length], self._tell_last)
+        for k in range(length, 0, -1):
+            told[k - 1] = _looked_up(self._before, (told[k] << 32) + seen[k], self._tell_before)
+        plans_first: Numbers = told.T
+        return plans_first
+
+    def values(self, numbers: Sequence[int]) -> Told:
+        """Return what numbers stand for, shape (fluents, numbers)."""
+        return self._hindsight.values(self._told.get(numbers))
+
+    def _follow(self, keys: list[int]) -> list[tuple[int, int]]:
+        states = self._states.get([key // self._width for key in keys])
+        after, seen = self._hindsight.follow(states, np.array([key % self._width for key in keys]))
+        return list(zip(self._states.add(after), self._seen.add(seen), strict=True))
+
+    def _tell_last(self, keys: list[int]) -> list[int]:
+        return self._told.add(self._hindsight.tell_last(self._seen.get(keys)))
+
+    def _tell_before(self, keys: list[int]) -> list[int]:
+        seen = self._seen.get([key & 0xFFFFFFFF for key in keys])
+        return self._told.add(self._hindsight.tell_before(seen, self._told.get([key >> 32 for key in keys])))
+
+
+def _looked_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:
+    """Return what a table holds for keys, after adding what is new."""
+    different, places = np.unique(keys, return_inverse=True)
+    wanted = different.tolist()
+    new = [key for key in wanted if key not in table]
+    if new:
+        table.update(zip(new, evaluate(new), strict=True))
+    found: Numbers = np.array([table[key] for key in wanted])[places]
+    return found
+
+
+class SolvedTelling:
+    """The same by solving the unrolled program of each plan, for steps that cannot be evaluated."""
+
+    def __init__(self, program: Program, facts: Facts) -> None:
+        self._program = program
+        self._fluents = facts.fluents
+        self.letters = facts.actions
+        self._numbers: dict[bytes, int] = {}
+
+    @property
+    def full(self) -> bool:
+        """Whether so much is remembered that a new start saves memory."""
+        return len(self._numbers) > ENTRIES
+
+    def numbers(self, plans: Numbers) -> Numbers:
+        """Return the number of what is known of each state 0..n of valid plans; shape (plans, n + 1)."""
+        found = np.empty((plans.shape[0], plans.shape[1] + 1), dtype=np.int64)
+        for row, letters in zip(found, plans.tolist(), strict=True):
+            told = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
+            row[:] = [self._numbers.setdefault(state.tobytes(), len(self._numbers)) for state in told.T]
+        return found
+
+    def values(self, numbers: Sequence[int]) -> Told:
+        """Return what numbers stand for, shape (fluents, numbers)."""
+        texts = list(self._numbers)
+        rows = [np.frombuffer(texts[number], dtype=np.int8) for number in numbers]
+        values: Told = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T
+        return values

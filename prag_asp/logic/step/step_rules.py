@@ -1,0 +1,120 @@
+"""The rules of a step in order of their dependencies, with an index of who reads what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from prag_asp.logic.step.normal import Body, NormalStep
+from prag_asp.logic.step.simplify import ActionSum, Constants, as_bodies, simplified
+from prag_asp.logic.step.strata import Stratum, stratify
+
+
+@dataclass(frozen=True)
+class StepRules:
+    """The rules of a step that `constraints` and the atoms `written` and `labels` depend on, in order.
+
+    `written` holds the atom of each variable after the step, 0 where nothing derives it.
+    """
+
+    step: NormalStep
+    constraints: tuple[Body, ...]
+    written: tuple[int, ...]
+    labels: tuple[int, ...]
+
+    @cached_property
+    def strata(self) -> list[Stratum]:
+        """The rules in order of their dependencies."""
+        roots = [abs(literal) for body in self.constraints for literal in body.literals]
+        return stratify([*roots, *self.written, *self.labels], self.step.bodies)
+
+    @cached_property
+    def order(self) -> Mapping[int, int]:
+        """The place of each atom in `strata`."""
+        return {atom: place for place, stratum in enumerate(self.strata) for atom in stratum.atoms}
+
+    @cached_property
+    def actions(self) -> frozenset[int]:
+        """The atoms of all actions."""
+        return frozenset(self.step.occurs.values())
+
+    @cached_property
+    def no_action(self) -> Constants:
+        """The atoms of all actions, all false."""
+        return dict.fromkeys(self.actions, False)
+
+    @cached_property
+    def idle(self) -> Mapping[int, tuple[Body, ...]]:
+        """What is left of the bodies of each atom where no action occurs."""
+        return {
+            atom: tuple(as_bodies(simplified(body, self.no_action) for body in self.step.bodies[atom]))
+            for atom in self.order
+        }
+
+    @cached_property
+    def idle_constraints(self) -> list[tuple[int, Body]]:
+        """What is left of the constraints where no action occurs, with their numbers."""
+        return [
+            (number, left)
+            for number, body in enumerate(self.constraints)
+            for left in as_bodies([simplified(body, self.no_action)])
+        ]
+
+    @cached_property
+    def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[Body]], list[ActionSum], list[Body]]]:
+        """For each atom, the bodies in which an action occurs, by action, then sums, then the other bodies."""
+        table = {}
+        for atom in self.order:
+            by_action: dict[int, list[Body]] = {}
+            sums: list[ActionSum] = []
+            others: list[Body] = []
+            for body in self.step.bodies[atom]:
+                acting = [each for each in body.literals if each in self.actions]
+                if body.weights:
+                    sums.append(ActionSum.of(body, self.actions))
+                else:
+                    (by_action.setdefault(acting[0], []) if acting else others).append(body)
+            table[atom] = (by_action, sums, others)
+        return table
+
+    def bodies_with(self, action: int, atom: int) -> list[Body]:
+        """Return the bodies of an atom that may be true where an action occurs, and no other action."""
+        by_action, sums, others = self._by_action[atom]
+        return [*by_action.get(action, ()), *(left for each in sums for left in each.with_action(action)), *others]
+
+    @cached_property
+    def readers(self) -> Mapping[int, list[int]]:
+        """For each atom, the atoms that its value can change."""
+        return _index((atom, self.step.bodies[atom]) for stratum in self.strata for atom in stratum.atoms)
+
+    @cached_property
+    def constraint_readers(self) -> Mapping[int, list[int]]:
+        """For each atom, the numbers of the constraints that read it."""
+        return _index((number, (body,)) for number, body in enumerate(self.constraints))
+
+    @cached_property
+    def places(self) -> Mapping[int, list[int]]:
+        """For each atom, the variables that it decides."""
+        return _places(self.written)
+
+    @cached_property
+    def label_places(self) -> Mapping[int, list[int]]:
+        """For each atom, the labels that it decides."""
+        return _places(self.labels)
+
+
+def _index(reading: Iterator[tuple[int, tuple[Body, ...]]]) -> dict[int, list[int]]:
+    readers: dict[int, list[int]] = {}
+    for reader, bodies in reading:
+        for body in bodies:
+            for literal in body.literals:
+                readers.setdefault(abs(literal), []).append(reader)
+    return readers
+
+
+def _places(atoms: Sequence[int]) -> dict[int, list[int]]:
+    places: dict[int, list[int]] = {}
+    for place, atom in enumerate(atoms):
+        places.setdefault(atom, []).append(place)
+    return places

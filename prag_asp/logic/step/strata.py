@@ -1,0 +1,107 @@
+"""Ground rules in an order in which each atom comes after what it depends on, and their evaluation on columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import EngineError
+from prag_asp.logic.ground.ground import GroundStep
+from prag_asp.logic.step.components import components
+from prag_asp.logic.step.normal import Body, NormalStep, normal_step
+
+Column = NDArray[np.bool_]
+"""The truth of one atom in many states: shape (number of states,)."""
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """Atoms that are evaluated together: one atom, or several that derive each other."""
+
+    atoms: tuple[int, ...]
+    recursive: bool
+
+
+def stratified_step(ground: GroundStep) -> NormalStep:
+    """Return the normal form of a ground step all of whose rules can be evaluated in order.
+
+    Raises:
+        EngineError: the step is not a function of the state and the action.
+    """
+    step = normal_step(ground)
+    stratify(list(step.bodies), step.bodies)
+    stratify(list(step.final_bodies), step.final_bodies)
+    return step
+
+
+def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[Body, ...]]) -> list[Stratum]:
+    """Return the atoms that `roots` depend on and that rules define, in order of dependency.
+
+    Raises:
+        EngineError: an atom depends on its own negation.
+    """
+    defined = (root for root in roots if root in bodies)
+    return [_stratum(members, bodies) for members in components(defined, lambda atom: _dependencies(atom, bodies))]
+
+
+def _dependencies(atom: int, bodies: Mapping[int, tuple[Body, ...]]) -> list[int]:
+    return [abs(literal) for body in bodies[atom] for literal in body.literals if abs(literal) in bodies]
+
+
+def _stratum(members: list[int], bodies: Mapping[int, tuple[Body, ...]]) -> Stratum:
+    inside = set(members)
+    literals = [literal for atom in members for body in bodies[atom] for literal in body.literals]
+    if any(-literal in inside for literal in literals):
+        raise EngineError("rules of a step go around through a negation")
+    return Stratum(tuple(sorted(members)), any(literal in inside for literal in literals))
+
+
+def body_column(body: Body, column: Callable[[int], Column], size: int) -> Column:
+    """Return where a body is true."""
+    if body.weights:
+        total = np.zeros(size, dtype=np.int64)
+        for literal, weight in zip(body.literals, body.weights, strict=True):
+            total += weight * (column(literal) if literal > 0 else ~column(-literal))
+        reached: Column = total >= body.bound
+        return reached
+    result: Column | None = None
+    for literal in body.literals:
+        value = column(literal) if literal > 0 else ~column(-literal)
+        result = value if result is None else result & value
+    return np.ones(size, dtype=np.bool_) if result is None else result
+
+
+def evaluate(
+    strata: Iterable[Stratum],
+    bodies: Callable[[int], tuple[Body, ...]],
+    columns: dict[int, Column],
+    column: Callable[[int], Column],
+    size: int,
+) -> None:
+    """Add the column of every atom of `strata` to `columns`; `column` reads these and the atoms given beforehand."""
+    for stratum in strata:
+        if not stratum.recursive:
+            for atom in stratum.atoms:
+                columns[atom] = _any_body(bodies(atom), column, size)
+            continue
+        for atom in stratum.atoms:
+            columns[atom] = np.zeros(size, dtype=np.bool_)
+        changed = True
+        while changed:
+            changed = False
+            for atom in stratum.atoms:
+                value = columns[atom] | _any_body(bodies(atom), column, size)
+                if not np.array_equal(value, columns[atom]):
+                    changed = True
+                columns[atom] = value
+
+
+def _any_body(bodies: tuple[Body, ...], column: Callable[[int], Column], size: int) -> Column:
+    value: Column | None = None
+    for body in bodies:
+        found = body_column(body, column, size)
+        value = found if value is None else value | found
+    return np.zeros(size, dtype=np.bool_) if value is None else value

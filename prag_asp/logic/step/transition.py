@@ -1,0 +1,214 @@
+"""A step of a domain as a function from states to states, evaluated on all states of a frontier at once.
+
+Nothing here knows what a rule means. The ground rules are evaluated once with no action, which leaves every atom a
+column over the states; an action then re-evaluates just the atoms that depend on it, and only on the states in which
+it breaks no constraint that reads the state directly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.step.cone import find_cone
+from prag_asp.logic.step.moves import Move, compile_move
+from prag_asp.logic.step.normal import Body, NormalStep
+from prag_asp.logic.step.packed import Rows, bit, pack, unpack
+from prag_asp.logic.step.step_rules import StepRules
+from prag_asp.logic.step.strata import Column, Stratum, body_column, evaluate, stratify
+
+
+@dataclass(frozen=True)
+class Successors:
+    """What one action makes of a frontier.
+
+    `letter` is the number of the action; `sources` are the rows of the frontier in which it is valid, shape (m,);
+    `states` has the packed states after it, shape (m, words); `labels` the truth of each label, shape (m, labels).
+    """
+
+    letter: int
+    sources: NDArray[np.intp]
+    states: Rows
+    labels: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Transition:
+    """The step function of a domain over the states of its cone of influence.
+
+    `variables` are timed atoms without their time, `actions` all actions in clingo's order of terms and `labels` the
+    atoms of step t whose truth each edge carries. A move is compiled when its action is first tried.
+    """
+
+    step: NormalStep
+    variables: tuple[clingo.Symbol, ...]
+    constraints: tuple[Body, ...]
+    labels: tuple[clingo.Symbol, ...]
+    _moves: dict[int, Move] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def actions(self) -> tuple[clingo.Symbol, ...]:
+        """All actions that some rule lets occur."""
+        return tuple(self.step.occurs)
+
+    @cached_property
+    def initial(self) -> Rows:
+        """The initial state as a single row, or no row where the domain's start contradicts itself."""
+        ground = self.step.ground
+        column = np.array([[symbol in ground.initial] for symbol in self.variables], dtype=np.bool_)
+        return pack(column.reshape(len(self.variables), 1))[: 1 if ground.consistent else 0]
+
+    @cached_property
+    def _rules(self) -> StepRules:
+        now, bodies = self.step.ground.now, self.step.bodies
+        atoms = (now.get(symbol, 0) for symbol in self.variables)
+        kept = set(self.step.occurs.values())
+        written = tuple(atom if atom in bodies or atom in kept else 0 for atom in atoms)
+        return StepRules(
+            self.step, self.constraints, written, tuple(now.get(symbol, 0) for symbol in self.labels)
+        )  # fmt: skip
+
+    @cached_property
+    def _atoms(self) -> tuple[int, ...]:
+        return tuple(self.step.occurs.values())
+
+    @cached_property
+    def _final_strata(self) -> list[Stratum]:
+        roots = [abs(literal) for body in self.step.final for literal in body.literals]
+        return stratify(roots, self.step.final_bodies)
+
+    def move(self, letter: int) -> Move:
+        """Return what the action of a number does."""
+        if letter not in self._moves:
+            self._moves[letter] = compile_move(self._rules, self._atoms[letter])
+        return self._moves[letter]
+
+    def accepts(self, states: Rows) -> Column:
+        """Return in which states a plan may end, shape (number of states,)."""
+        broken = np.zeros(len(states), dtype=np.bool_)
+        if not self.step.final:
+            return ~broken
+        now, size = self.step.ground.now, len(states)
+        columns = self._columns(states, now)
+        read = _reader(columns, size)
+        evaluate(self._final_strata, self.step.final_bodies.__getitem__, columns, read, size)
+        for body in self.step.final:
+            broken |= body_column(body, read, size)
+        return ~broken
+
+    def expand(self, states: Rows, wanted: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
+        """Yield what each action makes of a frontier, in the order of `actions`; of none where it is forbidden.
+
+        `wanted` says which actions are asked for in which states, shape (states, actions); without it, all are.
+        """
+        before = _Before.evaluated(self._rules, self._columns(states, self.step.ground.before), len(states))
+        asked = range(len(self.actions)) if wanted is None else np.flatnonzero(wanted.any(axis=0)).tolist()
+        for letter in asked:
+            sources = _unguarded(self.move(letter), before, None if wanted is None else wanted[:, letter])
+            if len(sources):
+                yield _apply(self.move(letter), letter, before, sources)
+
+    def _columns(self, states: Rows, atoms: Mapping[clingo.Symbol, int]) -> dict[int, Column]:
+        """Return the columns of the variables among `atoms`."""
+        rows = unpack(states, len(self.variables))
+        return {atoms[symbol]: row for symbol, row in zip(self.variables, rows, strict=True) if symbol in atoms}
+
+
+@dataclass(frozen=True)
+class _Before:
+    """A frontier with every rule evaluated, where no action occurs.
+
+    `broken` holds the constraints that are true somewhere, `breaches` how many of them in each state; `after` and
+    `labels` are what no action leaves of the states and the labels.
+    """
+
+    read: Callable[[int], Column]
+    broken: Mapping[int, Column]
+    breaches: NDArray[np.int32]
+    after: Rows
+    labels: NDArray[np.bool_]
+
+    @classmethod
+    def evaluated(cls, rules: StepRules, columns: dict[int, Column], size: int) -> _Before:
+        """Evaluate the rules on the columns of the atoms of step t-1."""
+        read = _reader(columns, size)
+        evaluate(rules.strata, rules.idle.__getitem__, columns, read, size)
+        broken: dict[int, Column] = {}
+        breaches = np.zeros(size, dtype=np.int32)
+        for number, body in rules.idle_constraints:
+            value = body_column(body, read, size)
+            if value.any():
+                broken[number] = value
+                breaches += value
+        return cls(read, broken, breaches, pack(_stacked(map(read, rules.written), size)),
+                   _stacked(map(read, rules.labels), size).T)  # fmt: skip
+
+
+def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) -> Successors:
+    columns: dict[int, Column] = {}
+
+    def column(atom: int) -> Column:
+        if atom not in columns:
+            constant = move.constants.get(atom)
+            columns[atom] = before.read(atom)[sources] if constant is None else np.full(len(sources), constant)
+        return columns[atom]
+
+    evaluate(move.strata, move.bodies.__getitem__, columns, column, len(sources))
+    bad = np.zeros(len(sources), dtype=np.bool_)
+    for body in move.constraints:
+        bad |= body_column(body, column, len(sources))
+    if bad.any():
+        kept = ~bad
+        sources = sources[kept]
+        columns = {atom: value[kept] for atom, value in columns.items()}
+    states = (before.after[sources] & move.keep) | move.put
+    for place, atom in move.changed:
+        word, shift, _ = bit(place)
+        states[:, word] |= columns[atom].astype(np.uint64) << shift
+    labels = before.labels[sources]
+    for place, atom in move.labels:
+        labels[:, place] = columns[atom]
+    for place, value in move.fixed_labels:
+        labels[:, place] = value
+    return Successors(letter, sources, states, labels)
+
+
+def _unguarded(move: Move, before: _Before, asked: NDArray[np.bool_] | None) -> NDArray[np.intp]:
+    """Return the rows in which no guard and no constraint that the action leaves alone forbids it."""
+    size = len(before.breaches)
+    if move.impossible:
+        return np.zeros(0, dtype=np.intp)
+    breaches = before.breaches
+    for number in move.touched & before.broken.keys():
+        breaches = breaches - before.broken[number]
+    valid = breaches == 0
+    if asked is not None:
+        valid &= asked
+    for guard in move.guards:
+        if not valid.any():
+            break
+        valid &= ~body_column(guard, before.read, size)
+    return np.flatnonzero(valid)
+
+
+def _stacked(columns: Iterator[Column], size: int) -> NDArray[np.bool_]:
+    found = list(columns)
+    return np.stack(found) if found else np.zeros((0, size), dtype=np.bool_)
+
+
+def _reader(columns: Mapping[int, Column], size: int) -> Callable[[int], Column]:
+    """Return a reader of columns for which an atom that nothing derives is false."""
+    false = np.zeros(size, dtype=np.bool_)
+    return lambda atom: columns.get(atom, false)
+
+
+def build_transition(step: NormalStep, labels: Sequence[clingo.Symbol] = ()) -> Transition:
+    """Return the step function of a domain over the cone of influence of its constraints and of `labels`."""
+    atoms = [step.ground.now[symbol] for symbol in labels if symbol in step.ground.now]
+    cone = find_cone(step, atoms)
+    return Transition(step, cone.variables, cone.constraints, tuple(labels))

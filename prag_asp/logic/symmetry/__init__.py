@@ -1,0 +1,1 @@
+"""Interchangeable entities, found on the ground program."""

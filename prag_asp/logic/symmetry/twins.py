@@ -1,0 +1,73 @@
+"""Entities that a state does not tell apart, and the actions that are the same up to swapping these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.symmetry.patterns import Patterns
+
+
+@dataclass(frozen=True)
+class Twins:
+    """Classes of twins in some states, each by its first entity.
+
+    Of each entity, `first` is the first twin, `rank` the number of twins before it, and `count` the number of all its
+    twins with itself; all have shape (states, entities).
+    """
+
+    actions: Patterns
+    first: NDArray[np.int64]
+    rank: NDArray[np.int64]
+    count: NDArray[np.int64]
+
+    @classmethod
+    def between(cls, actions: Patterns, twins: NDArray[np.bool_]) -> Twins:
+        """Return the classes, where `twins` says which entities are twins of the ones before them."""
+        places = np.arange(twins.shape[1])
+        first = np.maximum.accumulate(np.where(twins, 0, places), axis=1)
+        count = np.zeros(first.shape, dtype=np.int64)
+        np.add.at(count, (np.arange(len(first))[:, None], first), 1)
+        return cls(actions, first, places - first, np.take_along_axis(count, first, axis=1))
+
+    def wanted(self) -> NDArray[np.bool_]:
+        """Return which actions stand for their renamings by twins in which states, shape (states, actions).
+
+        These are the actions that name the entities of each class in their order.
+        """
+        entities = self.actions.entities
+        result = np.ones((len(self.first), len(entities)), dtype=np.bool_)
+        for place, entity in enumerate(entities.T):
+            named = np.flatnonzero(entity >= 0)
+            due = self._twins_before(entities[named], place, slice(None))
+            result[:, named] &= self.rank[:, entity[named]] == due
+        return result
+
+    def multiplicity(self, letter: int, states: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Return how many renamings by twins an action has in each of some states."""
+        entities = self.actions.entities[letter : letter + 1]
+        result = np.ones(len(states), dtype=np.int64)
+        for place in range(int(self.actions.arity[letter])):
+            before = self._twins_before(entities, place, states)
+            result *= (self.count[states][:, entities[:, place]] - before)[:, 0]
+        return result
+
+    def members(self, entity: int) -> range:
+        """Return all twins of an entity in the first state, with itself."""
+        first = int(self.first[0, entity])
+        return range(first, first + int(self.count[0, entity]))
+
+    def _twins_before(
+        self, entities: NDArray[np.int64], place: int, states: NDArray[np.intp] | slice
+    ) -> NDArray[np.int64]:
+        """Return how many of the entities that actions name before a place are twins of the one that they name there.
+
+        `entities` has shape (actions, most named), the result (states, actions).
+        """
+        first = self.first[states]
+        found = np.zeros((len(first), len(entities)), dtype=np.int64)
+        for earlier in range(place):
+            found += first[:, entities[:, earlier]] == first[:, entities[:, place]]
+        return found

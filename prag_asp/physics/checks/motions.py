@@ -1,0 +1,107 @@
+"""Check a motion of a witness: the points that the arm passes, and that nothing moves but what the action moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from prag_asp.physics.checks.approaches import End, approach_problems
+from prag_asp.physics.checks.handling import carried_along, handling_problems, openings_at
+from prag_asp.physics.checks.numbers import broken_arm
+from prag_asp.physics.checks.states import near, situation_of, tool_in, visited
+from prag_asp.physics.facts import Effect
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint
+from prag_asp.physics.world.collisions import arm_collision, colliding
+from prag_asp.physics.world.simulator import Simulator
+from prag_asp.physics.world.support import riders
+from prag_asp.scene.geometry import Pose, compose, invert
+from prag_asp.scene.load import Scene
+
+
+def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulator: Simulator) -> Iterator[str]:
+    """Yield waypoints that the arm cannot take, approaches that are not straight above, and a wrong end."""
+    before, after = start.moment, end.moment
+    if not motion:
+        yield "it has no waypoint"
+        return
+    tools: list[Pose] = []
+    for waypoint in motion:
+        broken = list(broken_arm(waypoint.robot, waypoint.joints, waypoint.width, simulator))
+        if waypoint.held is not None and waypoint.held not in before.poses:
+            broken.append(f"it holds {waypoint.held}, which has no pose")
+        if broken:
+            yield from (f"{waypoint.name}: {text}" for text in broken)
+            return
+        simulator.turn_to(waypoint.robot)
+        simulator.pose_arm(waypoint.joints, waypoint.width)
+        tools.append(tool_in(simulator))
+    wrong = list(handling_problems(motion, tools, before, after, simulator.scene))
+    yield from wrong or approach_problems(motion, tools, start, end, simulator)
+    arms = before.arms()
+    for i, waypoint in enumerate(() if wrong else motion):
+        grasp = arms[waypoint.robot].grasp if waypoint.held == arms[waypoint.robot].held else None
+        if waypoint.held is not None and grasp is None:
+            grasp = after.arms()[waypoint.robot].grasp
+        arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width, waypoint.held, grasp)
+        if i < len(motion) - 1:
+            openings, moving = openings_at(motion, i, before), waypoint.name == TRANSIT
+            hit = _waypoint_collision(arms, waypoint.robot, (before, after), openings, simulator, moving)
+            if hit is not None:
+                yield f"{waypoint.name}: {hit}"
+    for name, arm in () if wrong else after.arms().items():
+        if arms[name][:3] != arm[:3]:
+            yield "its last waypoint is not the arm of the next state"
+
+
+def _waypoint_collision(
+    arms: Mapping[str, ArmState],
+    robot: str,
+    around: tuple[Moment, Moment],
+    openings: Mapping[str, float],
+    simulator: Simulator,
+    moving: bool,
+) -> str | None:
+    """Return what collides at a waypoint, objects where they are then; None where all is free.
+
+    Furniture is checked, and where the arm is `moving` what it carries.
+    """
+    before, after = around
+    poses = carried_along(before.poses, before.openings, openings, simulator.scene)
+    situation = situation_of(simulator, poses, openings, arms, robot)
+    joints, width, held, grasp = arms[robot]
+    if held is not None and grasp is not None:
+        poses = _carried(poses, held, compose(situation.tool, grasp), simulator.scene)
+    elif before.arms()[robot].held is not None:
+        poses = dict(after.poses)
+    situation = situation.with_poses(poses)
+    carried = [entity for entity in poses if poses[entity] != before.poses[entity]] if moving else []
+    hit = arm_collision(simulator, situation, joints, width, held or visited(situation))
+    if hit is not None:
+        return f"the arm collides with {hit.other}"
+    pair = colliding(simulator, situation, [*openings, *carried], list(poses))
+    return None if pair is None else f"{pair[0]} collides with {pair[1]}"
+
+
+def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -> dict[str, Pose]:
+    """Return all poses with one object and all that rests on it moved."""
+    situation = Situation(scene, poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    delta = compose(pose, invert(poses[entity]))
+    moved = {rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})}
+    return {**poses, **moved, entity: pose}
+
+
+def stray(effect: Effect, before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:
+    """Yield objects that an action has moved though it does not move them, and furniture that it has opened so."""
+    for furniture, opening in after.openings.items():
+        if opening != before.openings[furniture] and furniture not in effect.turns:
+            yield f"{furniture} has been opened or closed"
+    along = carried_along(before.poses, before.openings, after.openings, simulator.scene)
+    held = (effect.grasps, effect.releases, effect.holds)
+    may_move = {*effect.moved, *(entity for entity in held if entity is not None)}
+    situation = Situation(simulator.scene, before.poses, Pose((0.0, 0.0, 1.0)), 0.0, openings=before.openings)
+    for entity in [entity for entity in may_move if entity in before.poses]:
+        may_move |= set(riders(situation, entity, set(before.poses) - {entity}))
+    for entity, pose in along.items():
+        moved = not near(pose, after.poses.get(entity, pose))
+        if moved and (entity not in may_move or entity in simulator.scene.fixed):
+            yield f"{entity} has moved"

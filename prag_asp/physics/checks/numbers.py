@@ -1,0 +1,74 @@
+"""Check the numbers of a witness: nothing is missing, all is finite, and the robots can take it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+from prag_asp.domain.plural import plural
+from prag_asp.physics.checks.handling import opening_problems
+from prag_asp.physics.facts import Problem
+from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.physics.world.simulator import Simulator
+from prag_asp.scene.geometry import Pose, finite
+
+LIMIT_TOLERANCE = 1e-9
+
+
+def misfit(witness: Witness, actions: int) -> str | None:
+    """Return that a witness has more or less parts than a task of so many actions, None where it has as many."""
+    for name, found, wanted in (
+        ("motion", len(witness.motions), actions),
+        ("state", len(witness.moments), actions + 1),
+    ):
+        if found != wanted:
+            return f"the witness has {plural(found, name)}, the task {plural(actions, 'action')}"
+    return None
+
+
+def broken_numbers(
+    moment: Moment, seen: Problem, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
+) -> Iterator[str]:
+    """Yield missing objects, numbers that are not finite, and what is beyond the limits of the robot.
+
+    `tolerance` is how far a joint may be beyond its limits, in radians, and how much too wide a gripper, in metres.
+    """
+    for entity in seen.objects:
+        if entity not in moment.poses:
+            yield f"{entity} has no pose"
+        elif not finite(moment.poses[entity]):
+            yield f"the pose of {entity} is not a finite position and rotation"
+    yield from opening_problems(moment, seen, simulator.scene)
+    for entity in moment.poses:
+        if entity not in simulator.bodies:
+            yield f"{entity} is not in the scene"
+    if sorted(moment.arms()) != sorted(simulator.arms):
+        yield f"it has the arms {_arms(moment.arms())}; the scene has {_arms(simulator.arms)}"
+        return
+    for name, arm in moment.arms().items():
+        yield from broken_arm(name, arm.joints, arm.width, simulator, tolerance)
+        if (arm.held is None) != (arm.grasp is None):
+            yield "a held object and its grasp go together"
+        elif arm.held is not None and (arm.held not in moment.poses or not finite(arm.grasp or Pose((0, 0, 0)))):
+            yield f"the grasp of {arm.held} is not a finite position and rotation"
+
+
+def _arms(names: Iterable[str]) -> str:
+    """Return the names of some arms; a single robot has none."""
+    return ", ".join(name or "one without a name" for name in names)
+
+
+def broken_arm(
+    name: str, joints: tuple[float, ...], width: float, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
+) -> Iterator[str]:
+    """Yield joint angles and openings that a robot cannot take."""
+    if name not in simulator.arms:
+        yield f"there is no robot {name}"
+        return
+    robot = simulator.arms[name].robot
+    if len(joints) != len(robot.lower) or not all(map(math.isfinite, (*joints, width))):
+        yield "the arm needs seven finite joint angles and a finite opening"
+    elif not robot.within_limits(joints, tolerance):
+        yield f"the joint angles {tuple(round(angle, 4) for angle in joints)} are beyond the limits"
+    elif not -tolerance <= width <= robot.opening + tolerance:
+        yield f"the gripper cannot open {width:.4f} m"

@@ -1,0 +1,126 @@
+"""Let the objects of a witness settle in a simulation: what is stable stays, and keeps its relations.
+
+The simulation has no arm: a held object stays where the gripper holds it. Its world is built anew for every
+witness, because PyBullet's results depend on what a world has seen before, down to the order of its bodies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from prag_asp.physics.facts import Problem, problem
+from prag_asp.physics.motion.standing import situation_with
+from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
+from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.physics.world.bodies import make_body, make_table, mass, parking_place
+from prag_asp.physics.world.bullet import pybullet
+from prag_asp.physics.world.furniture import read_opening, set_opening
+from prag_asp.physics.world.simulator import open_client, read_pose, start_world
+from prag_asp.scene.geometry import Pose, turn_between
+from prag_asp.scene.load import Scene
+from prag_asp.task import Task
+
+TIME_STEP = 1 / 240
+STEPS = 60
+"""A quarter of a second: a 5 cm cube whose centre of mass is 2 mm beyond an edge has tipped by then."""
+
+LARGEST_MOVE = 0.003
+LARGEST_TURN = math.radians(3)
+LARGEST_SPEED = 0.03
+"""How far a stable object moves, in metres and radians, and how fast at the end, in metres a second."""
+
+
+Rest = tuple[Mapping[str, Pose], Mapping[str, float]]
+"""The poses of objects, and how far furniture is open in metres or radians."""
+
+
+class Settling:
+    """Settles witnesses in a PyBullet world of objects alone; use `open_settling`, which closes it."""
+
+    def __init__(self, scene: Scene, client: int):
+        self._scene = scene
+        self._client = client
+
+    def failure(self, seen: Problem, witness: Witness) -> str | None:
+        """Return why a state of a witness is not stable (one of `CAUSES`), None where all are.
+
+        An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
+        then every fact of the state has to pass its predicate's own check.
+        """
+        scene = self._scene.with_sizes(witness.sizes)
+        bodies = self._build(scene, seen.objects)
+        previous: Moment | None = None
+        for facts, moment in zip(seen.states, witness.moments, strict=True):
+            if previous is None or not _as_stable(previous, moment):
+                settled = self._settle(scene, bodies, moment)
+                if settled is None:
+                    return UNSTABLE
+                poses, openings = settled
+                situation = situation_with(scene, poses, openings, moment.arms(), moment.robot)
+                if not all(fact.satisfied(situation) for fact in facts):
+                    return UNSETTLED
+            previous = moment
+        return None
+
+    def _build(self, scene: Scene, objects: Sequence[str]) -> Mapping[str, int]:
+        """Return new bodies in a new world."""
+        start_world(self._client)
+        pybullet.setTimeStep(TIME_STEP, physicsClientId=self._client)
+        make_table(self._client, scene)
+        return {
+            entity: make_body(self._client, scene, entity, parking_place(i), free=True)
+            for i, entity in enumerate(objects)
+        }
+
+    def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Rest | None:
+        """Return where the objects come to rest, and how far furniture is open; None where one leaves its place."""
+        client = self._client
+        for entity, body in bodies.items():
+            pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
+        for entity, opening in moment.openings.items():
+            set_opening(client, bodies[entity], opening)
+        for entity in moment.all_held:
+            pybullet.changeDynamics(bodies[entity], -1, mass=0.0, physicsClientId=client)
+        for _ in range(STEPS):
+            pybullet.stepSimulation(physicsClientId=client)
+        settled = {entity: read_pose(client, body) for entity, body in bodies.items()}
+        speeds = [pybullet.getBaseVelocity(body, physicsClientId=client)[0] for body in bodies.values()]
+        for entity in moment.all_held:
+            pybullet.changeDynamics(bodies[entity], -1, mass=mass(scene, entity), physicsClientId=client)
+        if any(math.hypot(*speed) > LARGEST_SPEED for speed in speeds):
+            return None
+        openings = {entity: read_opening(client, bodies[entity]) for entity in moment.openings}
+        stayed = all(_stayed(moment.poses[entity], pose) for entity, pose in settled.items())
+        still = all(abs(openings[entity] - opening) <= LARGEST_MOVE for entity, opening in moment.openings.items())
+        return (settled, openings) if stayed and still else None
+
+
+@contextmanager
+def open_settling(scene: Scene) -> Iterator[Settling]:
+    """Open a world to settle witnesses in, and close it afterwards."""
+    with open_client() as client:
+        yield Settling(scene, client)
+
+
+def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
+    """Return why a state of a witness is not stable (one of `CAUSES`), None where all are.
+
+    Raises:
+        SceneError: the task speaks about something for which the scene has no shape.
+    """
+    with open_settling(scene) as settling:
+        return settling.failure(problem(task, scene), witness)
+
+
+def _as_stable(before: Moment, after: Moment) -> bool:
+    """Tell whether objects that are stable at a moment are so at the next: nothing has moved or been let go."""
+    same = before.poses == after.poses and before.openings == after.openings
+    return same and before.all_held <= after.all_held
+
+
+def _stayed(before: Pose, after: Pose) -> bool:
+    """Tell whether an object is where it was, within the tolerances."""
+    near = math.dist(before.position, after.position) <= LARGEST_MOVE
+    return near and turn_between(before.quaternion, after.quaternion) <= LARGEST_TURN

@@ -1,0 +1,104 @@
+"""Check a state of a witness: its facts, collisions, what would fall, and what the grippers hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from prag_asp.physics.facts import Problem
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.situation import Situation, Standing, fixed_pose
+from prag_asp.physics.verdict import ArmState, Moment
+from prag_asp.physics.world.collisions import arm_collision, colliding
+from prag_asp.physics.world.simulator import Simulator
+from prag_asp.physics.world.solids import weight
+from prag_asp.physics.world.support import unsupported
+from prag_asp.scene.geometry import Pose, Quaternion, Vector, compose, rotate, turn_between, yaw_quaternion
+
+POSITION_TOLERANCE = 1e-4
+TURN_TOLERANCE = 1e-3
+UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
+
+
+def state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator) -> Iterator[str]:
+    """Yield wrong facts of a state, collisions, falling objects and a held object out of the hand."""
+    simulator.place(moment.poses, moment.openings)
+    poses = {entity: simulator.read(entity) for entity in moment.poses}
+    situation = situation_of(simulator, poses, moment.openings, moment.arms(), moment.robot)
+    for entity in simulator.scene.fixed:
+        if entity in poses and not near(fixed_pose(simulator.scene, entity), poses[entity]):
+            yield f"{entity} is not where the scene has it"
+    for fact in seen.states[k]:
+        if not fact.satisfied(situation):
+            yield f"it does not hold that {fact.sentence()}"
+    pair = colliding(simulator, situation, list(poses), list(poses))
+    if pair is not None:
+        yield f"{pair[0]} collides with {pair[1]}"
+    falling = unsupported(situation, list(poses), moment.held)
+    if falling is not None:
+        yield f"{falling} would fall"
+    for name, arm in moment.arms().items():
+        own = situation_of(simulator, poses, moment.openings, moment.arms(), name)
+        hit = arm_collision(simulator, own, arm.joints, arm.width, arm.held or visited(own))
+        if hit is not None:
+            yield f"the arm collides with {hit.other}"
+        if arm.held is not None and arm.grasp is not None:
+            expected = compose(own.tool, arm.grasp)
+            if not near(expected, poses[arm.held]):
+                yield f"{arm.held} is not where the gripper holds it"
+            yield from _grip_problems(own, name, arm.held)
+
+
+def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
+    """Yield what the proofs rely on and a grip lacks: it is from above, of an upright body that the gripper spans."""
+    if leaning(situation.hand(robot)[0].quaternion, DOWN) > TURN_TOLERANCE:
+        yield f"{held} is not held from above"
+    if situation.shape(held).traits.flat and leaning(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
+        yield f"{held} does not stand upright in the gripper"
+    if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
+        yield f"{held} is wider than the gripper opens"
+    if weight(situation.scene, held) > situation.robot(robot).payload:
+        yield f"{held} is heavier than the gripper carries"
+
+
+def leaning(quaternion: Quaternion, direction: Vector) -> float:
+    """Return by how many radians the z axis of a frame is away from a direction, a unit vector."""
+    along = sum(a * b for a, b in zip(rotate(quaternion, UP), direction, strict=True))
+    return math.acos(max(-1.0, min(1.0, along)))
+
+
+def situation_of(
+    simulator: Simulator,
+    poses: Mapping[str, Pose],
+    openings: Mapping[str, float],
+    arms: Mapping[str, ArmState],
+    acting: str,
+) -> Situation:
+    """Return a situation by the simulator's own forward kinematics of all arms; the one that acts comes last."""
+    others = {}
+    for name in sorted(arms, key=lambda name: name == acting):
+        joints, width, held, grasp = arms[name]
+        simulator.turn_to(name)
+        simulator.pose_arm(joints, width)
+        others[name] = Standing(joints, tool_in(simulator), width, held, grasp)
+    own = others.pop(acting)
+    return Situation(simulator.scene, poses, own.tool, own.width, openings=openings, acting=acting, others=others)
+
+
+def tool_in(simulator: Simulator) -> Pose:
+    """Return the pose of the tool by the simulator's own forward kinematics."""
+    robot = simulator.robot
+    offset = Pose((0.0, 0.0, robot.tool_offset), yaw_quaternion(robot.tool_turn))
+    return compose(simulator.flange(), offset)
+
+
+def visited(situation: Situation) -> str | None:
+    """Return the object that the gripper is at."""
+    return next((entity for entity in situation.poses if PREDICATES["at"].holds(situation, ("", entity))), None)
+
+
+def near(one: Pose, two: Pose) -> bool:
+    """Tell whether two poses are the same within the tolerances."""
+    turn = turn_between(one.quaternion, two.quaternion)
+    return math.dist(one.position, two.position) <= POSITION_TOLERANCE and turn <= TURN_TOLERANCE

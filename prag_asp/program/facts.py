@@ -1,0 +1,128 @@
+"""What a domain states before any step: the facts of its base program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from operator import itemgetter
+
+import clingo
+
+from prag_asp.errors import DomainError
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.sources import Program
+
+VALUES = ("true", "false", "unknown")
+
+Assignment = tuple[tuple[clingo.Symbol, str], ...]
+"""Fluents with their values; ``unknown`` is one of postconditions only."""
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The contract's predicates as they hold in the grounded base program.
+
+    Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above
+    it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``.
+    """
+
+    parents: Mapping[str, tuple[str, ...]]
+    entities: Mapping[clingo.Symbol, str]
+    memberships: frozenset[tuple[clingo.Symbol, str]]
+    fluents: tuple[clingo.Symbol, ...]
+    actions: tuple[clingo.Symbol, ...]
+    preconditions: Mapping[clingo.Symbol, Assignment]
+    postconditions: Mapping[clingo.Symbol, Assignment]
+    initially: Assignment
+    exclusive: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
+    implies: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
+    impossible: tuple[tuple[clingo.Symbol, clingo.Symbol], ...]
+    goal: Assignment
+    composites: tuple[clingo.Symbol, ...]
+    stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
+    free: tuple[clingo.Symbol, ...]
+
+    @property
+    def closed(self) -> bool:
+        """Whether every fluent has an initial value."""
+        return set(self.fluents) <= {fluent for fluent, _ in self.initially}
+
+
+def ground_facts(program: Program) -> Facts:
+    """Ground the base part of a program and return what it states.
+
+    Raises:
+        DomainError: clingo rejects the program, or a predicate of the contract depends on a choice.
+    """
+    grounder = Grounder(program)
+    grounder.ground([("base", [])])
+    return read_facts(grounder.control)
+
+
+def read_facts(control: clingo.Control) -> Facts:
+    """Return what a grounded base part states.
+
+    Raises:
+        DomainError: a predicate of the contract depends on a choice.
+    """
+    parents: dict[str, tuple[str, ...]] = {str(name): () for (name,) in rows(control, "class", 1)}
+    for child, parent in rows(control, "class", 2):
+        parents[str(child)] = (*parents.get(str(child), ()), str(parent))
+    fluents = tuple(fluent for (fluent,) in rows(control, "fluent", 1))
+    stages: dict[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]] = {}
+    for composite, number, part in rows(control, "stage", 3):
+        stages[composite] = (*stages.get(composite, ()), (number, part))
+    return Facts(
+        parents=parents,
+        entities={entity: str(name) for entity, name in rows(control, "entity", 2)},
+        memberships=frozenset((entity, str(name)) for entity, name in rows(control, "is_a", 2)),
+        fluents=fluents,
+        actions=tuple(action for (action,) in rows(control, "action", 1)),
+        preconditions=_by_action(control, "precondition", fluents),
+        postconditions=_by_action(control, "postcondition", fluents),
+        initially=tuple((fluent, str(value)) for fluent, value in rows(control, "initially", 2)),
+        exclusive=tuple((first, second) for first, second in rows(control, "exclusive", 2)),
+        implies=tuple((first, second) for first, second in rows(control, "implies", 2)),
+        impossible=tuple((first, second) for first, second in rows(control, "impossible", 2)),
+        goal=tuple((fluent, str(value)) for fluent, value in rows(control, "goal", 2)),
+        composites=tuple(composite for (composite,) in rows(control, "composite", 1)),
+        stages=stages,
+        free=tuple(action for (action,) in rows(control, "free", 1)),
+    )
+
+
+def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[clingo.Symbol]]:
+    """Return the arguments of every ground atom of a predicate, sorted.
+
+    Raises:
+        DomainError: one of them depends on a choice.
+    """
+    return sorted(_unsorted_rows(control, predicate, arity))
+
+
+def _unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
+    for atom in control.symbolic_atoms.by_signature(predicate, arity):
+        if not atom.is_fact:
+            raise DomainError(f"{atom.symbol} depends on a choice; what a domain states must follow from facts")
+        yield atom.symbol.arguments
+
+
+def _by_action(
+    control: clingo.Control, predicate: str, fluents: Iterable[clingo.Symbol]
+) -> dict[clingo.Symbol, Assignment]:
+    """Return the fluents and values of a predicate by action, sorted.
+
+    There can be thousands: each term is looked up once, for clingo's terms are slow to compare.
+    """
+    ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
+    spelled = {clingo.Function(value): value for value in VALUES}
+    found: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {}
+    for action, fluent, value in _unsorted_rows(control, predicate, 3):
+        rank, known = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
+        word = spelled.get(value) or spelled.setdefault(value, str(value))
+        found.setdefault(action, []).append((rank, word, known))
+    table: dict[clingo.Symbol, Assignment] = {}
+    for action in sorted(found):
+        found[action].sort(key=itemgetter(0, 1))
+        table[action] = tuple((fluent, value) for _, value, fluent in found[action])
+    return table

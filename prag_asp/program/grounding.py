@@ -1,0 +1,73 @@
+"""clingo, with its complaints turned into errors that name the file and the line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+
+import clingo
+
+from prag_asp.errors import DomainError
+from prag_asp.program.sources import Program
+
+POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
+UNSAFE = r"'([^']+)' is unsafe"
+
+Part = tuple[str, Sequence[clingo.Symbol]]
+
+
+class Grounder:
+    """A clingo control that holds one program; nothing of it is printed, whatever the program does.
+
+    Raises:
+        DomainError: clingo cannot parse the program.
+    """
+
+    def __init__(self, program: Program, *arguments: str) -> None:
+        self._program = program
+        self._messages: list[tuple[clingo.MessageCode, str]] = []
+        self.control = clingo.Control(
+            ["--warn=no-atom-undefined", *arguments],
+            logger=lambda code, text: self._messages.append((code, text)),
+            message_limit=100,
+        )
+        self._run(lambda: self.control.add("base", [], program.text))
+
+    def ground(self, parts: Iterable[Part]) -> None:
+        """Ground program parts.
+
+        Raises:
+            DomainError: clingo cannot ground them, or an arithmetic or set operation is undefined.
+        """
+        self._run(lambda: self.control.ground(list(parts)))
+
+    def _run(self, work: Callable[[], None]) -> None:
+        self._messages.clear()
+        try:
+            work()
+        except RuntimeError as error:
+            raise DomainError("\n".join(self._errors()) or f"clingo: {error}") from None
+        undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
+        if undefined:
+            raise DomainError(f"{located(self._program, undefined[0])}; guard the operation")
+
+    def _errors(self) -> list[str]:
+        return [
+            located(self._program, text)
+            for code, text in self._messages
+            if code in (clingo.MessageCode.RuntimeError, clingo.MessageCode.Other)
+        ]
+
+
+def located(program: Program, message: str) -> str:
+    """Return a message of clingo as one line that begins with the file and line it speaks of."""
+    place = re.search(POSITION, message)
+    if not place:
+        return " ".join(message.split())
+    path, line = program.locate(int(place["line"]))
+    unsafe = sorted({"_" if name.startswith("#") else name for name in re.findall(UNSAFE, message)})
+    if unsafe:
+        told = f"{path}:{line}: unsafe variable {', '.join(unsafe)}"
+        return f"{told}; bind it in the body by an atom without `not`"
+    words = " ".join(re.sub(POSITION, "", message).split())
+    return f"{path}:{line}: {words}"

@@ -1,0 +1,42 @@
+"""Where the shipped encodings and domains lie, in a checkout and when installed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from prag_asp.errors import DomainError
+from prag_asp.wording import most_similar
+
+PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def data_folder(name: str) -> Path:
+    """Return the folder `name` (``encodings`` or ``domains``): inside the wheel, or beside it in a checkout."""
+    installed = PACKAGE / name
+    return installed if installed.is_dir() else PACKAGE.parent / name
+
+
+def shipped_domains() -> dict[str, Path]:
+    """Return the folder of every shipped domain by its name."""
+    return {path.parent.name: path.parent for path in sorted(data_folder("domains").glob("*/domain.lp"))}
+
+
+def domain_folder(name_or_path: str | Path) -> Path:
+    """Return the folder of a domain given as a shipped name or as a folder.
+
+    Raises:
+        DomainError: there is neither a shipped domain nor a folder of that name, it is a file, or it has no domain.lp.
+    """
+    shipped = shipped_domains()
+    if str(name_or_path) in shipped:
+        return shipped[str(name_or_path)]
+    folder = Path(name_or_path)
+    if (folder / "domain.lp").is_file():
+        return folder
+    if folder.is_dir():
+        raise DomainError(f"{folder}: this folder has no domain.lp; `prag-asp new NAME` writes one")
+    if folder.is_file():
+        raise DomainError(f"{folder}: a file, not a folder; give the folder of the domain, {folder.parent}")
+    near = most_similar(str(name_or_path), shipped)
+    hint = f"did you mean {near}?" if near else f"shipped are {', '.join(shipped)}; or give a folder"
+    raise DomainError(f"{name_or_path}: no such domain; {hint}")

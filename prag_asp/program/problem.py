@@ -1,0 +1,51 @@
+"""What the linter reports: a place, what is wrong there, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+from prag_asp.errors import DomainError
+from prag_asp.wording import most_similar
+
+Signature = tuple[str, int]
+"""The name and the number of arguments of a predicate or a term."""
+
+
+class Problem(NamedTuple):
+    """One line of the report; `text` reads ``what is wrong; what to do``."""
+
+    path: Path
+    line: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.text}"
+
+
+def raise_problems(problems: Iterable[Problem]) -> None:
+    """Raise all problems as one error, each once, in the order they were found in.
+
+    Raises:
+        DomainError: there is a problem.
+    """
+    lines = list(dict.fromkeys(map(str, problems)))
+    if lines:
+        raise DomainError("\n".join(lines))
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that `name` is most likely a misspelling of."""
+    return most_similar(name, set(known) - {name}, cutoff=0.7)
+
+
+def suggestion(name: str, known: Iterable[str], otherwise: str) -> str:
+    """Return ``did you mean ...?`` where a known name is near, and `otherwise` where none is."""
+    near = nearest(name, known)
+    return f"did you mean {near}?" if near else otherwise
+
+
+def spelled(signature: Signature) -> str:
+    """Return a signature as clingo writes it: ``holds/3``."""
+    return f"{signature[0]}/{signature[1]}"

@@ -1,0 +1,47 @@
+"""The optional rules that a user asks for by name, such as ``no_undo`` or ``at_most(grasp,2)``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from prag_asp.atom import parse_atom
+from prag_asp.errors import DomainError
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.problem import suggestion
+from prag_asp.program.sources import Source, read_sources
+
+BY_LIBRARY = frozenset(["canonical_names", "weights"])
+"""Rules that the library adds itself, together with facts that only it knows."""
+
+
+def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
+    """Return the files of a rule; one with arguments is also stated as a fact, in a file of the rule's own text.
+
+    Raises:
+        DomainError: there is no such rule, or it takes another number of arguments.
+    """
+    atom = parse_atom(rule)
+    folder = encodings / "rules"
+    known = sorted({path.stem for path in folder.glob("*.lp")} - BY_LIBRARY)
+    if atom.name not in known:
+        otherwise = f"there are {', '.join(known) or 'none'} in {folder}"
+        raise DomainError(f"{rule}: no such rule; {suggestion(atom.name, known, otherwise)}")
+    sources = read_sources(folder / f"{atom.name}.lp", encodings)
+    if not atom.arguments:
+        return sources
+    taken = _argument_counts(sources, atom.name)
+    if len(atom.arguments) not in taken:
+        if not taken:
+            raise DomainError(f"{rule}: the rule {atom.name} takes no arguments; write {atom.name}")
+        counts = " or ".join(map(str, sorted(taken)))
+        raise DomainError(
+            f"{rule}: the rule {atom.name} takes {counts} arguments, not {len(atom.arguments)}; "
+            f"see the head of {folder / atom.name}.lp"
+        )
+    return (*sources, Source(Path(f"rule {atom}"), f"{atom}."))
+
+
+def _argument_counts(sources: tuple[Source, ...], name: str) -> set[int]:
+    """Return how many arguments the facts of a rule's name have that the rule reads."""
+    statements, _ = parse_sources((source, False) for source in sources)
+    return {len(atom.arguments) for statement in statements for atom in statement.body if atom.name == name}

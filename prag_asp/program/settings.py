@@ -1,0 +1,149 @@
+"""domain.toml: what a domain says beside its logic, all of it optional."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from prag_asp.errors import DomainError
+from prag_asp.program.sources import read_text
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+KEYS = ("title", "description", "weights", "language", "scene")
+MAX_EXPONENT = 1000
+HEADER = r"\s*\[{1,2}(?P<name>[^\[\]]*)\]{1,2}\s*(?:#.*)?$"
+KEY = r"""\s*(?P<name>(?:"[^"]*"|'[^']*'|[\w.\- ])+?)\s*="""
+INNER_KEY = r"""(?<=[{,])\s*([\w.-]+|"[^"]*")\s*="""
+KEY_PART = r""""([^"]*)"|'([^']*)'|([\w-]+)"""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The tables of a domain.toml; `path` is the file, even where there is none.
+
+    `weights` belong to names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), single
+    actions, classes and entities; `language` maps names of actions and fluents to sentences; `scene` is the
+    table as physics reads it.
+    """
+
+    path: Path
+    title: str = ""
+    description: str = ""
+    weights: Mapping[str, Fraction] = field(default_factory=dict)
+    language: Mapping[str, str] = field(default_factory=dict)
+    scene: Mapping[str, Any] = field(default_factory=dict)
+
+    def line_of(self, *keys: str) -> int:
+        """Return the line that sets the key reached through `keys`, or 1 where there is none."""
+        return key_line(read_text(self.path), keys) if self.path.is_file() else 1
+
+
+def read_table(path: Path) -> dict[str, Any]:
+    """Return a TOML file as a table, its decimal numbers unrounded; a missing file is an empty one.
+
+    Raises:
+        DomainError: the file is unreadable or not TOML.
+    """
+    if not path.exists():
+        return {}
+    try:
+        table: dict[str, Any] = tomllib.loads(read_text(path), parse_float=Decimal)
+    except tomllib.TOMLDecodeError as error:
+        words = str(error)
+        place = re.search(r" \(at (?:line (\d+)|end of document).*\)", words)
+        line = place[1] if place and place[1] else str(len(read_text(path).rstrip().split("\n")))
+        raise DomainError(f"{path}:{line}: not TOML: {words.split(' (at ', maxsplit=1)[0]}; mend the line") from None
+    except (ValueError, RecursionError, InvalidOperation) as error:
+        raise DomainError(f"{path}:1: not TOML: {error}; shorten its numbers and nested lists") from None
+    return table
+
+
+def settings_of(table: Mapping[str, Any], path: Path) -> Settings:
+    """Return the settings that a table spells, without what has a wrong type: the linter reports it."""
+    weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
+    language = {key: value for key, value in _table(table, "language").items() if isinstance(value, str)}
+    return Settings(
+        path,
+        title=str(table.get("title", "")),
+        description=str(table.get("description", "")),
+        weights={weight_key(key): weight for key, weight in weights.items() if weight is not None},
+        language=language,
+        scene=_rounded(_table(table, "scene")),
+    )
+
+
+def weight_key(key: str) -> str:
+    """Return a key of the weights without blanks around the arrow of a pair: ``grasp>move``."""
+    return ">".join(part.strip() for part in key.split(">"))
+
+
+def weight_of(value: object) -> Fraction | None:
+    """Return the exact value of a weight, None where it is not a number that is finite and not negative."""
+    if isinstance(value, bool) or not isinstance(value, int | Decimal):
+        return None
+    if isinstance(value, Decimal) and (not value.is_finite() or abs(value.adjusted()) > MAX_EXPONENT):
+        return None
+    return Fraction(value) if value >= 0 else None
+
+
+def _table(table: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    found = table.get(name, {})
+    return found if isinstance(found, Mapping) else {}
+
+
+def _rounded(value: Any) -> Any:
+    """Return a value with its decimals as floats: physics computes with them."""
+    if isinstance(value, Mapping):
+        return {key: _rounded(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_rounded(each) for each in value]
+    return float(value) if isinstance(value, Decimal) else value
+
+
+def key_line(text: str, keys: Sequence[str]) -> int:
+    """Return the first line that sets the key reached through `keys`, or the nearest table above it."""
+    wanted = tuple(map(weight_key, keys))
+    best, depth = 1, 0
+    for number, here in _keys(text):
+        if here == wanted:
+            return number
+        if len(here) > depth and here == wanted[: len(here)]:
+            best, depth = number, len(here)
+    return best
+
+
+def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
+    """Yield each key of a TOML text with the number of its line; keys of an inline table are yielded too."""
+    table: tuple[str, ...] = ()
+    until = ""
+    for number, line in enumerate(text.split("\n"), 1):
+        if until:
+            until = "" if until in line else until
+            continue
+        header = re.match(HEADER, line)
+        if header:
+            table = _parts(header["name"])
+            yield number, table
+            continue
+        key = re.match(KEY, line)
+        if key:
+            name = (*table, *_parts(key["name"]))
+            yield number, name
+            for inner in re.finditer(INNER_KEY, line[key.end() :]):
+                yield number, (*name, *_parts(inner[1]))
+        for quotes in ('"""', "'''"):
+            until = quotes if line.count(quotes) % 2 else until
+
+
+def _parts(name: str) -> tuple[str, ...]:
+    return tuple(weight_key("".join(part)) for part in re.findall(KEY_PART, name))

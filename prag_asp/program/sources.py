@@ -1,0 +1,125 @@
+"""The files of a logic program, joined into one text that remembers where each line came from."""
+
+from __future__ import annotations
+
+import bisect
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from prag_asp.errors import DomainError
+from prag_asp.program.tokens import blanked
+
+KEYWORD = re.compile(r"#include\b")
+CONTRACT = "contract.lp"
+"""The encoding that every folder of encodings has."""
+
+HIERARCHY = "hierarchy.lp"
+"""The encoding that only domains with composites need."""
+
+INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
+
+
+@dataclass(frozen=True)
+class Source:
+    """One file of a logic program, its includes blanked out."""
+
+    path: Path
+    text: str
+
+
+@dataclass(frozen=True)
+class Program:
+    """A logic program as the list of its files."""
+
+    sources: tuple[Source, ...]
+
+    @cached_property
+    def text(self) -> str:
+        """All files in one text; each begins in the part `base`."""
+        return "".join(f"#program base.\n{source.text}\n" for source in self.sources)
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        starts, line = [], 1
+        for source in self.sources:
+            starts.append(line)
+            line += source.text.count("\n") + 2
+        return starts
+
+    def locate(self, line: int) -> tuple[Path, int]:
+        """Return the file and the line in it of a line of `text`, both counted from 1."""
+        at = max(bisect.bisect_right(self._starts, line) - 1, 0)
+        return self.sources[at].path, max(line - self._starts[at], 1)
+
+
+def read_sources(path: Path, encodings: Path, *, own: Path | None = None) -> tuple[Source, ...]:
+    """Return the file `path` and everything it includes, each file once, included files first.
+
+    An include is looked up beside the including file, then in the folder of encodings.
+
+    Raises:
+        DomainError: a file cannot be read, or an include leads out of the folder `own` and the encodings.
+    """
+    found: dict[Path, Source] = {}
+    _read(path, encodings, own or path.parent, found, ())
+    return tuple(found.values())
+
+
+def _read(path: Path, encodings: Path, own: Path, found: dict[Path, Source], above: tuple[Path, ...]) -> None:
+    text = read_text(path)
+    pieces = []
+    end = 0
+    for keyword in KEYWORD.finditer(blanked(text)):
+        line = text.count("\n", 0, keyword.start()) + 1
+        include = INCLUDE.match(text, keyword.start())
+        if include is None:
+            raise DomainError(f'{path}:{line}: unreadable #include; write it as #include "file.lp".')
+        target = _include(include["file"], path, line, encodings, own)
+        if target.resolve() not in (*above, path.resolve()) and target.resolve() not in found:
+            _read(target, encodings, own, found, (*above, path.resolve()))
+        pieces += [text[end : include.start()], re.sub(r"[^\n]", " ", include[0])]
+        end = include.end()
+    found[path.resolve()] = Source(path, "".join([*pieces, text[end:]]))
+
+
+def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> Path:
+    for folder, limit in ((path.parent, own), (path.parent, encodings), (encodings, encodings)):
+        target = folder / name
+        if name and target.is_file() and target.resolve().is_relative_to(limit.resolve()):
+            return target
+    raise DomainError(
+        f"{path}:{line}: cannot include {name!r}; name a file in the domain's folder or in the encodings, "
+        'such as "rules/closed_world.lp"'
+    )
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file.
+
+    Raises:
+        DomainError: the file is missing, unreadable or not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise DomainError(f"{path}:{line}: not UTF-8 text; save the file as UTF-8") from None
+    except OSError as error:
+        told = f"{path}:1: cannot be read: {error.strerror}"
+        raise DomainError(f"{told}; check the path and its permissions") from None
+
+
+def core_sources(encodings: Path) -> tuple[Source, ...]:
+    """Return the encodings that every domain uses: the logic programs directly in the folder, but the hierarchy.
+
+    Raises:
+        DomainError: the folder holds no encodings.
+    """
+    if not (encodings / CONTRACT).is_file():
+        raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
+    paths = sorted(path for path in encodings.glob("*.lp") if path.name != HIERARCHY)
+    found: Iterable[Source] = (source for path in paths for source in read_sources(path, encodings))
+    return tuple({source.path.resolve(): source for source in found}.values())

@@ -1,0 +1,196 @@
+"""The statements of a logic program, with the atoms of their heads and bodies picked out."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from clingo.ast import AST, ASTType
+
+from prag_asp.program.problem import Problem, Signature
+
+TIMED_PARTS = ("step", "check")
+STRING = re.compile(r'"(?:\\.|[^"\\])*"')
+NAME = re.compile(r"(?<![\w'@#])_*[a-z][\w']*")
+VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
+PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\((?P<arguments>.*)\))?$", re.S)
+
+
+@dataclass(frozen=True)
+class Atom:
+    """An atom of a rule: its predicate, ``-`` before it where strongly negated, and its arguments as text."""
+
+    name: str
+    arguments: tuple[str, ...]
+    negated: bool
+    node: AST
+
+    @property
+    def signature(self) -> Signature:
+        """The name and the number of arguments."""
+        return self.name, len(self.arguments)
+
+    @property
+    def line(self) -> int:
+        """The line of the file."""
+        return int(self.node.location.begin.line)
+
+    def __str__(self) -> str:
+        return f"{self.name}({','.join(self.arguments)})" if self.arguments else self.name
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One statement of a source, in its program part.
+
+    `own` tells the domain's files from the encodings, `parameters` are those of the part.
+    """
+
+    node: AST
+    kind: ASTType
+    path: Path
+    line: int
+    own: bool
+    part: str
+    parameters: tuple[str, ...]
+
+    @property
+    def timed(self) -> bool:
+        """Whether the statement belongs to a step or to the check after the last step."""
+        return self.part in TIMED_PARTS
+
+    @property
+    def is_rule(self) -> bool:
+        """Whether the statement is a rule, a fact or a constraint."""
+        return self.kind == ASTType.Rule
+
+    @cached_property
+    def literals(self) -> tuple[tuple[AST, str], ...]:
+        """The body's literals, each with its text."""
+        return tuple((node, str(node)) for node in getattr(self.node, "body", ()))
+
+    @cached_property
+    def heads(self) -> tuple[Atom, ...]:
+        """The atoms that a rule derives."""
+        return tuple(self._head[0])
+
+    @cached_property
+    def body(self) -> tuple[Atom, ...]:
+        """The atoms that a statement reads, those of conditions included."""
+        return (*self._head[1], *(atom for node, text in self.literals for atom in atoms(node, text)))
+
+    @cached_property
+    def _head(self) -> tuple[list[Atom], list[Atom]]:
+        return head_atoms(self.node.head) if self.is_rule else ([], [])
+
+    def problem(self, text: str, line: int | None = None) -> Problem:
+        """Return a problem of this statement."""
+        return Problem(self.path, self.line if line is None else line, text)
+
+
+def head_atoms(head: AST) -> tuple[list[Atom], list[Atom]]:
+    """Return the atoms that the head of a rule derives, and those of the conditions that it derives them under."""
+    plain = plain_atom(head, str(head))
+    if plain:
+        return [plain], []
+    derived, conditions = _split_head(head)
+    return (
+        [atom for node in derived for atom in atoms(node, str(node))],
+        [atom for node in conditions for atom in atoms(node, str(node))],
+    )
+
+
+def _split_head(head: AST) -> tuple[list[AST], list[AST]]:
+    """Return the literals that a head derives and those that it derives them under."""
+    if head.ast_type in (ASTType.Aggregate, ASTType.Disjunction):
+        elements = list(head.elements)
+    elif head.ast_type == ASTType.HeadAggregate:
+        elements = [element.condition for element in head.elements]
+    else:
+        return [head], []
+    return [each.literal for each in elements], [literal for each in elements for literal in each.condition]
+
+
+def atoms(node: AST, text: str) -> Iterator[Atom]:
+    """Yield the atoms of a literal, an aggregate or a condition, whose text is `text`."""
+    plain = plain_atom(node, text)
+    if plain:
+        yield plain
+        return
+    stack = [(node, False)]
+    while stack:
+        node, negated = stack.pop()
+        if node.ast_type == ASTType.SymbolicAtom:
+            yield from _symbolic_atoms(node.symbol, negated)
+        else:
+            inner = bool(node.sign) if node.ast_type == ASTType.Literal else negated
+            stack += [(child, inner) for child in reversed(_children(node))]
+
+
+def plain_atom(node: AST, text: str) -> Atom | None:
+    """Return the atom of a literal without strings and pools from its text, which is fast; None of others."""
+    match = PLAIN_ATOM.match(text)
+    if not match or '"' in text or ";" in text:
+        return None
+    arguments = split_arguments(match["arguments"]) if match["arguments"] is not None else []
+    if arguments is None:
+        return None
+    return Atom(match["name"], tuple(arguments), bool(match["sign"]), node)
+
+
+def split_arguments(text: str) -> list[str] | None:
+    """Return the arguments in a text, None where its parentheses do not match."""
+    arguments, depth, start = [], 0, 0
+    for separator in re.finditer(r"[(),]", text):
+        if separator[0] == ",":
+            if depth == 0:
+                arguments.append(text[start : separator.start()])
+                start = separator.end()
+        else:
+            depth += 1 if separator[0] == "(" else -1
+            if depth < 0:
+                return None
+    return [*arguments, text[start:]] if depth == 0 else None
+
+
+def _symbolic_atoms(symbol: AST, negated: bool, prefix: str = "") -> Iterator[Atom]:
+    if symbol.ast_type == ASTType.Pool:
+        for each in symbol.arguments:
+            yield from _symbolic_atoms(each, negated, prefix)
+    elif symbol.ast_type == ASTType.UnaryOperation:
+        yield from _symbolic_atoms(symbol.argument, negated, "" if prefix else "-")
+    elif symbol.ast_type == ASTType.Function:
+        yield Atom(prefix + symbol.name, tuple(map(str, symbol.arguments)), negated, symbol)
+
+
+def _children(node: AST) -> list[AST]:
+    found: list[AST] = []
+    for key in node.child_keys:
+        child = getattr(node, key)
+        if isinstance(child, AST):
+            found.append(child)
+        elif child is not None:
+            found += child
+    return found
+
+
+def below(node: AST) -> Iterator[AST]:
+    """Yield a node of a syntax tree and all that is below it."""
+    stack = [node]
+    while stack:
+        node = stack.pop()
+        yield node
+        stack += _children(node)
+
+
+def names(texts: Iterable[str]) -> set[str]:
+    """Return the names of the functions and constants in texts, strings aside."""
+    return {name for text in texts for name in NAME.findall(STRING.sub("", text) if '"' in text else text)} - {"not"}
+
+
+def variables(text: str) -> set[str]:
+    """Return the names of the variables in a text, strings aside."""
+    return set(VARIABLE.findall(STRING.sub("", text)))

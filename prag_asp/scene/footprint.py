@@ -1,0 +1,62 @@
+"""What bodies cover of the table, seen from above."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from prag_asp.scene.forms import Outline, Point, rectangle
+from prag_asp.scene.model import Shape
+
+Place = tuple[float, float, float]
+"""x and y in metres, yaw in radians."""
+
+TOUCHING = 0.0015
+"""Fixed bodies may reach this far into each other, in metres, as all bodies may."""
+
+
+class Footprint(NamedTuple):
+    """An upright body and its place."""
+
+    shape: Shape
+    place: Place = (0.0, 0.0, 0.0)
+
+
+def corners(footprint: Footprint) -> Outline:
+    """Return the corners of what a body covers, counter-clockwise; of a round one those of the square around it."""
+    (x, y, yaw), (half_x, half_y, _) = footprint.place, footprint.shape.half
+    return rectangle(x, y, half_x, half_y, 0.0 if footprint.shape.traits.round else yaw)
+
+
+def apart(one: Footprint, two: Footprint, touching: float) -> bool:
+    """Tell whether two bodies reach less than `touching` metres into each other, by separating axes."""
+    directions = [axis for footprint in (one, two) for axis in _axes(footprint, two if footprint is one else one)]
+    return any(_gap(one, two, direction) >= -touching for direction in directions)
+
+
+def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
+    """Return the unit normals of the sides of a body; of a round one the direction from the nearest part of another."""
+    x, y, yaw = footprint.place
+    if not footprint.shape.traits.round:
+        cosine, sine = math.cos(yaw), math.sin(yaw)
+        return [(cosine, sine), (-sine, cosine)]
+    nearest = other.place[:2]
+    if not other.shape.traits.round:
+        nearest = min(corners(other), key=lambda corner: math.dist(corner, (x, y)))
+    length = math.dist(nearest, (x, y))
+    return [((nearest[0] - x) / length, (nearest[1] - y) / length)] if length > 0.0 else []
+
+
+def _gap(one: Footprint, two: Footprint, direction: Point) -> float:
+    """Return how far two bodies are apart along a direction in metres, negative where they overlap."""
+    (low, high), (other_low, other_high) = _shadow(one, direction), _shadow(two, direction)
+    return max(other_low - high, low - other_high)
+
+
+def _shadow(footprint: Footprint, direction: Point) -> tuple[float, float]:
+    """Return where a body begins and ends along a unit vector, in metres."""
+    if footprint.shape.traits.round:
+        middle = direction[0] * footprint.place[0] + direction[1] * footprint.place[1]
+        return middle - footprint.shape.half[0], middle + footprint.shape.half[0]
+    along = [direction[0] * x + direction[1] * y for x, y in corners(footprint)]
+    return min(along), max(along)

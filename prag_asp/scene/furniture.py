@@ -1,0 +1,210 @@
+"""What furniture is made of: a body that stands still, a part that slides or turns on a joint, and a handle.
+
+A *drawer* is a low cabinet, open in front, in which a tray with a front panel slides out along the cabinet's -x. A
+*cupboard* is a low box whose door lies on top and turns about an upright pin at a corner, to the cupboard's +y: what
+is in it is reached from above, as everything is. Closed, the roof or the door is between the gripper and what is in
+it. Handles are upright posts, gripped from above. All frames are metres; the frame of the part is that of its joint.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+from prag_asp.scene.geometry import Pose, Vector, compose, yaw_quaternion
+from prag_asp.scene.load import Shape
+
+Box = tuple[Vector, Vector]
+"""The centre of a box and half its sides."""
+
+Corners = tuple[Vector, Vector]
+"""The lowest and the highest corner of a bounding box."""
+
+GAP = 0.002
+"""Between the moving part and the rest."""
+
+POST, STEM = 0.011, 0.005
+"""Half the thickness of the post that is gripped, and of the stem that holds it in front of a drawer."""
+
+POST_HEIGHT = 0.055
+GRIP_DEPTH = 0.02
+"""How far below the top of the post the gripper holds it."""
+
+STAND_OFF = 0.025
+"""How far the post is from the panel of a drawer, or from the edge of a door: the fingers fit in between."""
+
+RIM = 2 / 3
+"""The height of a tray's walls, as a share of the room in the cabinet: they stop what is in it, and not the hand."""
+
+QUARTER = math.pi / 2
+SWEPT = 9
+
+
+class Mechanism(NamedTuple):
+    """Furniture in its own frame, the centre of its size: boxes of the body, boxes of the part in the joint's frame.
+
+    The part moves along `axis` if it `slides`, otherwise it turns about it, from 0 to `limit` (metres or radians).
+    `handle` is the point that is gripped, in the joint's frame. `cavity` is inner sides and depth, `middle` the middle
+    of its floor, in the joint's frame where it `slides`, for then it moves along.
+    """
+
+    body: tuple[Box, ...]
+    part: tuple[Box, ...]
+    joint: Vector
+    axis: Vector
+    slides: bool
+    limit: float
+    handle: Vector
+    cavity: Vector
+    middle: Vector
+
+
+@lru_cache(maxsize=64)
+def mechanism(shape: Shape) -> Mechanism:
+    """Return what a drawer or a cupboard is made of."""
+    return MAKERS[shape.kind](shape)
+
+
+@lru_cache(maxsize=1 << 8)
+def cavity(shape: Shape) -> Vector:
+    """Return the inner sides and the depth of the cavity of a hollow body in metres; zeros for other shapes."""
+    if shape.traits.furniture:
+        return mechanism(shape).cavity
+    if not shape.traits.hollow:
+        return (0.0, 0.0, 0.0)
+    x, y, z = shape.size
+    return (x - 2 * shape.wall, y - 2 * shape.wall, z - shape.wall)
+
+
+@lru_cache(maxsize=1 << 10)
+def part_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
+    """Return the pose of the moving part of furniture that is open so far, in metres or radians."""
+    made = mechanism(shape)
+    joint = compose(pose, Pose(made.joint))
+    x, y, z = made.axis
+    if made.slides:
+        return compose(joint, Pose((x * opening, y * opening, z * opening)))
+    return compose(joint, Pose((0.0, 0.0, 0.0), yaw_quaternion(z * opening)))
+
+
+def cavity_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
+    """Return the pose of the middle of the floor on which things stand in furniture that is open so far."""
+    made = mechanism(shape)
+    return compose(part_pose(shape, pose, opening) if made.slides else pose, Pose(made.middle))
+
+
+@lru_cache(maxsize=1 << 10)
+def around(shape: Shape, pose: Pose, opening: float) -> Corners:
+    """Return the bounding box of furniture that is open so far."""
+    made = mechanism(shape)
+    return _union([_around(made.body, pose), _around(made.part, part_pose(shape, pose, opening))])
+
+
+@lru_cache(maxsize=64)
+def swept(shape: Shape, pose: Pose) -> tuple[Corners, Corners]:
+    """Return the bounding boxes of the body of furniture, and of all the places where its part can be."""
+    made = mechanism(shape)
+    openings = [made.limit * i / (SWEPT - 1) for i in range(SWEPT)]
+    return _around(made.body, pose), _union([_around(made.part, part_pose(shape, pose, q)) for q in openings])
+
+
+def _drawer(shape: Shape) -> Mechanism:
+    """Return the cabinet and the tray of a drawer; the front is at -x."""
+    (x, y, z), wall = shape.half, shape.wall
+    front, back, side = wall - x, x - wall - GAP, y - wall - GAP
+    floor = GAP + wall - z
+    depth = RIM * (z - wall - GAP - floor)
+    post = -x - STAND_OFF
+    cabinet = (
+        _box((front, x), (-y, y), (z - wall, z)),
+        _box((front, x), (y - wall, y), (-z, z - wall)),
+        _box((front, x), (-y, wall - y), (-z, z - wall)),
+        _box((x - wall, x), (wall - y, y - wall), (-z, z - wall)),
+    )
+    tray = (
+        _box((-x, front - GAP), (-y, y), (GAP - z, z)),
+        _box((front - GAP, back), (-side, side), (GAP - z, floor)),
+        _box((front - GAP, back), (side - wall, side), (floor, floor + depth)),
+        _box((front - GAP, back), (-side, wall - side), (floor, floor + depth)),
+        _box((back - wall, back), (wall - side, side - wall), (floor, floor + depth)),
+        _box((post, -x), (-STEM, STEM), (z + GRIP_DEPTH - POST_HEIGHT, z + 2 * STEM + GRIP_DEPTH - POST_HEIGHT)),
+        _post(post, 0.0, z + GRIP_DEPTH - POST_HEIGHT),
+    )
+    low, high = front - GAP, back - wall
+    return Mechanism(
+        body=cabinet,
+        part=tray,
+        joint=(0.0, 0.0, 0.0),
+        axis=(-1.0, 0.0, 0.0),
+        slides=True,
+        limit=high - front,
+        handle=(post, 0.0, z),
+        cavity=(high - low, 2 * (side - wall), depth),
+        middle=((low + high) / 2, 0.0, floor),
+    )
+
+
+def _cupboard(shape: Shape) -> Mechanism:
+    """Return the box and the door of a cupboard; the pin is at the corner of +x and +y."""
+    (x, y, z), wall = shape.half, shape.wall
+    rim = z - wall - GAP
+    box = (
+        _box((-x, x), (-y, y), (-z, wall - z)),
+        _box((-x, x), (y - wall, y), (wall - z, rim)),
+        _box((-x, x), (-y, wall - y), (wall - z, rim)),
+        _box((x - wall, x), (wall - y, y - wall), (wall - z, rim)),
+        _box((-x, wall - x), (wall - y, y - wall), (wall - z, rim)),
+    )
+    pin = (x - wall / 2, y - wall / 2, 0.0)
+    post = STAND_OFF - x
+    door = (_box((-x, x), (-y, y), (z - wall, z)), _post(post, 0.0, z))
+    return Mechanism(
+        body=box,
+        part=tuple((_minus(centre, pin), half) for centre, half in door),
+        joint=pin,
+        axis=(0.0, 0.0, -1.0),
+        slides=False,
+        limit=QUARTER,
+        handle=_minus((post, 0.0, z + POST_HEIGHT - GRIP_DEPTH), pin),
+        cavity=(2 * (x - wall), 2 * (y - wall), rim + z - wall),
+        middle=(0.0, 0.0, wall - z),
+    )
+
+
+MAKERS: Mapping[str, Callable[[Shape], Mechanism]] = {"drawer": _drawer, "cupboard": _cupboard}
+"""What each kind of furniture is made of."""
+
+
+def _post(x: float, y: float, bottom: float) -> Box:
+    """Return the post of a handle."""
+    return _box((x - POST, x + POST), (y - POST, y + POST), (bottom, bottom + POST_HEIGHT))
+
+
+def _box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Box:
+    """Return the box between two ends along each axis."""
+    centre = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (z[0] + z[1]) / 2)
+    return centre, ((x[1] - x[0]) / 2, (y[1] - y[0]) / 2, (z[1] - z[0]) / 2)
+
+
+def _around(boxes: tuple[Box, ...], pose: Pose) -> Corners:
+    """Return the bounding box of boxes in a frame."""
+    found = []
+    for (x, y, z), (dx, dy, dz) in boxes:
+        for i in range(8):
+            corner = (x + dx * (1 - (i & 2)), y + dy * (1 - (i & 4) // 2), z + dz * (1 - 2 * (i & 1)))
+            found.append(compose(pose, Pose(corner)).position)
+    return _union([(corner, corner) for corner in found])
+
+
+def _union(boxes: list[Corners]) -> Corners:
+    """Return the bounding box of bounding boxes."""
+    lows, highs = zip(*boxes, strict=True)
+    (ax, ay, az), (bx, by, bz) = (map(min, zip(*lows, strict=True)), map(max, zip(*highs, strict=True)))
+    return (ax, ay, az), (bx, by, bz)
+
+
+def _minus(one: Vector, two: Vector) -> Vector:
+    """Return the difference of two vectors."""
+    return (one[0] - two[0], one[1] - two[1], one[2] - two[2])

@@ -1,0 +1,1 @@
+"""Read the table ``[scene]`` of a domain.toml."""

@@ -1,0 +1,116 @@
+"""Read the ``[scene]`` table of a domain, and collect everything that is wrong with it.
+
+Lengths are metres, angles in the file degrees.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from prag_asp.domain.scene_colors import read_colors
+from prag_asp.scene.model import IGNORED, PREDICATE_ROLES, Own, Scene, Shape, Table
+from prag_asp.scene.read.looks import read_materials
+from prag_asp.scene.read.places import place_problems, read_fixed, read_table, read_workspace
+from prag_asp.scene.read.report import Report, is_number, suggest
+from prag_asp.scene.read.robots import ROBOTS, base_problems, read_robots
+from prag_asp.scene.read.shapes import read_shapes
+from prag_asp.scene.read.stability import falls
+
+FRAMES = ("robot", "viewer")
+SCENE_KEYS = (
+    "robot",
+    "robots",
+    "frame",
+    "workspace",
+    "table",
+    "shapes",
+    "materials",
+    "colors",
+    "fixed",
+    "predicates",
+    "rotations",
+    "own",
+)
+
+
+def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own]) -> Scene:
+    """Return a scene that has its `own` predicates too; a wrong value is reported, and the default stands in for it."""
+    report.unknown("scene", table, SCENE_KEYS)
+    if not isinstance(table.get("shapes", {}), Mapping) or "scene.shapes" in report.misspelt:
+        report.doubtful |= set(report.entities)
+    sizes = read_shapes(report, report.section(table, "shapes"))
+    shapes = {entity: several[-1] for entity, several in sizes.items()}
+    robot = report.choice(table, "robot", ROBOTS)
+    scene = Scene(
+        shapes=shapes,
+        robot=robot,
+        robots=read_robots(report, report.section(table, "robots"), shapes, robot),
+        frame=report.choice(table, "frame", FRAMES),
+        workspace=read_workspace(report, report.section(table, "workspace")),
+        table=read_table(report, report.section(table, "table")),
+        colors=read_colors(report, report.section(table, "colors"), shapes),
+        fixed=read_fixed(report, report.section(table, "fixed"), shapes),
+        predicates=_predicates(report, report.section(table, "predicates"), own),
+        rotations=_rotations(report, report.section(table, "rotations")),
+        materials=read_materials(report, report.section(table, "materials")),
+        own=own,
+        ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
+    )
+    if not report.problems:
+        _check_bodies(report, scene, report.section(table, "shapes"))
+    return scene
+
+
+def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> None:
+    """Report objects larger than the table, fixed ones off it or in each other or a robot, furniture without a place.
+
+    `given` is ``scene.shapes`` by class.
+    """
+    for entity, shape in scene.shapes.items():
+        if shape.traits.furniture and entity not in scene.fixed:
+            report.add(f"scene.fixed.{entity}", f"missing: {entity} is a {shape.kind}, which does not move; say where")
+    bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.traits.body}
+    fallen: dict[str, str] = {}
+    for entity, shape in bodies.items():
+        owner = next(name for name in report.line(entity) if name in given)
+        if shape.model is not None and entity not in scene.fixed and falls(shape.model.solids):
+            fallen.setdefault(owner, entity)
+        if _larger(shape, scene.table):
+            sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
+            text = f"{sides[1]:g} x {sides[0]:g} m is larger than the table, which is {room[1]:g} x {room[0]:g} m"
+            report.add(f"scene.shapes.{owner}", f"{text}; make it smaller")
+            report.doubtful.add(entity)
+    for owner, entity in fallen.items():
+        text = f"{entity} falls over: the middle of its box, its centre of mass here, is not above what it stands on"
+        report.add(f"scene.shapes.{owner}.path", f"{text}; turn it, widen its foot, or fix it to a place")
+    fixed = {entity: place for entity, place in scene.fixed.items() if entity not in report.doubtful}
+    report.problems += [*place_problems(scene.table, scene.shapes, fixed), *base_problems(replace(scene, fixed=fixed))]
+
+
+def _larger(shape: Shape, table: Table) -> bool:
+    """Tell whether a body is longer or broader than the table."""
+    return any(side > room for side, room in zip(sorted(shape.size[:2]), sorted(table.size), strict=True))
+
+
+def _predicates(report: Report, value: Mapping[str, Any], own: Mapping[str, Own]) -> dict[str, str]:
+    """Return which spatial predicate a fluent name means."""
+    known = [*PREDICATE_ROLES, *own, IGNORED]
+    for fluent, predicate in value.items():
+        if predicate not in known and str(predicate) not in report.doubtful:
+            hint = suggest(str(predicate), known)
+            report.add(f"scene.predicates.{fluent}", f"unknown spatial predicate {predicate!r}; {hint}")
+    return {fluent: str(predicate) for fluent, predicate in value.items()}
+
+
+def _rotations(report: Report, value: Mapping[str, Any]) -> dict[str, float]:
+    """Return the yaw in radians that a name stands for."""
+    rotations = {}
+    for name, yaw in value.items():
+        if is_number(yaw):
+            rotations[name] = math.radians(yaw)
+        else:
+            report.add(f"scene.rotations.{name}", f"needs a yaw in degrees; got {yaw!r}")
+    return rotations

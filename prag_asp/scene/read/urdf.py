@@ -1,0 +1,211 @@
+"""Read a URDF of one rigid link: what it collides with, the box around that, and its mass.
+
+Only what is needed to place and grasp a body: boxes, cylinders, balls and meshes (.obj and .stl, of which PyBullet
+takes the convex hull). Nothing here loads a simulator, so the linter can measure a body. Lengths are metres.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+from prag_asp.domain.plural import plural
+from prag_asp.errors import SceneError
+from prag_asp.scene.forms import FORMS
+from prag_asp.scene.model import Model, Shape, Size, Solid
+from prag_asp.scene.read.mesh import mesh_points, thickness
+from prag_asp.scene.read.report import SMALLEST
+from prag_asp.scene.read.stability import rotation
+
+ZEROS = "0 0 0"
+HULL_MARGIN = 0.001
+"""How far PyBullet keeps other bodies off the hull of a mesh, in metres."""
+
+
+def read_urdf(path: Path, folder: Path) -> Shape:
+    """Return the shape of the body that a URDF describes; it and its meshes lie inside a folder.
+
+    Its middle is the centre of the box around all that collides, and is taken for its centre of mass.
+
+    Raises:
+        SceneError: a file is missing, outside or malformed, or describes something else than one rigid body.
+    """
+    _require_inside(path, folder)
+    root, lines = _parsed(path)
+    links = root.findall("link")
+    if len(links) != 1:
+        named = ", ".join(f"{link.get('name')} in line {lines[link]}" for link in links)
+        found = f"{plural(len(links), 'link')}{f' ({named})' if named else ''}"
+        raise SceneError(f"{path}:{lines[root]}: has {found}; give a URDF of one rigid link")
+    (link,) = links
+    name = f"link {link.get('name', 'without a name')}"
+    solids, corners = [], list[Size]()
+    for number, element in enumerate(link.iter("collision"), 1):
+        with _told_of(path, lines[element], f"{name}, collision {number}"):
+            solids.append(_solid(element, path, folder))
+            corners += _ends(solids[-1])
+    mass = link.find("inertial/mass")
+    if mass is None or not solids:
+        missing = "<collision>" if mass is not None else "<mass> in an <inertial>"
+        raise SceneError(f"{path}:{lines[link]}: {name} has no {missing}; add one")
+    with _told_of(path, lines[mass], name):
+        weight = _lengths(mass, "value", 1, path)[0]
+    low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
+    middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
+    centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
+    return Shape("urdf", _minus(high, low), model=Model(centred, weight))
+
+
+def _parsed(path: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
+    """Return the outermost element of an XML file, and the line in which each element begins.
+
+    Raises:
+        SceneError: the file cannot be read, or is not XML.
+    """
+    builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
+    lines: dict[ElementTree.Element, int] = {}
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
+
+    parser.StartElementHandler, parser.EndElementHandler = start, builder.end
+    try:
+        with path.open("rb") as file:
+            parser.ParseFile(file)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    except expat.ExpatError as error:
+        raise SceneError(f"{path}:{error.lineno}: not XML: {str(error).partition(':')[0]}; mend the line") from error
+    except (LookupError, ValueError) as error:
+        raise SceneError(f"{path}:1: not XML: its encoding cannot be read; save it as UTF-8") from error
+    return builder.close(), lines
+
+
+@contextmanager
+def _told_of(path: Path, line: int, what: str) -> Iterator[None]:
+    """Begin the message of an error in a URDF with its line, and with what of it is wrong.
+
+    Raises:
+        SceneError: what is read raises one.
+    """
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError(f"{path}:{line}: {what}: {str(error).removeprefix(f'{path}: ')}") from error
+
+
+def _require_inside(path: Path, folder: Path) -> None:
+    """Check that a file is there, and inside a folder.
+
+    Raises:
+        SceneError: it is not.
+    """
+    if not path.resolve().is_relative_to(folder.resolve()):
+        raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
+    if not path.is_file():
+        raise SceneError(f"{path}: there is no such file; give the path from the folder of the domain")
+
+
+def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
+    """Return the solid of one collision element.
+
+    Raises:
+        SceneError: its geometry is missing, unknown, or not of positive size.
+    """
+    origin = element.find("origin")
+    at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
+    place = (_numbers(at, 3, path, "the xyz of <origin>"), _numbers(turn, 3, path, "the rpy of <origin>"))
+    geometry = element.find("geometry")
+    shape = None if geometry is None else next(iter(geometry), None)
+    if shape is None:
+        raise SceneError(f"{path}: has no <geometry>; give it a box, cylinder, sphere or mesh")
+    if shape.tag == "mesh":
+        file = path.parent / shape.get("filename", "").removeprefix("package://")
+        _require_inside(file, folder)
+        return Solid("mesh", _lengths(shape, "scale", 3, path, "1 1 1"), *place, str(file))
+    if shape.tag == "box":
+        return _thick(Solid("box", _lengths(shape, "size", 3, path), *place), path)
+    if shape.tag in ("cylinder", "sphere"):
+        diameter = 2 * _lengths(shape, "radius", 1, path)[0]
+        height = _lengths(shape, "length", 1, path)[0] if shape.tag == "cylinder" else diameter
+        return _thick(Solid(shape.tag, (diameter, diameter, height), *place), path)
+    raise SceneError(f"{path}: unknown geometry <{shape.tag}>; known are box, cylinder, sphere and mesh")
+
+
+def _thick(solid: Solid, path: Path) -> Solid:
+    """Return a solid that is nowhere too thin to collide with.
+
+    Raises:
+        SceneError: it is.
+    """
+    if min(solid.size) < SMALLEST:
+        raise SceneError(f"{path}: a <{solid.kind}> is {_thin(min(solid.size))}")
+    return solid
+
+
+def _thin(thickness: float) -> str:
+    """Return in words that a solid is too thin, and what to do."""
+    return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
+
+
+def _lengths(element: ElementTree.Element, name: str, count: int, path: Path, default: str = "") -> Size:
+    """Return positive numbers of an attribute, zeros after the first `count`.
+
+    Raises:
+        SceneError: they are not.
+    """
+    values = _numbers(element.get(name, default), count, path, f"the {name} of <{element.tag}>")
+    if min(values[:count]) <= 0.0:
+        raise SceneError(f"{path}: <{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
+    return values
+
+
+def _numbers(text: str, count: int, path: Path, name: str) -> Size:
+    """Return finite numbers of an attribute, zeros after the first `count`.
+
+    Raises:
+        SceneError: they are not, or not as many.
+    """
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise SceneError(f"{path}: {name} is {text!r}; give {count} finite number{'s' if count > 1 else ''}")
+    return _size([*values, 0.0, 0.0][:3])
+
+
+def _ends(solid: Solid) -> Iterator[Size]:
+    """Yield points of a solid in the frame of the link that have the same bounding box as all of it.
+
+    Raises:
+        SceneError: a mesh cannot be read, or is too thin.
+    """
+    rows, margin = rotation(solid.turn), 0.0
+    if solid.mesh:
+        points = [_size([a * b for a, b in zip(point, solid.size, strict=True)]) for point in mesh_points(solid.mesh)]
+        if thickness(points) < SMALLEST:
+            raise SceneError(f"{solid.mesh}: the mesh is {_thin(thickness(points))}")
+        turned = [[sum(a * b for a, b in zip(row, point, strict=True)) for row in rows] for point in points]
+        margin = HULL_MARGIN
+    else:
+        half = _size([side / 2 for side in solid.size])
+        reach = [FORMS[solid.kind].reach(half, row) for row in rows]
+        turned = [reach, [-side for side in reach]]
+    for point in turned:
+        for side in (-margin, margin):
+            yield _size([a + b + side for a, b in zip(point, solid.at, strict=True)])
+
+
+def _minus(one: Size, two: Size) -> Size:
+    """Return the difference of two vectors."""
+    return (one[0] - two[0], one[1] - two[1], one[2] - two[2])
+
+
+def _size(values: list[float]) -> Size:
+    """Return three numbers as a tuple."""
+    return (values[0], values[1], values[2])

@@ -1,0 +1,1 @@
+"""The automaton of a space: explored, merged, determinised, counted on."""

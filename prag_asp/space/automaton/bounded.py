@@ -1,0 +1,62 @@
+"""Counting that a limit may end: what is known then is a lower bound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numpy.typing import NDArray
+
+from prag_asp.space.automaton.automaton import Automaton, Completions
+
+REPORTED = 4096
+"""Letters between two reports of progress."""
+
+
+def count_within(
+    completions: Completions,
+    length: int,
+    spent: Callable[[], str | None],
+    tell: Callable[[str], None] = lambda words: None,
+) -> tuple[int, str]:
+    """Return the weight of all words of a length, and "", or what is known of it when a limit is reached, and which.
+
+    What is known then is no more than the weight of the words that begin with one path, to where the completions are
+    known. `tell` hears now and then how far it is.
+    """
+    automaton = completions.automaton
+    if not automaton.states:
+        return 0, ""
+    row = completions.row(0)
+    for left in range(length):
+        stopped = spent()
+        if stopped:
+            return _along_one_path(automaton, length - left, row), stopped
+        row = completions.following(row)
+        if left % REPORTED == 0:
+            tell(f"counted {left:,} of {length:,} actions")
+    return int(row[0]), ""
+
+
+def _along_one_path(automaton: Automaton, steps: int, row: NDArray[Any]) -> int:
+    """Return a weight of words that begin with one path of so many steps, where `row` has what completes it.
+
+    In each state the path goes on in the same way, so that it soon goes around; rounds that are left out count once,
+    which is no more than they weigh, for weights are whole numbers.
+    """
+    state, weight, left = 0, 1, steps
+    seen: dict[int, int] = {}
+    while left:
+        if state in seen:
+            left %= seen[state] - left
+            seen = {}
+            if not left:
+                break
+        seen[state] = left
+        edges = range(int(automaton.offsets[state]), int(automaton.offsets[state + 1]))
+        if not edges:
+            return 0
+        best = max(edges, key=lambda edge: int(row[automaton.targets[edge]]))
+        weight *= 1 if automaton.weights is None else int(automaton.weights[best])
+        state, left = int(automaton.targets[best]), left - 1
+    return weight * int(row[state])

@@ -1,0 +1,121 @@
+"""The automaton of skeletons: relabel, merge what cannot be told apart, determinise.
+
+Merging bisimilar states first keeps the subset construction small (Rabin and Scott 1959; partition refinement after
+Kanellakis and Smolka 1983).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import prod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.space.automaton.automaton import Automaton
+from prag_asp.space.automaton.numbering import Numbering
+
+LOOK = 1024
+"""Subsets between two looks at what has been spent."""
+
+Spent = Callable[[], "str | None"]
+"""Says which limit is reached, if one is."""
+
+
+def skeleton_automaton(
+    automaton: Automaton, names: NDArray[np.int64], spent: Spent = lambda: None
+) -> tuple[Automaton, str]:
+    """Return the deterministic automaton of the words of `automaton` with each letter replaced by its name.
+
+    `names` maps letters to numbers of names, shape (number of letters,). Where a limit is reached on the way, it is
+    returned as well: some states then have no edges, so that words are missing, none wrong.
+    """
+    if not automaton.states:
+        return automaton, ""
+    blocks, letters, sources, targets = _quotient(automaton, names[automaton.letters])
+    accepting = np.zeros(int(blocks.max()) + 1, dtype=np.bool_)
+    accepting[blocks[automaton.accepting]] = True
+    moves: dict[int, dict[int, list[int]]] = {}
+    for source, letter, target in zip(sources.tolist(), letters.tolist(), targets.tolist(), strict=True):
+        moves.setdefault(source, {}).setdefault(letter, []).append(target)
+    return _determinised(int(blocks[0]), moves, accepting, automaton.horizon, spent)
+
+
+def _quotient(
+    automaton: Automaton, letters: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return the block of each state, and the letters, sources and targets of the edges between blocks."""
+    sources = automaton.sources
+    blocks = automaton.accepting.astype(np.int64)
+    number = int(blocks.max()) - int(blocks.min()) + 1
+    while True:
+        edges = _distinct(sources, letters, blocks[automaton.targets])
+        refined = _refined(blocks, *edges)
+        found = int(refined.max()) + 1
+        if found == number:
+            first, letter, target = _distinct(blocks[edges[0]], edges[1], edges[2])
+            return blocks, letter, first, target
+        blocks, number = refined, found
+
+
+def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
+    """Return the different rows of some columns, sorted."""
+    sizes = [int(column.max(initial=0)) + 1 for column in columns]
+    if prod(sizes) < 2**62:
+        # Sorted by hand: np.unique would load numpy.ma, a tenth of what a small count takes.
+        codes = np.sort(np.ravel_multi_index(columns, sizes))
+        codes = codes[np.append(True, codes[1:] != codes[:-1])[: len(codes)]]
+        return tuple(np.asarray(column, dtype=np.int64) for column in np.unravel_index(codes, sizes))
+    return tuple(np.unique(np.stack(columns, axis=1), axis=0).T)
+
+
+def _refined(
+    blocks: NDArray[np.int64], sources: NDArray[np.int64], letters: NDArray[np.int64], targets: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return blocks told apart by their edges, which are sorted: edge by edge, all states at once."""
+    starts = np.searchsorted(sources, np.arange(len(blocks) + 1))
+    degrees = np.diff(starts)
+    kinds = blocks.copy()
+    for place in range(int(degrees.max(initial=0))):
+        states = np.flatnonzero(degrees > place)
+        edges = starts[states] + place
+        kinds[states] = _numbers(kinds[states], letters[edges], targets[edges])
+    return _numbers(degrees, kinds)
+
+
+def _numbers(*columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    rows = np.stack(columns, axis=1).astype(np.uint64)
+    return Numbering(len(columns)).add(rows)
+
+
+def _determinised(
+    start: int, moves: dict[int, dict[int, list[int]]], accepting: NDArray[np.bool_], horizon: int | None, spent: Spent
+) -> tuple[Automaton, str]:
+    numbers: dict[frozenset[int], int] = {frozenset({start}): 0}
+    subsets = [frozenset({start})]
+    offsets, letters, targets = [0], [], []
+    stopped = ""
+    for place, subset in enumerate(subsets):
+        if place % LOOK == LOOK - 1 and not stopped:
+            stopped = spent() or ""
+        union: dict[int, set[int]] = {}
+        for state in () if stopped else subset:
+            for letter, found in moves.get(state, {}).items():
+                union.setdefault(letter, set()).update(found)
+        for letter in sorted(union):
+            target = frozenset(union[letter])
+            if target not in numbers:
+                numbers[target] = len(subsets)
+                subsets.append(target)
+            letters.append(letter)
+            targets.append(numbers[target])
+        offsets.append(len(letters))
+    ends = np.array([bool(accepting[list(subset)].any()) for subset in subsets])
+    automaton = Automaton(
+        np.array(offsets, dtype=np.int64),
+        np.array(letters, dtype=np.int32),
+        np.array(targets, dtype=np.int32),
+        ends,
+        horizon=horizon,
+    )
+    return automaton, stopped

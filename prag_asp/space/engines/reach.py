@@ -1,0 +1,169 @@
+"""What an automaton engine explores of one level of a domain: whole or up to a limit, merged or not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import factorial, prod
+from typing import TYPE_CHECKING
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.ground.program import action_name, mentioned_entities
+from prag_asp.logic.model import Model
+from prag_asp.logic.step.transition import Transition
+from prag_asp.space.automaton.automaton import Automaton, Completions
+from prag_asp.space.automaton.explore import Explored, Extent, Watch, explore
+from prag_asp.space.automaton.skeletons import skeleton_automaton
+from prag_asp.space.limits import Budget
+from prag_asp.space.weighing.weights import Weights, weigh, weighing_facts
+
+if TYPE_CHECKING:
+    from prag_asp.logic.symmetry.merging import Merging
+    from prag_asp.space.automaton.merged import Merged
+    from prag_asp.space.engines.protocol import Level
+
+PATIENCE, WORDS, LARGE = 250_000, 4, 100
+"""Edges of a space beyond which its states are merged, where these take few words, and have so many renamings."""
+
+MORE_PATIENCE = 5_000_000
+"""Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
+
+OUTGROWN = "outgrown"
+
+Groups = Sequence[Sequence[clingo.Symbol]]
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What is known of the words of a level.
+
+    `letters` are the texts of the letters and `names` those of their actions' names. `merged` is what walks along words
+    where states were merged; `stopped` says which limit ended the exploration, in words, and is empty where nothing is
+    missing up to the automaton's horizon.
+    """
+
+    letters: tuple[str, ...]
+    names: tuple[str, ...]
+    completions: Completions
+    merged: Merged | None = None
+    stopped: str = ""
+
+    @classmethod
+    def of_merged(cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stopped: str = "") -> Reach:
+        """Return what is known where states were merged."""
+        return cls(letters, names, Completions(merged.automaton), merged, stopped)
+
+    def covers(self, length: int) -> bool:
+        """Return whether all words of a length are known."""
+        horizon = self.completions.automaton.horizon
+        return not self.stopped and (horizon is None or horizon >= length)
+
+
+@dataclass(frozen=True)
+class Explorer:
+    """Explores one level of a domain; `merge` says whether states are merged, or is None to let their number decide."""
+
+    model: Model
+    level: Level
+    tell: Callable[[str], None] | None = None
+    merge: bool | None = None
+
+    def transition(self, weights: Weights | None = None, read: Sequence[clingo.Symbol] = ()) -> Transition:
+        """Return the step function that is explored; its labels are those of the weights, then the atoms `read`.
+
+        A skeleton has a plan wherever it has a task, so that skeletons need no canonical names.
+
+        Raises:
+            EngineError: the step is not a function of the state and the action.
+        """
+        facts, labels = weighing_facts(weights or Weights())
+        return self.model.transition(tasks=self.level == "task", weighed=facts, labels=(*labels, *read))
+
+    def reach(self, transition: Transition, length: int, budget: Budget) -> Reach:
+        """Return what is reached within `length` steps, or until the budget is spent."""
+        explored, merging = self._explored(transition, length, budget, Weights())
+        names = tuple(map(action_name, transition.actions))
+        if self.level == "skeleton":
+            letters = tuple(sorted(set(names)))
+            numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
+            automaton, stopped = skeleton_automaton(explored.automaton, numbers, budget.spent)
+            return Reach(letters, letters, Completions(automaton), None, explored.stopped or stopped)
+        return _known(transition, explored, merging, explored.automaton)
+
+    def weighed(
+        self, length: int, weights: Weights, budget: Budget, read: Sequence[clingo.Symbol] = ()
+    ) -> tuple[Reach, Fraction, NDArray[np.bool_]]:
+        """Return the same with a whole number on each edge, what 1 stands for, and the truth of `read` after each edge.
+
+        The latter has shape (edges, atoms read).
+        """
+        transition = self.transition(weights, read)
+        explored, merging = self._explored(transition, length, budget, weights)
+        own = explored.labels.shape[1] - len(read)
+        automaton, scale = explored.automaton, 1
+        if weights:
+            automaton, scale = weigh(automaton, explored.labels[:, :own], transition.actions, weights)
+        return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
+
+    def _explored(
+        self, transition: Transition, length: int, budget: Budget, weights: Weights
+    ) -> tuple[Explored, Merging | None]:
+        if self.merge:
+            merging = self._merging(transition, weights)
+            return explore(transition, length, self._watch(budget), merging=merging), merging
+        words = transition.initial.shape[1]
+        patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
+        explored = explore(transition, length, self._watch(budget, patience))
+        if explored.stopped == OUTGROWN:
+            merging = self._merging(transition, weights)
+            if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
+                explored = explore(transition, length, self._watch(budget, MORE_PATIENCE))
+                if explored.stopped != OUTGROWN:
+                    return explored, None
+            return explore(transition, length, self._watch(budget), merging=merging), merging
+        return explored, None
+
+    def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
+        from prag_asp.logic.symmetry.merging import find_merging
+
+        groups = self.model.groups(0)
+        return find_merging(transition, equal_groups(groups, weights), groups if self.level == "task" else ())
+
+    def _watch(self, budget: Budget, patience: int | None = None) -> Watch:
+        def watch(extent: Extent) -> str | None:
+            if self.tell:
+                memory = f"{extent.nbytes / 10**6:,.0f} MB"
+                self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
+            outgrown = patience is not None and extent.edges > patience
+            return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
+
+        return watch
+
+
+def _known(transition: Transition, explored: Explored, merging: Merging | None, automaton: Automaton) -> Reach:
+    """Return what was explored, with the weights of `automaton`."""
+    letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
+    if merging is None or explored.renamings is None:
+        return Reach(letters, names, Completions(automaton), None, explored.stopped)
+    from prag_asp.space.automaton.merged import Merged
+
+    base = explored.automaton
+    merged = Merged(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
+    return Reach.of_merged(letters, names, merged, explored.stopped)
+
+
+def equal_groups(groups: Groups, weights: Weights) -> list[tuple[clingo.Symbol, ...]]:
+    """Return the groups of entities that neither the domain nor the weights tell apart."""
+    single = {entity for group in groups for action in weights.actions for entity in mentioned_entities(action, group)}
+    found: list[tuple[clingo.Symbol, ...]] = []
+    for group in groups:
+        by_weight: dict[object, list[clingo.Symbol]] = {}
+        for entity in group:
+            if entity not in single:
+                by_weight.setdefault(weights.entities.get(entity), []).append(entity)
+        found += [tuple(members) for members in by_weight.values() if len(members) > 1]
+    return found

@@ -1,0 +1,1 @@
+"""Parts of a space: ranges of ranks, shuffles, splits."""

@@ -1,0 +1,1 @@
+"""Plans told as tasks: states, subgoals, names, readings."""

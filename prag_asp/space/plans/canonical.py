@@ -1,0 +1,57 @@
+"""The canonical name of a plan: interchangeable entities introduced in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import clingo
+
+from prag_asp.atom import Atom, parse_atom
+from prag_asp.errors import QueryError
+from prag_asp.logic.ground.program import mentioned_entities
+from prag_asp.logic.symmetry.renaming import renamed as renamed_term
+
+
+def canonical_names(
+    plan: Iterable[Atom], groups: Sequence[Sequence[clingo.Symbol]]
+) -> dict[clingo.Symbol, clingo.Symbol]:
+    """Return new names for the entities of `groups` that a plan uses: in each group, the first used is the first."""
+    group_of = {entity: group for group in groups for entity in group}
+    names: dict[clingo.Symbol, clingo.Symbol] = {}
+    introduced: dict[clingo.Symbol, int] = {}
+    for action in plan:
+        for entity in mentioned_entities(clingo.parse_term(str(action)), group_of):
+            if entity not in names:
+                group = group_of[entity]
+                names[entity] = group[introduced.setdefault(group[0], 0)]
+                introduced[group[0]] += 1
+    return names
+
+
+def canonical_prefix(
+    prefix: Sequence[str], names: Iterable[str], groups: Sequence[Sequence[clingo.Symbol]]
+) -> tuple[str, ...]:
+    """Return what tasks begin with where some renaming of them begins with `prefix`: actions, or `names` of actions.
+
+    Raises:
+        QueryError: after a mere name, an action speaks of an interchangeable entity for the first time.
+    """
+    named = set(names)
+    actions = [parse_atom(item) for item in prefix if item not in named]
+    renaming = canonical_names(actions, groups)
+    grouped = {entity for group in groups for entity in group}
+    introduced: set[clingo.Symbol] = set()
+    for place, item in enumerate(prefix):
+        used = set(mentioned_entities(clingo.parse_term(item), grouped)) if item not in named else set()
+        if used - introduced and any(earlier in named for earlier in prefix[:place]):
+            raise QueryError(
+                f"{item} names the interchangeable {min(map(str, used - introduced))}, but it comes after a mere name: "
+                "give the actions before it in full, or count plans"
+            )
+        introduced |= used
+    return tuple(item if item in named else str(renamed([parse_atom(item)], renaming)[0]) for item in prefix)
+
+
+def renamed(plan: Iterable[Atom], names: Mapping[clingo.Symbol, clingo.Symbol]) -> list[Atom]:
+    """Return a plan with other names for its entities."""
+    return [parse_atom(str(renamed_term(clingo.parse_term(str(action)), names))) for action in plan]

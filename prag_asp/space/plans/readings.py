@@ -1,0 +1,130 @@
+"""The readings of a plan: the ways to take it as a concatenation of whole composites and of free actions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from prag_asp.atom import Atom, parse_atom
+from prag_asp.program.composition import composite_actions
+from prag_asp.program.facts import Facts
+
+
+@dataclass(frozen=True)
+class Composite:
+    """A composite with its parts, each an action or again a composite.
+
+    It prints as ``serve(cup)[take(cup) pour[open close]]``.
+    """
+
+    term: Atom
+    parts: tuple[Atom | Composite, ...]
+
+    def __str__(self) -> str:
+        return f"{self.term}[{' '.join(map(str, self.parts))}]"
+
+    def actions(self) -> Iterator[Atom]:
+        """Yield the atomic actions, in order."""
+        for part in self.parts:
+            if isinstance(part, Composite):
+                yield from part.actions()
+            else:
+                yield part
+
+
+Reading = tuple[Atom | Composite, ...]
+"""A plan cut into free actions and whole composites."""
+
+
+@dataclass(frozen=True)
+class Hierarchy:
+    """What may stand in a reading: `units` maps a sequence of actions to the free action or composites that it is.
+
+    The action comes first, then the composites in clingo's order of terms. `units` is None where a domain has no
+    composites: every action is free.
+    """
+
+    units: Mapping[tuple[Atom, ...], tuple[Atom | Composite, ...]] | None
+
+    @cached_property
+    def lengths(self) -> tuple[int, ...]:
+        """The numbers of actions that a free action or a composite may have, in increasing order."""
+        return (1,) if self.units is None else tuple(sorted({len(actions) for actions in self.units}))
+
+    def at(self, actions: tuple[Atom, ...]) -> tuple[Atom | Composite, ...]:
+        """Return the free action and the composites that are just these actions."""
+        return actions if self.units is None else self.units.get(actions, ())
+
+
+def hierarchy_of(facts: Facts) -> Hierarchy:
+    """Return what the composites and the free actions of a domain are."""
+    if not facts.composites:
+        return Hierarchy(None)
+    atoms = {term: parse_atom(str(term)) for term in (*facts.actions, *facts.composites)}
+    whole: dict[Atom, Composite] = {}
+    units: dict[tuple[Atom, ...], tuple[Atom | Composite, ...]] = {(atoms[a],): (atoms[a],) for a in facts.free}
+    words = composite_actions(facts)
+    for composite in words:  # a composite comes after the ones that it contains
+        parts = (atoms[part] for _, part in facts.stages[composite])
+        whole[atoms[composite]] = Composite(atoms[composite], tuple(whole.get(part, part) for part in parts))
+    for composite in facts.composites:
+        word = tuple(atoms[action] for action in words[composite])
+        units[word] = (*units.get(word, ()), whole[atoms[composite]])
+    return Hierarchy(units)
+
+
+@dataclass(frozen=True)
+class Readings:
+    """The readings of one plan, lazily, and their exact number.
+
+    They come in lexicographic order of their units from the left; units that begin together come in increasing number
+    of actions, then the free action before the composites, and these in clingo's order of terms.
+    """
+
+    actions: tuple[Atom, ...]
+    hierarchy: Hierarchy
+
+    @cached_property
+    def _counts(self) -> Sequence[int]:
+        """For each place, the number of readings of the actions from there on."""
+        counts = [0] * len(self.actions) + [1]
+        for place in range(len(self.actions) - 1, -1, -1):
+            counts[place] = sum(len(units) * counts[end] for end, units in self._units(place))
+        return counts
+
+    def _units(self, place: int) -> Iterator[tuple[int, tuple[Atom | Composite, ...]]]:
+        """Yield the ends of the units that begin at a place, with the units that end there."""
+        for length in self.hierarchy.lengths:
+            if place + length > len(self.actions):
+                break
+            units = self.hierarchy.at(self.actions[place : place + length])
+            if units:
+                yield place + length, units
+
+    def count(self) -> int:
+        """Return the number of readings, without enumerating them."""
+        return self._counts[0]
+
+    def __iter__(self) -> Iterator[Reading]:
+        units: list[Atom | Composite] = []
+        waiting = [iter(self._branches(0))]
+        if not self.actions:
+            yield ()
+        while waiting:
+            end, unit = next(waiting[-1], (0, None))
+            if unit is None:
+                waiting.pop()
+                del units[-1:]
+            elif end == len(self.actions):
+                yield (*units, unit)
+            else:
+                units.append(unit)
+                waiting.append(iter(self._branches(end)))
+
+    def _branches(self, place: int) -> Iterator[tuple[int, Atom | Composite]]:
+        """Yield the units that some reading goes on with, and where they end."""
+        if self._counts[place]:
+            for end, units in self._units(place):
+                if self._counts[end]:
+                    yield from ((end, unit) for unit in units)

@@ -1,0 +1,1 @@
+"""What makes a task more probable than others."""
