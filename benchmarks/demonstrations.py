@@ -21,7 +21,7 @@ from rich.table import Table
 from prag_asp import Scene, TaskSpace, load_domain, load_scene
 from prag_asp.physics import Budget, open_validator
 from prag_asp.physics.demonstration.perform import open_performer
-from prag_asp.physics.facts import Problem, problem
+from prag_asp.physics.facts import PhysicalTask, physical_task
 from prag_asp.physics.world.simulator import open_simulator
 
 ACCEPTED = Budget(tier="transit")
@@ -55,7 +55,7 @@ def main() -> None:
                 witness = validator.validate(task, seed=options.seed, index=index, budget=ACCEPTED).witness
                 if witness is None:
                     continue
-                seen = problem(task, scene)
+                seen = physical_task(task, scene)
                 outcome = outcomes[KINDS[_touches_ball(seen, scene)], length]
                 begun = time.process_time()
                 demonstration = performer.perform(seen, witness)
@@ -79,7 +79,7 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _touches_ball(seen: Problem, scene: Scene) -> bool:
+def _touches_ball(seen: PhysicalTask, scene: Scene) -> bool:
     """Tell whether the robot goes to a ball, or holds one."""
     touched = {each for e in seen.effects for each in (e.grasps, e.holds, e.releases, e.visits) if each}
     return any(scene.shapes[entity].kind == "sphere" for entity in touched)

@@ -39,14 +39,14 @@ from spawning_ways import (
     wanted_scene,
 )
 
-from prag_asp.physics.facts import Problem
+from prag_asp.physics.facts import PhysicalTask
 from prag_asp.physics.pictures.render import picture
 from prag_asp.physics.search.attempt import Search
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Moment
+from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.scene.load import Scene, Shape
+from prag_asp.scene.model import Scene, Shape
 
 HERE = Path(__file__).parent
 
@@ -70,7 +70,7 @@ class Cell:
         return 1000 * self.seconds / self.scenes
 
 
-Way = Callable[[Search, Problem, int], Situation | None]
+Way = Callable[[Search, PhysicalTask, int], Situation | None]
 Cells = dict[tuple[str, int, int], Cell]
 
 
@@ -89,7 +89,7 @@ def main() -> None:
         "volumes, relations ordered": (by_placement, options.restarts),
     }
     cells: Cells = {}
-    hardest: list[tuple[Situation, Problem]] = []
+    hardest: list[tuple[Situation, PhysicalTask]] = []
     places = [(objects, relations) for objects in range(1, MOST + 1) for relations in range(MOST + 1)]
     possible = [place for place in places if place[1] <= place[0] * (place[0] - 1)]
     with open_simulator(scene) as simulator:
@@ -118,7 +118,7 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _measure(cell: Cell, way: Way, search: Search, wanted: Problem, tries: int) -> Situation | None:
+def _measure(cell: Cell, way: Way, search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
     """Spawn a scene, and count it where it is right; time is that of the way alone."""
     begun = time.process_time()
     found = way(search, wanted, tries)
@@ -183,7 +183,7 @@ def _short(value: float) -> str:
     return f"{value:.0f}" if value >= 9.95 else f"{value:.1f}"
 
 
-def _pictures(scene: Scene, shown: Sequence[tuple[Situation, Problem]], file: Path) -> None:
+def _pictures(scene: Scene, shown: Sequence[tuple[Situation, PhysicalTask]], file: Path) -> None:
     """Write pictures of scenes with their relations under them."""
     with open_simulator(scene, visual=True) as simulator:
         home = simulator.robot.home

@@ -9,14 +9,14 @@ import numpy as np
 
 from prag_asp import Task
 from prag_asp.atom import Atom
-from prag_asp.physics.facts import Fact, Problem, problem
+from prag_asp.physics.facts import Fact, PhysicalTask, physical_task
 from prag_asp.physics.predicates import PREDICATES, Volume
 from prag_asp.physics.search.attempt import Failure, Search
 from prag_asp.physics.search.start import draw_start
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.scene.geometry import Pose, extents, yaw_quaternion
-from prag_asp.scene.load import Scene, Shape
+from prag_asp.scene.model import Scene, Shape
 
 DIRECTIONS = ("left_of", "right_of", "in_front_of", "behind")
 SHAPES = {
@@ -41,7 +41,7 @@ BOX = (0.32, 0.62, -0.42, 0.42)
 MOST = 8
 
 
-def wanted_scene(scene: Scene, rng: np.random.Generator, objects: int, relations: int) -> Problem:
+def wanted_scene(scene: Scene, rng: np.random.Generator, objects: int, relations: int) -> PhysicalTask:
     """Return random relations of random objects that hold together in some arrangement."""
     names = tuple(str(name) for name in rng.permutation(list(COLORS))[:objects])
     while True:
@@ -52,7 +52,7 @@ def wanted_scene(scene: Scene, rng: np.random.Generator, objects: int, relations
             chosen = [true[k] for k in rng.permutation(len(true))[:relations]]
             state = {Atom("on_top", (name, "table")): True for name in names} | dict.fromkeys(chosen, True)
             entities = {name: kind_of(name) for name in names}
-            return problem(Task("spawning", (), entities, state, (), (), {}), scene)
+            return physical_task(Task("spawning", (), entities, state, (), (), {}), scene)
 
 
 def kind_of(name: str) -> str:
@@ -103,7 +103,7 @@ def right(search: Search, situation: Situation, facts: Sequence[Fact]) -> bool:
     return colliding(search.simulator, situation, search.objects, search.objects) is None
 
 
-def uniform(search: Search, wanted: Problem, tries: int) -> Situation | None:
+def uniform(search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
     """Draw all objects uniformly, until a scene is right."""
     for _ in range(tries):
         poses = {name: _anywhere(search.scene, search.rng, name) for name in wanted.objects}
@@ -113,7 +113,7 @@ def uniform(search: Search, wanted: Problem, tries: int) -> Situation | None:
     return None
 
 
-def by_volumes(search: Search, wanted: Problem, tries: int) -> Situation | None:
+def by_volumes(search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
     """Draw object by object from the volumes of what is said of it and of objects that have a place."""
     for _ in range(tries):
         situation = _empty(search.scene)
@@ -134,7 +134,7 @@ def by_volumes(search: Search, wanted: Problem, tries: int) -> Situation | None:
     return None
 
 
-def by_placement(search: Search, wanted: Problem, tries: int) -> Situation | None:
+def by_placement(search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
     """Draw the scene as validation draws the first state of a task."""
     for _ in range(tries):
         try:

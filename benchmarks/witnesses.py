@@ -24,8 +24,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset.jsonl import Record, write_line
+from prag_asp.domain.load import load_scene
 from prag_asp.physics import Budget, validate_tasks
-from prag_asp.scene.load import load_scene
 from tests.independent.check import problems
 from tests.independent.world import world_of
 

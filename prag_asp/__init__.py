@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from prag_asp.atom import Atom, parse_atom
-    from prag_asp.domain.load import Domain, load_domain
+    from prag_asp.domain.load import Domain, load_domain, load_scene
     from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
-    from prag_asp.scene.load import Scene, load_scene
+    from prag_asp.scene.model import Scene
     from prag_asp.space.conditions.condition import Condition
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
@@ -45,8 +45,8 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.atom": ("Atom", "parse_atom"),
-    "prag_asp.domain.load": ("Domain", "load_domain"),
-    "prag_asp.scene.load": ("Scene", "load_scene"),
+    "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
+    "prag_asp.scene.model": ("Scene",),
     "prag_asp.errors": ("DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError"),
     "prag_asp.space.conditions.condition": ("Condition",),
     "prag_asp.task": ("Task",),

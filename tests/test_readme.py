@@ -22,7 +22,9 @@ from typing import NamedTuple
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.scene.load import KINDS, PREDICATE_ROLES, SCENE_KEYS
+from prag_asp.scene.kinds import KINDS
+from prag_asp.scene.model import PREDICATE_ROLES
+from prag_asp.scene.read.table import SCENE_KEYS
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"

@@ -26,8 +26,8 @@ from prag_asp.cli.terminal import (
     whole_lines,
     writer,
 )
-from prag_asp.domain.plural import plural
 from prag_asp.errors import LimitReached, QueryError
+from prag_asp.wording import plural
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""

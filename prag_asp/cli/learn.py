@@ -13,13 +13,13 @@ import click
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, Checking, asks
 from prag_asp.cli.terminal import progress, require_writable, writer
-from prag_asp.domain.plural import plural
 from prag_asp.errors import DomainError
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.tally import Tally
     from prag_asp.domain.load import Domain
-    from prag_asp.scene.load import Scene
+    from prag_asp.scene.model import Scene
     from prag_asp.space.task_space import TaskSpace
 
 Row = tuple[str, ...]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget
-    from prag_asp.scene.load import Scene
+    from prag_asp.scene.model import Scene
     from prag_asp.space.task_space import TaskSpace
 
 Function = Callable[..., Any]
@@ -246,8 +246,8 @@ def scene_of(domain: Domain) -> Scene:
     Raises:
         SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
     """
+    from prag_asp.domain.load import load_scene
     from prag_asp.physics.predicates import own_predicates
-    from prag_asp.scene.load import load_scene
 
     scene = load_scene(domain)
     own_predicates(scene)

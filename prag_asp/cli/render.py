@@ -14,14 +14,14 @@ from prag_asp.cli import options
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import progress, require_writable
 from prag_asp.dataset.origin import MEND, index_of, named_domain, read_witness, told_with_place
-from prag_asp.domain.plural import plural
 from prag_asp.errors import OutputError, QueryError
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Demonstration, Witness
-    from prag_asp.scene.load import Scene
+    from prag_asp.scene.model import Scene
 
 SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350)}
 """Pixels of a frame for each form of picture."""

@@ -10,8 +10,8 @@ import click
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import progress
-from prag_asp.domain.plural import plural
 from prag_asp.errors import QueryError
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace

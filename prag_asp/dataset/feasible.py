@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 from prag_asp.cli.options import Checking
 from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.tally import Tally
-from prag_asp.domain.plural import plural
 from prag_asp.errors import OutputError
 from prag_asp.physics import Demonstration, validate_tasks
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.cli.terminal import Tell
-    from prag_asp.scene.load import Scene
+    from prag_asp.scene.model import Scene
     from prag_asp.task import Task
 
 

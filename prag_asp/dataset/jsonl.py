@@ -10,8 +10,7 @@ from typing import Any
 
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.space.frozen import FrozenDict
-from prag_asp.task import Task
+from prag_asp.task import FrozenDict, Task
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from prag_asp.physics import (
     demonstrate,
     open_settling,
     open_witness_check,
-    problem,
+    physical_task,
     travel,
     validate_numbered,
 )
@@ -29,7 +29,7 @@ from prag_asp.physics.search.attempt import NO_PATH
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
-    from prag_asp.scene.load import Scene
+    from prag_asp.scene.model import Scene
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
@@ -152,7 +152,7 @@ def _witnesses(told: Iterator[Told], scene: Scene, checking: Checking) -> Iterat
                 continue
             faults: list[str | None] = [*check(record.task, witness)[:1]]
             if not faults and settling is not None:
-                faults.append(settling.failure(problem(record.task, scene), witness))
+                faults.append(settling.failure(physical_task(record.task, scene), witness))
             if not any(faults) and budget.includes("transit") and not witness.travels:
                 travelled = travel(record.task, witness, scene)
                 witness = travelled or witness

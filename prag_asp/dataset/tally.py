@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from prag_asp.domain.plural import plural
 from prag_asp.physics import CAUSES, Verdict
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import clingo
 
+from prag_asp.errors import SceneError
 from prag_asp.lint import check, check_learned
 from prag_asp.program.facts import Facts
 from prag_asp.program.paths import data_folder, domain_folder
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
+from prag_asp.scene.model import Scene
 
 LEARNED = "learned.lp"
 """The file of invariants that physics has proved; `prag-asp learn` writes it."""
@@ -74,6 +76,22 @@ def load_domain(
     domain = Domain(folder.resolve().name, folder, encodings, program, facts, settings, trust)
     path = folder / LEARNED
     return with_learned(domain, read_sources(path, encodings)) if learned and path.is_file() else domain
+
+
+def load_scene(domain: Domain) -> Scene:
+    """Return the scene of a domain that `load_domain` has read; its Python predicates are trusted where it is.
+
+    Raises:
+        SceneError: the domain has none.
+    """
+    if not domain.settings.scene:
+        raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
+    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
+    from prag_asp.scene.load import parse_scene
+
+    return parse_scene(
+        domain.settings.scene, domain.facts.parents, entities, folder=domain.folder, trust=domain.trusted
+    )
 
 
 def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:

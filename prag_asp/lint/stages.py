@@ -11,16 +11,14 @@ from clingo.ast import ASTType
 from prag_asp.errors import DomainError
 from prag_asp.lint.composites import composite_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
-from prag_asp.lint.effects import effect_problems
+from prag_asp.lint.effects import effect_problems, limit_problems
 from prag_asp.lint.execution import execution_problems
-from prag_asp.lint.hierarchy import hierarchy_problems
-from prag_asp.lint.limits import limit_problems
+from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, term_problems
 from prag_asp.lint.occurrence import occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
 from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.table import name_problems, table_problems
-from prag_asp.lint.terms import choice_problems, term_problems
 from prag_asp.lint.vocabulary import vocabulary_problems
 from prag_asp.program.facts import Facts, read_facts
 from prag_asp.program.grounding import Grounder

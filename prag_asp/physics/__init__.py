@@ -7,7 +7,7 @@ from prag_asp.physics.checks.settling import open_settling, settle
 from prag_asp.physics.demonstration.check import check_demonstration
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.perform import demonstrate
-from prag_asp.physics.facts import problem
+from prag_asp.physics.facts import physical_task
 from prag_asp.physics.motion.transit import travel
 from prag_asp.physics.pictures.camera import PicturesMissingError
 from prag_asp.physics.pictures.render import animate, film_strip, still
@@ -15,7 +15,8 @@ from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
 from prag_asp.physics.predicates import PREDICATES, Predicate
 from prag_asp.physics.search.attempt import CAUSES
 from prag_asp.physics.validator import Validator, open_validator, validate_task
-from prag_asp.physics.verdict import TIERS, Budget, Moment, Verdict, Waypoint, Witness
+from prag_asp.physics.verdict import TIERS, Budget, Verdict
+from prag_asp.physics.witness import Moment, Waypoint, Witness
 
 __all__ = [
     "CAUSES",
@@ -39,7 +40,7 @@ __all__ = [
     "open_settling",
     "open_validator",
     "open_witness_check",
-    "problem",
+    "physical_task",
     "settle",
     "still",
     "travel",

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from prag_asp.atom import Atom
-from prag_asp.domain.plural import plural
 from prag_asp.errors import SceneError
 from prag_asp.physics.predicates import Predicate, predicate_of
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from prag_asp.task import State, Task
+from prag_asp.wording import plural
 
 OPENING = ("is_open", "is_closed")
 SUPPORTING = ("on_top", "inside")
@@ -78,7 +78,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class Problem:
+class PhysicalTask:
     """A task as physics sees it: the bodies that take part, the facts of the first state, the effects.
 
     `held` says what each robot that holds something holds in the first state; a single robot has no name.
@@ -104,7 +104,7 @@ def facts(scene: Scene, state: State) -> tuple[Fact, ...]:
     return _facts(scene, state, {})
 
 
-def problem(task: Task, scene: Scene) -> Problem:
+def physical_task(task: Task, scene: Scene) -> PhysicalTask:
     """Return a task as physics sees it.
 
     Raises:
@@ -127,7 +127,7 @@ def problem(task: Task, scene: Scene) -> Problem:
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
     # What never moves is there whether the task speaks of it or not.
     objects = tuple(entity for entity in [*task.entities, *sorted(named), *scene.fixed] if _is_object(scene, entity))
-    return Problem(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
+    return PhysicalTask(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
 
 
 def _facts(scene: Scene, state: State, known: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:

@@ -20,10 +20,10 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 
 from prag_asp.errors import PragError, QueryError, SceneError
+from prag_asp.physics.bullet import STDOUT, silence
 from prag_asp.physics.validator import Validator, open_validator
 from prag_asp.physics.verdict import Budget, Verdict
-from prag_asp.physics.world.silence import STDOUT, silence
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from prag_asp.task import Task
 
 CHUNK = 4

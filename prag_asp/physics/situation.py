@@ -11,7 +11,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.robot import Joints, Robot, robot_of
 from prag_asp.scene.furniture import around, cavity_pose, part_pose
 from prag_asp.scene.geometry import Pose, Vector, extents, finite, raised, yaw_quaternion
-from prag_asp.scene.load import Scene, Shape
+from prag_asp.scene.model import Scene, Shape
 
 TABLE_THICKNESS = 0.04
 

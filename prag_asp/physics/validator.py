@@ -13,7 +13,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.checks.settling import Settling, open_settling
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.perform import Performer, open_performer
-from prag_asp.physics.facts import Effect, Problem, problem
+from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
 from prag_asp.physics.motion.transit import with_transit
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.actions import advance
@@ -21,9 +21,10 @@ from prag_asp.physics.search.attempt import CAUSES, NO_PATH, Exhausted, Failure,
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.search.start import draw_start
-from prag_asp.physics.verdict import Budget, Verdict, Waypoint, Witness
+from prag_asp.physics.verdict import Budget, Verdict
+from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.scene.load import Scene, Size
+from prag_asp.scene.model import Scene, Size
 from prag_asp.task import Task
 
 
@@ -45,29 +46,29 @@ class Validator:
             SceneError: the task speaks about something for which the scene has no shape.
         """
         budget = budget or Budget()
-        seen = problem(task, self._scene)
-        if len(seen.effects) != len(task.states):
-            raise SceneError(f"the task {task} has {len(task.states)} states for {len(seen.effects)} actions")
-        proof = self._prover.impossibility(seen)
+        physical = physical_task(task, self._scene)
+        if len(physical.effects) != len(task.states):
+            raise SceneError(f"the task {task} has {len(task.states)} states for {len(physical.effects)} actions")
+        proof = self._prover.impossibility(physical)
         if proof is not None:
             return Verdict("infeasible", budget, seed, index, reason=str(proof))
         rng = np.random.default_rng([seed, index])
-        ahead, spans = foresee(seen, self._scene), foresee_spans(seen, self._scene)
-        search = Search(self._simulator, seen.objects, rng, ahead, spans)
-        return self._look(seen, search, budget, seed, index)
+        ahead, spans = foresee(physical, self._scene), foresee_spans(physical, self._scene)
+        search = Search(self._simulator, physical.objects, rng, ahead, spans)
+        return self._look(physical, search, budget, seed, index)
 
-    def _look(self, seen: Problem, search: Search, budget: Budget, seed: int, index: int) -> Verdict:
+    def _look(self, physical: PhysicalTask, search: Search, budget: Budget, seed: int, index: int) -> Verdict:
         """Search for a witness within a budget."""
         causes: Counter[str] = Counter()
         for restart in range(budget.restarts):
-            search, sizes = self._sized(seen, search)
-            witness = _attempt(seen, search, sizes, budget.samples, causes)
-            if witness is None or not self._settles(seen, witness, budget, causes):
+            search, sizes = self._sized(physical, search)
+            witness = _attempt(physical, search, sizes, budget.samples, causes)
+            if witness is None or not self._settles(physical, witness, budget, causes):
                 continue
-            witness = self._travels(seen, witness, budget, causes)
+            witness = self._travels(physical, witness, budget, causes)
             if witness is None:
                 continue
-            demonstration = self._perform(seen, witness, budget, causes)
+            demonstration = self._perform(physical, witness, budget, causes)
             if demonstration is None or demonstration.success:
                 return Verdict(
                     "feasible",
@@ -84,45 +85,49 @@ class Validator:
             "not_found", budget, seed, index, reason=reason, causes=_ordered(causes), restarts=budget.restarts
         )
 
-    def _sized(self, seen: Problem, search: Search) -> tuple[Search, Mapping[str, Size]]:
+    def _sized(self, physical: PhysicalTask, search: Search) -> tuple[Search, Mapping[str, Size]]:
         """Return the search with sizes drawn for the objects that have a range of them, and the sizes in metres."""
-        ranges = {entity: self._scene.ranges[entity] for entity in seen.objects if entity in self._scene.ranges}
+        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
         if not ranges:
             return search, {}
         drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
         scene = self._scene.with_shapes(drawn)
         self._simulator.use(scene)
         sizes = {entity: shape.size for entity, shape in drawn.items()}
-        return replace(search, foresight=foresee(seen, scene)), sizes
+        return replace(search, foresight=foresee(physical, scene)), sizes
 
-    def _settles(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> bool:
+    def _settles(self, physical: PhysicalTask, witness: Witness, budget: Budget, causes: Counter[str]) -> bool:
         """Tell whether the states of a witness are stable, as far as a budget asks for it."""
         if not budget.includes("settling"):
             return True
         if self._settling is None:
             self._settling = self._resources.enter_context(open_settling(self._scene))
-        failure = self._settling.failure(seen, witness)
+        failure = self._settling.failure(physical, witness)
         if failure is not None:
             causes[failure] += 1
         return failure is None
 
-    def _travels(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> Witness | None:
+    def _travels(
+        self, physical: PhysicalTask, witness: Witness, budget: Budget, causes: Counter[str]
+    ) -> Witness | None:
         """Return a witness with the ways of the arm, as far as a budget asks for them; None where one is missing."""
         if not budget.includes("transit"):
             return witness
-        travelled = with_transit(self._simulator, seen, witness)
+        travelled = with_transit(self._simulator, physical, witness)
         if travelled is None:
             causes[NO_PATH] += 1
         return travelled
 
-    def _perform(self, seen: Problem, witness: Witness, budget: Budget, causes: Counter[str]) -> Demonstration | None:
+    def _perform(
+        self, physical: PhysicalTask, witness: Witness, budget: Budget, causes: Counter[str]
+    ) -> Demonstration | None:
         """Return the recording of the robot performing a witness, None where a budget does not ask for it."""
         if not budget.includes("demonstration"):
             return None
         if self._performer is None:
             opened = open_performer(self._scene, self._simulator)
             self._performer = self._resources.enter_context(opened)
-        demonstration = self._performer.perform(seen, witness)
+        demonstration = self._performer.perform(physical, witness)
         if not demonstration.success:
             causes[demonstration.cause] += 1
         return demonstration
@@ -146,14 +151,14 @@ def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget
 
 
 def _attempt(
-    seen: Problem, search: Search, sizes: Mapping[str, Size], samples: int, causes: Counter[str]
+    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, causes: Counter[str]
 ) -> Witness | None:
     """Return a witness found from one first state, None where an action fails in all its samples."""
-    snapshot = _start(search, seen, samples, causes)
+    snapshot = _start(search, physical, samples, causes)
     if snapshot is None:
         return None
     moments, motions = [snapshot.moment()], []
-    for effect in seen.effects:
+    for effect in physical.effects:
         outcome = _step(search, snapshot, effect, samples, causes)
         if outcome is None:
             return None
@@ -163,11 +168,11 @@ def _attempt(
     return Witness(tuple(moments), tuple(motions), sizes)
 
 
-def _start(search: Search, seen: Problem, samples: int, causes: Counter[str]) -> Snapshot | None:
+def _start(search: Search, physical: PhysicalTask, samples: int, causes: Counter[str]) -> Snapshot | None:
     """Return a first state, None where all samples fail."""
     for _ in range(samples):
         try:
-            return draw_start(search, seen)
+            return draw_start(search, physical)
         except Failure as failure:
             causes[str(failure)] += 1
     return None

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.fields import Field
-from prag_asp.physics.robot import Joints
-from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Size
+from prag_asp.physics.witness import Witness, witness_of
 
 if TYPE_CHECKING:
     from prag_asp.physics.demonstration.demonstration import Demonstration
@@ -20,10 +18,6 @@ Tier = Literal["kinematics", "settling", "transit", "demonstration"]
 STATUSES: tuple[Status, ...] = get_args(Status)
 TIERS: tuple[Tier, ...] = get_args(Tier)
 """The tiers of checks, the cheapest first."""
-JOINTS = 7
-"""Joint angles of every robot."""
-TRANSIT = "transit"
-"""The name of waypoints between those where something happens."""
 
 
 @dataclass(frozen=True)
@@ -57,114 +51,6 @@ class Budget:
     def to_json(self) -> dict[str, Any]:
         """Return the budget as JSON-able data."""
         return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier}
-
-
-class ArmState(NamedTuple):
-    """An arm at a moment: joint angles in radians, the opening in metres, what it holds and how."""
-
-    joints: Joints
-    width: float
-    held: str | None = None
-    grasp: Pose | None = None
-
-
-@dataclass(frozen=True)
-class Moment:
-    """One state of a witness.
-
-    `poses` are those of all objects, `joints` the seven joint angles in radians, `width` the opening in
-    metres, `grasp` the pose of the `held` object in the frame of the tool, `openings` how far furniture is open, in
-    metres or radians. Where there are several robots the arm is that of `robot`, which has acted, and the `others`
-    stand still.
-    """
-
-    poses: Mapping[str, Pose]
-    joints: Joints
-    width: float
-    held: str | None = None
-    grasp: Pose | None = None
-    openings: Mapping[str, float] = field(default_factory=dict)
-    robot: str = ""
-    others: Mapping[str, ArmState] = field(default_factory=dict)
-
-    def arms(self) -> dict[str, ArmState]:
-        """Return all arms by the names of their robots."""
-        return {self.robot: ArmState(self.joints, self.width, self.held, self.grasp), **self.others}
-
-    @property
-    def all_held(self) -> frozenset[str]:
-        """Every object that an arm holds."""
-        return frozenset(arm.held for arm in self.arms().values() if arm.held is not None)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the moment as JSON-able data."""
-        data: dict[str, Any] = {"poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()}}
-        data |= _arm_json(ArmState(self.joints, self.width, self.held, self.grasp))
-        if self.robot:
-            data |= {"robot": self.robot, "others": {name: _arm_json(arm) for name, arm in self.others.items()}}
-        if self.openings:
-            data["openings"] = dict(self.openings)
-        return data
-
-
-@dataclass(frozen=True)
-class Waypoint:
-    """A configuration that the arm passes during an action.
-
-    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; transit on the way
-    there. `held` is what the gripper holds there; where that is the handle of furniture, `opening` is how far it is
-    open, in metres or radians. `robot` is the arm's where there are several.
-    """
-
-    name: str
-    joints: Joints
-    width: float
-    held: str | None = None
-    opening: float | None = None
-    robot: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the waypoint as JSON-able data, without `opening` where it holds no furniture."""
-        data = {"name": self.name, "joints": list(self.joints), "width": self.width, "held": self.held}
-        if self.opening is not None:
-            data["opening"] = self.opening
-        return {**data, "robot": self.robot} if self.robot else data
-
-
-@dataclass(frozen=True)
-class Witness:
-    """How a task can be done: a moment for every state, and waypoints from each to the next.
-
-    `sizes` are the sides in metres of the bounding boxes of the objects whose size was drawn.
-    """
-
-    moments: tuple[Moment, ...]
-    motions: tuple[tuple[Waypoint, ...], ...]
-    sizes: Mapping[str, Size] = field(default_factory=dict)
-
-    @property
-    def travels(self) -> bool:
-        """Whether it shows the ways of the arm between the waypoints."""
-        return any(waypoint.name == TRANSIT for motion in self.motions for waypoint in motion)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the witness as JSON-able data, without `sizes` where none was drawn."""
-        data: dict[str, Any] = {
-            "moments": [moment.to_json() for moment in self.moments],
-            "motions": [[waypoint.to_json() for waypoint in motion] for motion in self.motions],
-        }
-        if self.sizes:
-            data["sizes"] = {entity: list(size) for entity, size in self.sizes.items()}
-        return data
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Witness:
-        """Return the witness that `to_json` wrote.
-
-        Raises:
-            QueryError: the data are of another form; the message names the field by its path.
-        """
-        return _witness(Field(data, "witness"))
 
 
 @dataclass(frozen=True)
@@ -222,78 +108,5 @@ class Verdict:
             reason=told.field("reason").text(),
             causes={cause: number.whole() for cause, number in told.field("causes").items()},
             restarts=told.field("restarts").whole(),
-            witness=None if witness is None else _witness(witness),
+            witness=None if witness is None else witness_of(witness),
         )
-
-
-def _pose_json(pose: Pose) -> list[list[float]]:
-    """Return a pose as its position and its quaternion (x, y, z, w)."""
-    return [list(pose.position), list(pose.quaternion)]
-
-
-def _arm_json(arm: ArmState) -> dict[str, Any]:
-    """Return an arm as JSON-able data."""
-    grasp = None if arm.grasp is None else _pose_json(arm.grasp)
-    return {"joints": list(arm.joints), "width": arm.width, "held": arm.held, "grasp": grasp}
-
-
-def _witness(data: Field) -> Witness:
-    """Return the witness that `Witness.to_json` wrote."""
-    sizes = data.optional("sizes")
-    return Witness(
-        tuple(_moment(moment) for moment in data.field("moments").entries("a list of moments")),
-        tuple(
-            tuple(_waypoint(waypoint) for waypoint in motion.entries("a list of waypoints"))
-            for motion in data.field("motions").entries("a list with a list of waypoints for each action")
-        ),
-        {} if sizes is None else {entity: _vector(size) for entity, size in sizes.items()},
-    )
-
-
-def _pose(data: Field) -> Pose:
-    """Return the pose that `_pose_json` wrote."""
-    position, quaternion = data.entries("a position [x, y, z] and a quaternion [x, y, z, w]", 2)
-    x, y, z, w = quaternion.numbers(4)
-    return Pose(_vector(position), (x, y, z, w))
-
-
-def _vector(data: Field) -> Size:
-    """Return three numbers."""
-    x, y, z = data.numbers(3)
-    return (x, y, z)
-
-
-def _moment(data: Field) -> Moment:
-    """Return the moment that `Moment.to_json` wrote."""
-    robot, others, openings = (data.optional(name) for name in ("robot", "others", "openings"))
-    return Moment(
-        poses={entity: _pose(pose) for entity, pose in data.field("poses").items()},
-        robot="" if robot is None else robot.text(),
-        others={} if others is None else {name: _arm(arm) for name, arm in others.items()},
-        **_arm(data)._asdict(),
-        openings={} if openings is None else {entity: opening.number() for entity, opening in openings.items()},
-    )
-
-
-def _arm(data: Field) -> ArmState:
-    """Return the arm that `_arm_json` wrote."""
-    held, grasp = data.known("held"), data.known("grasp")
-    return ArmState(
-        data.field("joints").numbers(JOINTS),
-        data.field("width").number(),
-        None if held is None else held.text(),
-        None if grasp is None else _pose(grasp),
-    )
-
-
-def _waypoint(data: Field) -> Waypoint:
-    """Return the waypoint that `Waypoint.to_json` wrote."""
-    held, opening, robot = data.known("held"), data.optional("opening"), data.optional("robot")
-    return Waypoint(
-        data.field("name").text(),
-        data.field("joints").numbers(JOINTS),
-        data.field("width").number(),
-        None if held is None else held.text(),
-        None if opening is None else opening.number(),
-        "" if robot is None else robot.text(),
-    )

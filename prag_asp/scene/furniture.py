@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from prag_asp.scene.geometry import Pose, Vector, compose, yaw_quaternion
-from prag_asp.scene.load import Shape
+from prag_asp.scene.model import Shape
 
 Box = tuple[Vector, Vector]
 """The centre of a box and half its sides."""

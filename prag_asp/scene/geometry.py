@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.scene.load import Shape
+from prag_asp.scene.model import Shape
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

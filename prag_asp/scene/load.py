@@ -8,67 +8,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from prag_asp.atom import Atom
-from prag_asp.domain.plural import plural
 from prag_asp.errors import SceneError
 from prag_asp.scene.kinds import KINDS
 from prag_asp.scene.model import (
     IGNORED,
-    PREDICATE_ROLES,
-    Box,
-    Material,
-    Mount,
-    Own,
     Scene,
     Shape,
-    Size,
-    Solid,
-    Table,
 )
 from prag_asp.scene.read.own import read_own
-from prag_asp.scene.read.report import Problem, Report, ancestors
-from prag_asp.scene.read.table import SCENE_KEYS, read_scene
-from prag_asp.wording import is_slip
-
-if TYPE_CHECKING:
-    from prag_asp.domain.load import Domain
-
-__all__ = [
-    "IGNORED",
-    "KINDS",
-    "PREDICATE_ROLES",
-    "SCENE_KEYS",
-    "Box",
-    "Material",
-    "Mount",
-    "Own",
-    "Problem",
-    "Scene",
-    "Shape",
-    "Size",
-    "Solid",
-    "Table",
-    "ancestors",
-    "load_scene",
-    "parse_scene",
-    "scene_problems",
-]
-
-
-def load_scene(domain: Domain) -> Scene:
-    """Return the scene of a domain that `load_domain` has read; its Python predicates are trusted where it is.
-
-    Raises:
-        SceneError: the domain has none.
-    """
-    if not domain.settings.scene:
-        raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
-    return parse_scene(
-        domain.settings.scene, domain.facts.parents, entities, folder=domain.folder, trust=domain.trusted
-    )
+from prag_asp.scene.read.report import Fault, Report
+from prag_asp.scene.read.table import read_scene
+from prag_asp.wording import is_slip, plural
 
 
 def parse_scene(
@@ -102,7 +55,7 @@ def scene_problems(
     fluents: Iterable[Atom] = (),
     *,
     folder: Path = Path(),
-) -> list[Problem]:
+) -> list[Fault]:
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
     report = Report(classes, entities, folder)
     scene = read_scene(report, table, read_own(report, table.get("own", {})))
@@ -119,7 +72,7 @@ def scene_problems(
     return problems or _without_objects(scene)
 
 
-def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Problem]:
+def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Fault]:
     """Yield names under ``scene.predicates`` that are no fluent's, but a slip away from that of one without meaning.
 
     A fluent that nothing grounds is not seen here, so a name that is unlike all others may well be right.
@@ -129,17 +82,17 @@ def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Problem
     for name in sorted(scene.predicates.keys() - known):
         for fluent in meant:
             if is_slip(name, fluent):
-                yield Problem(f"scene.predicates.{name}", f"there is no fluent {name}; did you mean {fluent}?")
+                yield Fault(f"scene.predicates.{name}", f"there is no fluent {name}; did you mean {fluent}?")
 
 
-def _without_objects(scene: Scene) -> list[Problem]:
+def _without_objects(scene: Scene) -> list[Fault]:
     """Return the problem of a scene that has no object."""
     if any(shape.traits.body for shape in scene.shapes.values()):
         return []
-    return [Problem("scene.shapes", "no entity has the shape of an object; give a class one, such as a box")]
+    return [Fault("scene.shapes", "no entity has the shape of an object; give a class one, such as a box")]
 
 
-def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) -> Iterable[Problem]:
+def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) -> Iterable[Fault]:
     """Yield what a spatial fluent lacks in the scene: the right number of arguments, shapes, rotations."""
     meaning = scene.meaning(fluent)
     if meaning is None:
@@ -155,25 +108,25 @@ def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) ->
                 f'write {fluent.name} = "{IGNORED}" if it means something else',
             )
         taken = f"{meaning} takes {len(roles)} ({', '.join(roles)})"
-        yield Problem(key, f"{fluent} has {plural(len(fluent.arguments), 'argument')}, but {taken}; {hint}")
+        yield Fault(key, f"{fluent} has {plural(len(fluent.arguments), 'argument')}, but {taken}; {hint}")
         return
     around = () if own is None or own.around is None else (("object", own.around),)
     for role, entity in (*zip(roles, fluent.arguments, strict=True), *around):
         shape = scene.shapes.get(entity)
         if role == "rotation" and entity not in scene.rotations:
-            yield Problem(f"scene.rotations.{entity}", f"{fluent} needs the yaw of {entity} in degrees")
+            yield Fault(f"scene.rotations.{entity}", f"{fluent} needs the yaw of {entity} in degrees")
         elif role != "rotation" and shape is None:
             kind = entities.get(entity, entity)
-            yield Problem(f"scene.shapes.{kind}", f"missing: {fluent} speaks about {entity}, a {kind}")
+            yield Fault(f"scene.shapes.{kind}", f"missing: {fluent} speaks about {entity}, a {kind}")
         elif role != "rotation" and shape is not None and not _plays(role, shape):
             furniture = " or ".join(name for name, each in KINDS.items() if each.furniture)
             wanted = furniture if role == "furniture" else role
             text, kind = f"{fluent} needs {entity} to be of the kind {wanted}", entities.get(entity, entity)
             if fluent.name in scene.predicates:
                 hint = f"let it mean something else, or change scene.shapes.{kind}"
-                yield Problem(f"scene.predicates.{fluent.name}", f"{text} where it means {meaning}; {hint}")
+                yield Fault(f"scene.predicates.{fluent.name}", f"{text} where it means {meaning}; {hint}")
             else:
-                yield Problem(f"scene.shapes.{kind}.kind", text)
+                yield Fault(f"scene.shapes.{kind}.kind", text)
 
 
 def _plays(role: str, shape: Shape) -> bool:

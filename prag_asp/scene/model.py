@@ -205,10 +205,6 @@ class Scene:
         """Return what an entity is made of."""
         return self.materials.get(entity, STANDARD)
 
-    def smallest(self) -> Scene:
-        """Return the scene with every body as small as it can be."""
-        return self.with_shapes({entity: shapes[0] for entity, shapes in self.ranges.items()})
-
     def with_shapes(self, shapes: Mapping[str, Shape]) -> Scene:
         """Return the scene with the shapes that a task has drawn, those not drawn the largest."""
         return replace(self, shapes={**self.shapes, **shapes}, ranges={}) if self.ranges else self

@@ -64,7 +64,7 @@ class Shared:
         """
         from prag_asp.space.drawing.bits import SeededBits
         from prag_asp.space.drawing.draws import log_probability
-        from prag_asp.space.ranks import distinct_ranks
+        from prag_asp.space.parts.ranked import distinct_ranks
 
         total = self.count(by, length)
         if count > total:

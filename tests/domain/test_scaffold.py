@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp.domain.load import load_domain
+from prag_asp.domain.load import load_domain, load_scene
 from prag_asp.domain.scaffold import write_new_domain
 from prag_asp.errors import DomainError
-from prag_asp.scene.load import load_scene
 
 
 def test_a_new_domain_passes_every_check(tmp_path: Path) -> None:

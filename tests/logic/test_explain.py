@@ -11,11 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import load_domain
-from prag_asp.logic.conflict import smallest_conflict
-from prag_asp.logic.formula.broken_constraints import tracked
+from prag_asp.logic.formula.broken_constraints import reporting
 from prag_asp.logic.formula.clauses import Clauses
 from prag_asp.logic.formula.explain import Explanation, explain
-from prag_asp.logic.formula.solver import Solver
+from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.model import Model
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
@@ -121,7 +120,7 @@ def test_constraints_that_forbid_only_together_are_told_together() -> None:
 
 
 def test_a_tracked_program_keeps_all_that_is_no_constraint() -> None:
-    program = tracked(domain_of(TEXT + "#program step(t). x(t) :- occurs(a,t). not x(t) :- occurs(b,t).").program)
+    program = reporting(domain_of(TEXT + "#program step(t). x(t) :- occurs(a,t). not x(t) :- occurs(b,t).").program)
     assert "x(t) :- occurs(a,t)." in program.program.text
     assert "not x(t) :- occurs(b,t)." in program.program.text
     assert "#false" not in program.program.text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from prag_asp.atom import Atom, parse_atom
-from prag_asp.scene.load import Shape
+from prag_asp.scene.model import Shape
 from prag_asp.task import Task
 
 STUDIO = Path(__file__).parents[2] / "examples" / "own_predicates"

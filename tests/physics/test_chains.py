@@ -6,7 +6,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from prag_asp.physics.facts import Fact, problem
+from prag_asp.physics.facts import Fact, physical_task
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, MARGIN, direction
 from prag_asp.physics.search.attempt import Failure, Search
@@ -16,7 +16,7 @@ from prag_asp.physics.search.start import draw_start
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import IDENTITY, Pose
-from prag_asp.scene.load import Scene, Shape
+from prag_asp.scene.model import Scene, Shape
 from tests.physics.scenarios import state, task
 
 NAMES = ("cube_1", "brick_1", "can_1", "cube_2", "brick_2")
@@ -101,7 +101,7 @@ def test_an_object_between_two_large_ones_always_finds_room():
     scene = Scene(shapes=SHAPES, frame="viewer", workspace=(0.32, 0.62, -0.35, 0.35))
     with open_simulator(scene) as simulator:
         for initial in (between, row):
-            wanted = problem(task(initial), scene)
+            wanted = physical_task(task(initial), scene)
             spawned = 0
             for seed in range(60):
                 rng = np.random.default_rng(seed)

@@ -19,14 +19,14 @@ from prag_asp.physics import (
 )
 from prag_asp.physics.demonstration.perform import Performer, open_performer
 from prag_asp.physics.demonstration.recording import FRAME_STEPS
-from prag_asp.physics.facts import problem
+from prag_asp.physics.facts import physical_task
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED
 from prag_asp.physics.world import dynamics
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking, state, task
 
@@ -47,7 +47,7 @@ def witness(tabletop_validator):
 
 @pytest.fixture(scope="module")
 def stacked(performer, witness, tabletop) -> Demonstration:
-    return performer.perform(problem(stacking(), tabletop), witness)
+    return performer.perform(physical_task(stacking(), tabletop), witness)
 
 
 def _touches(demonstration: Demonstration, one: str, two: str) -> dict[int, float]:
@@ -109,7 +109,7 @@ def test_friction_alone_carries_the_object(stacked, tabletop):
 
 def test_without_friction_the_object_stays_behind(performer, witness, tabletop, monkeypatch):
     monkeypatch.setattr(dynamics, "FINGER_FRICTION", 0.0)
-    failed = performer.perform(problem(stacking(), tabletop), witness)
+    failed = performer.perform(physical_task(stacking(), tabletop), witness)
     assert failed.cause == LOST and len(failed.ends) == 2
     assert failed.detail == ("after pick(panda,cube_1,table_1) it does not hold that cube 1 is held by the gripper")
     assert failed.poses[-1, failed.objects.index("cube_1"), 2] < 0.05
@@ -118,14 +118,18 @@ def test_without_friction_the_object_stays_behind(performer, witness, tabletop, 
 def test_a_grasp_beside_the_object_fails(performer, witness, tabletop):
     above = witness.motions[0][0]
     high = tuple(replace(each, joints=above.joints) if each.name == "at" else each for each in witness.motions[0])
-    failed = performer.perform(problem(stacking(), tabletop), replace(witness, motions=(high, witness.motions[1])))
+    failed = performer.perform(
+        physical_task(stacking(), tabletop), replace(witness, motions=(high, witness.motions[1]))
+    )
     assert failed.cause == LOST
     assert check_demonstration(stacking(), failed, tabletop) == ["2 states are reached; the task has 3"]
 
 
 def test_a_relation_that_the_motion_does_not_bring_about_is_the_cause(performer, witness, tabletop):
     idle = replace(witness.motions[1][-1], name="stay", joints=witness.moments[1].joints)
-    failed = performer.perform(problem(stacking(), tabletop), replace(witness, motions=(witness.motions[0], (idle,))))
+    failed = performer.perform(
+        physical_task(stacking(), tabletop), replace(witness, motions=(witness.motions[0], (idle,)))
+    )
     assert failed.cause == NOT_REACHED and "stack(panda,cube_1,brick_1)" in failed.detail
 
 
@@ -150,7 +154,7 @@ def test_most_witnesses_of_random_tasks_can_be_performed(request, name):
     with open_simulator(scene) as planner, open_performer(scene, planner) as opened:
         for index, made in enumerate(tasks):
             verdict = validator.validate(made, seed=2, index=index)
-            demonstration = opened.perform(problem(made, scene), verdict.witness)
+            demonstration = opened.perform(physical_task(made, scene), verdict.witness)
             done += demonstration.success
             assert demonstration.success == (check_demonstration(made, demonstration, scene) == [])
     assert done >= 11
@@ -245,7 +249,7 @@ def test_a_recording_that_was_changed_does_not_pass_the_check(stacked, tabletop)
 
 
 def test_the_opening_of_the_gripper_is_the_gap_between_its_pads(tabletop, witness):
-    from prag_asp.physics.world.bullet import pybullet
+    from prag_asp.physics.bullet import pybullet
 
     with dynamics.open_dynamics(tabletop) as world:
         for width in (0.02, 0.05, 0.08):

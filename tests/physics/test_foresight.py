@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from prag_asp.physics import Budget
-from prag_asp.physics.facts import problem
+from prag_asp.physics.facts import physical_task
 from prag_asp.physics.search.foresight import foresee
 from tests.physics.scenarios import state, task
 
@@ -22,14 +22,14 @@ ROW = task(
 
 
 def test_an_object_leaves_room_for_what_is_put_beside_it_later(tabletop):
-    ample, enough = foresee(problem(ROW, tabletop), tabletop)[2, "can_1"]
+    ample, enough = foresee(physical_task(ROW, tabletop), tabletop)[2, "can_1"]
     low = tabletop.workspace[0]
     assert ample.low[0] > enough.low[0] > low + 0.025  # behind is nearer to the robot for a viewer
     assert enough.high == (float("inf"),) * 3
 
 
 def test_what_nothing_is_put_beside_is_free(tabletop):
-    assert (4, "cube_2") not in foresee(problem(ROW, tabletop), tabletop)
+    assert (4, "cube_2") not in foresee(physical_task(ROW, tabletop), tabletop)
 
 
 def test_a_row_that_just_fits_is_found_at_once(tabletop_validator):

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from prag_asp import load_domain, load_scene
+from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import ROBOTS as DESCRIBED
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation, Standing, fixed_pose
-from prag_asp.physics.world.bullet import pybullet, pybullet_data
 from prag_asp.scene.furniture import mechanism
 from prag_asp.scene.geometry import Pose
 from tests.independent.convex import Part, clearance, depth, surface

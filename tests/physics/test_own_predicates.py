@@ -11,14 +11,15 @@ from pathlib import Path
 import pytest
 
 from prag_asp import Domain, TaskSpace, load_domain
+from prag_asp.domain.load import load_scene
 from prag_asp.physics import Budget, check_witness, open_validator, validate_tasks
-from prag_asp.physics.facts import problem
+from prag_asp.physics.facts import physical_task
 from prag_asp.physics.predicates import Volume, predicate_of
 from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.search.start import order_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Pose, yaw_of
-from prag_asp.scene.load import Box, Own, Scene, Shape, load_scene
+from prag_asp.scene.model import Box, Own, Scene, Shape
 from tests.physics.scenarios import STUDIO, state, task
 from tests.physics.scenarios import STUDIO_SHAPES as SHAPES
 
@@ -42,7 +43,9 @@ def test_a_scene_with_own_predicates_goes_to_other_processes(studio: Domain) -> 
 def test_tasks_with_own_predicates_are_found_and_their_witnesses_pass(studio: Domain) -> None:
     scene = load_scene(studio)
     tasks = TaskSpace(studio, 4).sample(25, seed=5)
-    used = {fact.predicate.name for each in tasks for effect in problem(each, scene).effects for fact in effect.fresh}
+    used = {
+        fact.predicate.name for each in tasks for effect in physical_task(each, scene).effects for fact in effect.fresh
+    }
     assert {"in_corner", "on_the_left", "looks_at", "between"} <= used
     with open_validator(scene) as validator:
         verdicts = [validator.validate(each, seed=5, index=i) for i, each in enumerate(tasks)]
@@ -56,7 +59,7 @@ def test_what_a_relation_refers_to_is_put_down_before_its_subject_as_far_as_ther
     scene = Scene(shapes=SHAPES)
 
     def order(*fluents: str) -> list[str]:
-        return order_of(problem(task(state(*fluents)), scene), scene)
+        return order_of(physical_task(task(state(*fluents)), scene), scene)
 
     assert order("between(brick_1,cup_1,cup_2)", "on_top(cup_1,camera_1)") == ["camera_1", "cup_1", "cup_2", "brick_1"]
     assert order("near(cup_1,brick_1)", "near(brick_1,cup_2)") == ["brick_1", "cup_1", "cup_2"]
@@ -106,7 +109,7 @@ def test_two_objects_leave_room_for_what_comes_between_them_later(studio: Domain
         ("pick(panda,cup_1)", state("holding(panda,cup_1)")),
         forget=("between(brick_1,cup_1,cup_2)", "between(camera_1,brick_1,cup_2)"),
     )
-    spans = foresee_spans(problem(row, scene), scene)
+    spans = foresee_spans(physical_task(row, scene), scene)
     assert set(spans) == {(0, "cup_1"), (0, "cup_2"), (1, "brick_1")}
     (cups,), (brick,) = spans[0, "cup_1"], spans[1, "brick_1"]
     assert cups.other == brick.other == "cup_2"
@@ -125,7 +128,7 @@ def test_what_is_held_moves_where_another_is_the_subject_of_the_relation(studio:
         state("holding(panda,cup_1)", "on_top(camera_1,table_1)"),
         ("show(panda,cup_1)", state("-holding(panda,cup_1)", "on_top(cup_1,table_1)", "looks_at(camera_1,cup_1)")),
     )
-    assert problem(looked_at, scene).effects[0].moved == ("cup_1",)
+    assert physical_task(looked_at, scene).effects[0].moved == ("cup_1",)
     with open_validator(scene) as validator:
         verdict = validator.validate(looked_at, seed=1)
     assert verdict.feasible

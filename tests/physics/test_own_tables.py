@@ -9,7 +9,8 @@ import pytest
 from prag_asp import SceneError
 from prag_asp.atom import parse_atom
 from prag_asp.physics.facts import facts
-from prag_asp.scene.load import Box, Own, parse_scene
+from prag_asp.scene.load import parse_scene
+from prag_asp.scene.model import Box, Own
 
 PAIR = ("object", "object")
 

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from prag_asp.physics.motion.arms import Grip
 from prag_asp.physics.motion.route import Load, free_path, straight, vertical
-from prag_asp.physics.motion.standing import Grip
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, ROUNDING, blended, timed
 from prag_asp.physics.robot import PANDA, Joints
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Scene, Shape
+from prag_asp.scene.model import Scene, Shape
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 TIME_STEP = 1 / 120

@@ -10,14 +10,14 @@ from dataclasses import replace
 import pytest
 
 from prag_asp.physics import PREDICATES
-from prag_asp.physics.facts import Fact, problem
+from prag_asp.physics.facts import Fact, physical_task
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.proofs.differences import ORIGIN, Gap, impossible_row, lowest
 from prag_asp.physics.proofs.prover import Prover, impossibility
 from prag_asp.physics.proofs.reasons import own_reasons
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
-from prag_asp.scene.load import Material, Scene, Shape
+from prag_asp.scene.model import Material, Scene, Shape
 from tests.physics.scenarios import state, task
 
 SHAPES = {
@@ -143,7 +143,7 @@ def test_two_facts_that_exclude_each_other_are_told_and_neither_can_be_left_out(
     made = scene(fixed=fixed)
     noise = ["-holding(panda,ball_1)", "behind(cube_1,ball_1)", "on_top(brick_1,table_1)", "-reachable(panda,brick_1)"]
     first = task(state(*noise), ("x(panda)", state(*fluents)))
-    proof = impossibility(problem(first, made), made)
+    proof = impossibility(physical_task(first, made), made)
     assert proof is not None and proof.state == 1 and str(proof.after) == "x(panda)"
     assert sorted(f"{f.predicate.name}({','.join(f.arguments)})" for f in proof.facts) == sorted(fluents)
     assert str(proof).startswith("the state after x(panda): ")
@@ -155,7 +155,7 @@ def test_two_facts_that_exclude_each_other_are_told_and_neither_can_be_left_out(
 def test_a_circle_is_told_by_its_relations_alone() -> None:
     made = scene(fixed={})
     circle = ["left_of(cube_1,can_1)", "right_of(ball_1,can_1)", "left_of(ball_1,cube_1)"]
-    found = impossibility(problem(task(state("behind(cube_1,can_1)", *circle)), made), made)
+    found = impossibility(physical_task(task(state("behind(cube_1,can_1)", *circle)), made), made)
     assert found is not None and {str(f.arguments) for f in found.facts} == {
         str(arguments) for arguments in (("cube_1", "can_1"), ("ball_1", "can_1"), ("ball_1", "cube_1"))
     }
@@ -169,7 +169,7 @@ def test_a_row_names_every_fact_that_it_needs_and_fits_where_it_is_a_little_shor
     for slack, proved in ((-0.0001, True), (0.0001, False)):
         edge = 0.0 + 0.09
         made = scene(fixed={"tray_1": (0.5, 0.0, 0.0), "shelf_1": (0.5, edge + needed + 0.1 + slack, 0.0)})
-        found = impossibility(problem(task(state(*row)), made), made)
+        found = impossibility(physical_task(task(state(*row)), made), made)
         assert (found is not None) == proved
         if found is not None:
             assert len(found.facts) == 3
@@ -179,14 +179,14 @@ def test_a_row_names_every_fact_that_it_needs_and_fits_where_it_is_a_little_shor
 def test_arms_of_different_robots_hold_one_object_each() -> None:
     made = scene(shapes={**SHAPES, "left": Shape("robot"), "right": Shape("robot")})
     both = task(state("holding(left,cube_1)", "holding(right,can_1)"))
-    assert impossibility(problem(both, made), made) is None
+    assert impossibility(physical_task(both, made), made) is None
 
 
 def test_the_workspace_is_no_limit_of_where_objects_can_be() -> None:
     made = scene(fixed={}, workspace=(0.4, 0.41, -0.01, 0.01))
     row = task(state("left_of(cube_1,brick_1)", "left_of(brick_1,can_1)", *(
         f"on_top({entity},table_1)" for entity in ("cube_1", "brick_1", "can_1"))))  # fmt: skip
-    assert impossibility(problem(row, made), made) is None
+    assert impossibility(physical_task(row, made), made) is None
 
 
 def test_differences_agree_with_all_orders_of_small_graphs() -> None:

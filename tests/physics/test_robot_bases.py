@@ -8,7 +8,7 @@ import pytest
 
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.load import Mount, Scene, Shape
+from prag_asp.scene.model import Mount, Scene, Shape
 from prag_asp.scene.read.robots import base_problems
 
 CUBE = Shape("box", (0.05, 0.05, 0.05))

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Moment, Verdict, Witness, validate_tasks
 from prag_asp.physics.checks.settling import Settling, open_settling
-from prag_asp.physics.facts import Fact, Problem
+from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
 
@@ -34,7 +34,7 @@ def _failure(
 ) -> str | None:
     """Return why one arrangement of objects is not stable."""
     moment = Moment(poses, PANDA.home, PANDA.opening, held, Pose((0.0, 0.0, 0.0)) if held else None)
-    return settling.failure(Problem(tuple(poses), facts, held, ()), Witness((moment,), ()))
+    return settling.failure(PhysicalTask(tuple(poses), facts, held, ()), Witness((moment,), ()))
 
 
 @settings(max_examples=50, deadline=None)

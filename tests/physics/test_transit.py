@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Budget, check_witness, demonstrate
-from prag_asp.physics.facts import problem
+from prag_asp.physics.facts import physical_task
 from prag_asp.physics.motion.transit import travel, with_transit
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import NO_PATH
-from prag_asp.physics.verdict import TRANSIT, Witness
+from prag_asp.physics.witness import TRANSIT, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
 from tests.physics.random_tasks import random_tasks
@@ -67,7 +67,7 @@ def test_where_no_way_is_found_the_search_goes_on_and_says_so(tabletop, tabletop
     witness = tabletop_validator.validate(stacking(), seed=1).witness
     monkeypatch.setattr(transit, "checked_path", lambda *_: None)
     with open_simulator(tabletop) as simulator:
-        assert with_transit(simulator, problem(stacking(), tabletop), witness) is None
+        assert with_transit(simulator, physical_task(stacking(), tabletop), witness) is None
     verdict = tabletop_validator.validate(stacking(), seed=1, budget=Budget(2, 10, "transit"))
     assert (verdict.status, verdict.reason, verdict.causes[NO_PATH]) == ("not_found", NO_PATH, 2)
 

@@ -15,18 +15,19 @@ from hypothesis import strategies as st
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import SceneError
 from prag_asp.physics import Budget, Validator, Verdict, Witness, check_witness, open_validator, settle
+from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.checks.states import tool_in
-from prag_asp.physics.facts import problem
+from prag_asp.physics.facts import physical_task
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import Snapshot
 from prag_asp.physics.situation import Situation, Standing
-from prag_asp.physics.verdict import ArmState
-from prag_asp.physics.world.bullet import pybullet, pybullet_data
+from prag_asp.physics.witness import ArmState
 from prag_asp.physics.world.simulator import open_client, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
-from prag_asp.scene.load import Mount, Scene, Shape, parse_scene
+from prag_asp.scene.load import parse_scene
+from prag_asp.scene.model import Mount, Scene, Shape
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 from tests.physics.random_tasks import shipped_scene
@@ -201,7 +202,7 @@ def test_a_cube_is_too_short_for_two_hands(scene, handover):
 
 
 def test_which_arm_an_action_moves_is_read_off_its_facts(scene, handover):
-    seen = problem(handover, scene)
+    seen = physical_task(handover, scene)
     assert [effect.robot for effect in seen.effects] == ["left", "left", "right", "right", "left", "right", "right"]
     assert [effect.giver for effect in seen.effects] == [None, None, None, "left", None, None, None]
     assert [effect.over for effect in seen.effects if effect.over] == ["middle", "middle", "left_side", "right_side"]

@@ -17,7 +17,7 @@ import pytest
 from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics import Budget, WorkerError, validate_tasks
-from prag_asp.scene.load import Shape
+from prag_asp.scene.model import Shape
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
 from tests.processes import interrupt, interruptible

@@ -8,7 +8,7 @@ import pickle
 import pytest
 
 from prag_asp import Task, TaskSpace, load_domain
-from prag_asp.space.frozen import FrozenDict
+from prag_asp.task import FrozenDict
 
 SPACE = TaskSpace(load_domain("prag"), 4)
 

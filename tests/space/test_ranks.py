@@ -15,7 +15,7 @@ from prag_asp.space.automaton import automaton
 from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Level
-from prag_asp.space.ranks import distinct_ranks
+from prag_asp.space.parts.ranked import distinct_ranks
 
 DOMAIN = load_domain("prag")
 

@@ -17,7 +17,7 @@ TIMES = {"base": "0", "step": "t", "check": "t+1"}
 
 
 @dataclass(frozen=True)
-class TrackedProgram:
+class ReportingProgram:
     """A program without constraints; ``__broken(L,T)`` says that the one of line L is broken at time T.
 
     `rules` has the file and the line of each such L, and the text that stands there.
@@ -27,7 +27,7 @@ class TrackedProgram:
     rules: Mapping[int, tuple[Path, int, str]]
 
 
-def tracked(program: Program) -> TrackedProgram:
+def reporting(program: Program) -> ReportingProgram:
     """Return a program with its constraints turned into rules that derive an atom."""
     lines = program.text.splitlines()
     statements: list[str] = []
@@ -47,7 +47,7 @@ def tracked(program: Program) -> TrackedProgram:
         statements.append(f"{BROKEN}({begin},{TIMES[part]}) :- {body or '#true'}.")
 
     parse_string(program.text, collect)
-    return TrackedProgram(Program((Source(Path("tracked.lp"), "\n".join(statements)),)), rules)
+    return ReportingProgram(Program((Source(Path("reporting.lp"), "\n".join(statements)),)), rules)
 
 
 def broken_atoms(symbols: Mapping[clingo.Symbol, int]) -> dict[int, dict[int, int]]:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import clingo
 
-from prag_asp.logic.conflict import smallest_conflict
-from prag_asp.logic.formula.broken_constraints import TrackedProgram, broken_atoms, tracked
+from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, reporting
 from prag_asp.logic.formula.clauses import Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
-from prag_asp.logic.formula.solver import Solver
+from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.model import Model
 from prag_asp.program.facts import Assignment
 
@@ -41,7 +40,7 @@ def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
     Raises:
         EngineError: the program has no counterpart in clauses.
     """
-    program = tracked(model.program)
+    program = reporting(model.program)
     cnf = plan_cnf(program.program, len(plan))
     with Solver(cnf.variables, cnf.clauses) as solver:
         search = _Search(model, tuple(plan), program, cnf, solver)
@@ -58,7 +57,7 @@ class _Search:
     """The questions that are asked about one sequence of actions."""
 
     def __init__(
-        self, model: Model, plan: tuple[clingo.Symbol, ...], program: TrackedProgram, cnf: Cnf, solver: Solver
+        self, model: Model, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
     ) -> None:
         self._model, self._plan, self._rules, self._cnf, self._solver = model, plan, program.rules, cnf, solver
         self._broken = broken_atoms(cnf.literals)

@@ -47,7 +47,7 @@ class _Rows:
         return columns
 
 
-class Telling:
+class PlanStates:
     """What is known of the states of plans, with hindsight; equal states have equal numbers.
 
     Steps are functions of a state and an action, and hindsight one of a step and what is told of the state after it.
@@ -121,7 +121,7 @@ def _looked_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[in
     return found
 
 
-class SolvedTelling:
+class SolvedPlanStates:
     """The same by solving the unrolled program of each plan, for steps that cannot be evaluated."""
 
     def __init__(self, program: Program, facts: Facts) -> None:

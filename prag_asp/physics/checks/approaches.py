@@ -13,7 +13,7 @@ from prag_asp.physics.checks.states import POSITION_TOLERANCE, near, situation_o
 from prag_asp.physics.facts import Fact, of_robot
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.search.grasping import LIFT
-from prag_asp.physics.verdict import TRANSIT, Moment, Waypoint
+from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import contacts
 from prag_asp.scene.geometry import Pose, compose

@@ -10,10 +10,10 @@ from prag_asp.physics.checks.approaches import End
 from prag_asp.physics.checks.motions import motion_problems, stray
 from prag_asp.physics.checks.numbers import broken_numbers, misfit
 from prag_asp.physics.checks.states import state_problems
-from prag_asp.physics.facts import Problem, problem
-from prag_asp.physics.verdict import Witness
+from prag_asp.physics.facts import PhysicalTask, physical_task
+from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from prag_asp.task import Task
 
 
@@ -40,33 +40,33 @@ def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[
 
 def _checked(task: Task, witness: Witness, scene: Scene, simulator: Simulator) -> list[str]:
     """Return what is wrong with a witness of a task."""
-    seen = problem(task, scene)
-    unfit = misfit(witness, len(seen.effects))
+    physical = physical_task(task, scene)
+    unfit = misfit(witness, len(physical.effects))
     if unfit is not None:
         return [unfit]
-    unsized = [entity for entity in seen.objects if entity in scene.ranges and entity not in witness.sizes]
+    unsized = [entity for entity in physical.objects if entity in scene.ranges and entity not in witness.sizes]
     if unsized:
         return [f"the witness has no size of {', '.join(unsized)}"]
     try:
         simulator.use(scene.with_sizes(witness.sizes))
     except SceneError as error:
         return [str(error)]
-    return list(_problems(seen, witness, simulator))
+    return list(_problems(physical, witness, simulator))
 
 
-def _problems(seen: Problem, witness: Witness, simulator: Simulator) -> Iterator[str]:
+def _problems(physical: PhysicalTask, witness: Witness, simulator: Simulator) -> Iterator[str]:
     """Yield what is wrong with a witness, state by state."""
     for k, moment in enumerate(witness.moments):
         where = f"state {k}"
-        broken = list(broken_numbers(moment, seen, simulator))
+        broken = list(broken_numbers(moment, physical, simulator))
         yield from (f"{where}: {text}" for text in broken)
         if not broken:
-            yield from (f"{where}: {text}" for text in state_problems(moment, seen, k, simulator))
+            yield from (f"{where}: {text}" for text in state_problems(moment, physical, k, simulator))
     for k, motion in enumerate(witness.motions):
         before, after = witness.moments[k], witness.moments[k + 1]
-        where = f"action {k + 1}, {seen.effects[k].action}"
-        broken = [text for moment in (before, after) for text in broken_numbers(moment, seen, simulator)]
+        where = f"action {k + 1}, {physical.effects[k].action}"
+        broken = [text for moment in (before, after) for text in broken_numbers(moment, physical, simulator)]
         if not broken:
-            ends = (End(before, seen.states[k]), End(after, seen.states[k + 1]))
+            ends = (End(before, physical.states[k]), End(after, physical.states[k + 1]))
             yield from (f"{where}: {text}" for text in motion_problems(motion, *ends, simulator))
-            yield from (f"{where}: {text}" for text in stray(seen.effects[k], before, after, simulator))
+            yield from (f"{where}: {text}" for text in stray(physical.effects[k], before, after, simulator))

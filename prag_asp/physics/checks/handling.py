@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from prag_asp.physics.facts import Problem
+from prag_asp.physics.facts import PhysicalTask
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Moment, Waypoint
+from prag_asp.physics.witness import Moment, Waypoint
 from prag_asp.physics.world.support import riders
 from prag_asp.scene.furniture import POST, mechanism, part_pose
 from prag_asp.scene.geometry import Pose, compose, invert, turn_between
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 HANDLE_TOLERANCE, TURN_TOLERANCE, OPENING_TOLERANCE = 1e-3, 1e-3, 1e-9
 LONGEST_STRIDE = 0.201
@@ -20,9 +20,9 @@ LONGEST_STRIDE = 0.201
 Openings = Mapping[str, float]
 
 
-def opening_problems(moment: Moment, seen: Problem, scene: Scene) -> Iterator[str]:
+def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> Iterator[str]:
     """Yield furniture without an opening or beyond its limits, and openings of what is no furniture."""
-    furniture = {entity for entity in seen.objects if scene.shapes[entity].traits.furniture}
+    furniture = {entity for entity in physical.objects if scene.shapes[entity].traits.furniture}
     for entity in sorted(furniture):
         opening = moment.openings.get(entity, math.nan)
         limit = mechanism(scene.shapes[entity]).limit

@@ -10,12 +10,12 @@ from prag_asp.physics.checks.numbers import broken_arm
 from prag_asp.physics.checks.states import near, situation_of, tool_in, visited
 from prag_asp.physics.facts import Effect
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint
+from prag_asp.physics.witness import TRANSIT, ArmState, Moment, Waypoint
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
 from prag_asp.scene.geometry import Pose, compose, invert
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 
 def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulator: Simulator) -> Iterator[str]:

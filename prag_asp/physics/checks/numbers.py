@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from prag_asp.domain.plural import plural
 from prag_asp.physics.checks.handling import opening_problems
-from prag_asp.physics.facts import Problem
-from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.physics.facts import PhysicalTask
+from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose, finite
+from prag_asp.wording import plural
 
 LIMIT_TOLERANCE = 1e-9
 
@@ -27,18 +27,18 @@ def misfit(witness: Witness, actions: int) -> str | None:
 
 
 def broken_numbers(
-    moment: Moment, seen: Problem, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
+    moment: Moment, physical: PhysicalTask, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
 ) -> Iterator[str]:
     """Yield missing objects, numbers that are not finite, and what is beyond the limits of the robot.
 
     `tolerance` is how far a joint may be beyond its limits, in radians, and how much too wide a gripper, in metres.
     """
-    for entity in seen.objects:
+    for entity in physical.objects:
         if entity not in moment.poses:
             yield f"{entity} has no pose"
         elif not finite(moment.poses[entity]):
             yield f"the pose of {entity} is not a finite position and rotation"
-    yield from opening_problems(moment, seen, simulator.scene)
+    yield from opening_problems(moment, physical, simulator.scene)
     for entity in moment.poses:
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"

@@ -10,16 +10,16 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-from prag_asp.physics.facts import Problem, problem
-from prag_asp.physics.motion.standing import situation_with
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.facts import PhysicalTask, physical_task
+from prag_asp.physics.motion.arms import situation_with
 from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
-from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.bodies import make_body, make_table, mass, parking_place
-from prag_asp.physics.world.bullet import pybullet
 from prag_asp.physics.world.furniture import read_opening, set_opening
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.scene.geometry import Pose, turn_between
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from prag_asp.task import Task
 
 TIME_STEP = 1 / 240
@@ -43,16 +43,16 @@ class Settling:
         self._scene = scene
         self._client = client
 
-    def failure(self, seen: Problem, witness: Witness) -> str | None:
+    def failure(self, physical: PhysicalTask, witness: Witness) -> str | None:
         """Return why a state of a witness is not stable (one of `CAUSES`), None where all are.
 
         An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
         then every fact of the state has to pass its predicate's own check.
         """
         scene = self._scene.with_sizes(witness.sizes)
-        bodies = self._build(scene, seen.objects)
+        bodies = self._build(scene, physical.objects)
         previous: Moment | None = None
-        for facts, moment in zip(seen.states, witness.moments, strict=True):
+        for facts, moment in zip(physical.states, witness.moments, strict=True):
             if previous is None or not _as_stable(previous, moment):
                 settled = self._settle(scene, bodies, moment)
                 if settled is None:
@@ -111,7 +111,7 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
         SceneError: the task speaks about something for which the scene has no shape.
     """
     with open_settling(scene) as settling:
-        return settling.failure(problem(task, scene), witness)
+        return settling.failure(physical_task(task, scene), witness)
 
 
 def _as_stable(before: Moment, after: Moment) -> bool:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from prag_asp.physics.facts import Problem
+from prag_asp.physics.facts import PhysicalTask
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.situation import Situation, Standing, fixed_pose
-from prag_asp.physics.verdict import ArmState, Moment
+from prag_asp.physics.witness import ArmState, Moment
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.solids import weight
@@ -21,7 +21,7 @@ TURN_TOLERANCE = 1e-3
 UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 
 
-def state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator) -> Iterator[str]:
+def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Simulator) -> Iterator[str]:
     """Yield wrong facts of a state, collisions, falling objects and a held object out of the hand."""
     simulator.place(moment.poses, moment.openings)
     poses = {entity: simulator.read(entity) for entity in moment.poses}
@@ -29,7 +29,7 @@ def state_problems(moment: Moment, seen: Problem, k: int, simulator: Simulator) 
     for entity in simulator.scene.fixed:
         if entity in poses and not near(fixed_pose(simulator.scene, entity), poses[entity]):
             yield f"{entity} is not where the scene has it"
-    for fact in seen.states[k]:
+    for fact in physical.states[k]:
         if not fact.satisfied(situation):
             yield f"it does not hold that {fact.sentence()}"
     pair = colliding(simulator, situation, list(poses), list(poses))

@@ -7,11 +7,11 @@ from dataclasses import replace
 from prag_asp.physics.demonstration.driving import Driver
 from prag_asp.physics.demonstration.planning import Action, Angles, Arm, Leg, legs, planned_way, pulling_way
 from prag_asp.physics.demonstration.recording import Recorder
-from prag_asp.physics.motion.standing import situation_with
+from prag_asp.physics.motion.arms import situation_with
 from prag_asp.physics.motion.trajectory import blended
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import ArmState, Moment, Waypoint
+from prag_asp.physics.witness import ArmState, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
 from prag_asp.physics.world.simulator import Simulator
 

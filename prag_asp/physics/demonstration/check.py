@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.demonstration.demonstration import Demonstration
-from prag_asp.physics.facts import problem
-from prag_asp.scene.load import Scene
+from prag_asp.physics.facts import physical_task
+from prag_asp.scene.model import Scene
 from prag_asp.task import Task
 
 
@@ -15,7 +15,7 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
     Raises:
         SceneError: the task speaks about something for which the scene has no shape.
     """
-    states = problem(task, scene).states
+    states = physical_task(task, scene).states
     if len(demonstration.ends) != len(states):
         return [f"{len(demonstration.ends)} states are reached; the task has {len(states)}"]
     found = []

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import OutputError, QueryError
-from prag_asp.physics.motion.standing import situation_with
+from prag_asp.physics.motion.arms import situation_with
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import ArmState
+from prag_asp.physics.witness import ArmState
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]

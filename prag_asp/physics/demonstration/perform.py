@@ -9,13 +9,13 @@ from prag_asp.physics.demonstration.acting import Actor, Stopped
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.planning import Action
 from prag_asp.physics.demonstration.recording import Recorder
-from prag_asp.physics.facts import Fact, Problem, problem
+from prag_asp.physics.facts import Fact, PhysicalTask, physical_task
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Witness
+from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.dynamics import Dynamics, open_dynamics
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from prag_asp.task import Task
 
 
@@ -27,7 +27,7 @@ class Performer:
         self._world = world
         self._planner = planner
 
-    def perform(self, seen: Problem, witness: Witness) -> Demonstration:
+    def perform(self, physical: PhysicalTask, witness: Witness) -> Demonstration:
         """Return the recording of a task as it is performed from the first state of a witness.
 
         After every action each fact of the state has to pass its predicate's check; otherwise the recording
@@ -35,13 +35,13 @@ class Performer:
         """
         scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
         self._planner.use(scene)
-        self._world.begin(seen.objects, first, scene)
-        recorder = Recorder(self._world, seen.objects)
+        self._world.begin(physical.objects, first, scene)
+        recorder = Recorder(self._world, physical.objects)
         actor = Actor(self._world, self._planner, recorder, first)
         try:
             actor.rest()
-            _judge(seen.initial, recorder.end_state(), "the start")
-            for k, effect in enumerate(seen.effects):
+            _judge(physical.initial, recorder.end_state(), "the start")
+            for k, effect in enumerate(physical.effects):
                 before, after = witness.moments[k : k + 2]
                 actor.act(Action(effect, before, after, witness.motions[k]))
                 actor.rest()
@@ -79,4 +79,4 @@ def demonstrate(task: Task, witness: Witness, scene: Scene) -> Demonstration:
         SceneError: the task speaks about something for which the scene has no shape.
     """
     with open_simulator(scene) as planner, open_performer(scene, planner) as performer:
-        return performer.perform(problem(task, scene), witness)
+        return performer.perform(physical_task(task, scene), witness)

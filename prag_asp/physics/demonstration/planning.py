@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.facts import Effect
+from prag_asp.physics.motion.arms import Grip, grip_of
 from prag_asp.physics.motion.route import Load, free_path, pulled, straight, vertical
-from prag_asp.physics.motion.standing import Grip, grip_of
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import adjusted, tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import TRANSIT, Moment, Waypoint
+from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import (

@@ -8,7 +8,7 @@ import numpy as np
 
 from prag_asp.physics.demonstration.demonstration import Demonstration, Floats, situation_of
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import ArmState
+from prag_asp.physics.witness import ArmState
 from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
 
 FRAME_STEPS = 6

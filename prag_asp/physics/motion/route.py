@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.standing import Grip
+from prag_asp.physics.motion.arms import Grip
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose

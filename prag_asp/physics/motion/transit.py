@@ -5,31 +5,31 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from prag_asp.physics.facts import Effect, Problem, problem
+from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
+from prag_asp.physics.motion.arms import grip_of, situation_with
 from prag_asp.physics.motion.route import Load, checked_path
-from prag_asp.physics.motion.standing import grip_of, situation_with
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.handling import opened
 from prag_asp.physics.search.moving import with_riders
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import TRANSIT, ArmState, Moment, Waypoint, Witness
+from prag_asp.physics.witness import TRANSIT, ArmState, Moment, Waypoint, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from prag_asp.task import Task
 
 Motion = tuple[Waypoint, ...]
 
 
-def with_transit(simulator: Simulator, seen: Problem, witness: Witness) -> Witness | None:
+def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness) -> Witness | None:
     """Return a witness with the waypoints of free ways between its own, None where a way is not found.
 
     On the way neither the arm nor what it carries meets anything. What a witness already has is found anew.
     """
     motions = []
-    for k, effect in enumerate(seen.effects):
+    for k, effect in enumerate(physical.effects):
         own = tuple(waypoint for waypoint in witness.motions[k] if waypoint.name != TRANSIT)
         motion = _motion(simulator, effect, own, witness.moments[k], witness.moments[k + 1])
         if motion is None:
@@ -45,7 +45,7 @@ def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
         SceneError: the task speaks about something for which the scene has no shape.
     """
     with open_simulator(scene) as simulator:
-        return with_transit(simulator, problem(task, scene), witness)
+        return with_transit(simulator, physical_task(task, scene), witness)
 
 
 def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, after: Moment) -> Motion | None:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import PragError
-from prag_asp.physics.verdict import Moment
-from prag_asp.physics.world.bullet import pybullet
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Vector
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 if TYPE_CHECKING:
     from PIL import Image

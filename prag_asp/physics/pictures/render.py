@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from prag_asp.atom import Atom
-from prag_asp.domain.plural import plural
 from prag_asp.errors import OutputError, QueryError, SceneError
 from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
-from prag_asp.physics.facts import Fact, facts, problem
+from prag_asp.physics.facts import Fact, facts, physical_task
 from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.layout import Panel, line_count, sheet
 from prag_asp.physics.predicates.predicate import words
-from prag_asp.physics.verdict import Moment, Witness
+from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 from prag_asp.task import Task
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -199,10 +199,10 @@ def _simulator(
     except SceneError as error:
         raise QueryError(str(error)) from None
     with open_simulator(sized, visual=True) as simulator:
-        seen = problem(task, sized)
+        physical = physical_task(task, sized)
         tolerance = LIMIT_TOLERANCE if isinstance(shown, Witness) else GIVE
         for k, moment in enumerate(moments):
-            for fault in broken_numbers(moment, seen, simulator, tolerance):
+            for fault in broken_numbers(moment, physical, simulator, tolerance):
                 raise QueryError(f"state {k}: {fault}")
         yield simulator
 

@@ -20,7 +20,7 @@ from prag_asp.physics.predicates.python_file import defined
 from prag_asp.physics.predicates.rotated import ROTATED
 from prag_asp.physics.predicates.upright import UPRIGHT
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, Yaws
-from prag_asp.scene.load import Own, Scene
+from prag_asp.scene.model import Own, Scene
 
 PREDICATES: Mapping[str, Predicate] = {
     predicate.name: predicate

@@ -15,7 +15,7 @@ from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Quaternion, Vector, extents, heading, multiply, to_local
-from prag_asp.scene.load import Box, Own
+from prag_asp.scene.model import Box, Own
 
 TOLERANCE, SLIVER = 0.002, 1e-6
 CENTRE: Vector = (0.0, 0.0, 0.0)

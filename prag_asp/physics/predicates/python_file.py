@@ -18,12 +18,12 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from prag_asp.domain.plural import plural
 from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.predicates.predicate import Arguments, Predicate
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.load import Own
+from prag_asp.scene.model import Own
+from prag_asp.wording import plural
 
 
 def defined(own: Own) -> Predicate:

@@ -17,7 +17,7 @@ from prag_asp.physics.proofs.differences import ORIGIN, Gap, Node, between
 from prag_asp.physics.robot import robot_of
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import extents, yaw_quaternion
-from prag_asp.scene.load import Scene, Shape
+from prag_asp.scene.model import Scene, Shape
 
 Z = 2
 Demand = tuple[int, Gap]

@@ -19,7 +19,7 @@ from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import Graph, conflict, entailed, invariant_graph
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 Fluents = tuple[Atom, ...]
 """One fluent, or two, in the order of the domain."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from prag_asp.atom import Atom
-from prag_asp.physics.facts import Fact, Problem
+from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.proofs.demands import Demand, all_demands, bodies
 from prag_asp.physics.proofs.differences import Gap, Node
 from prag_asp.physics.proofs.reasons import (
@@ -26,7 +26,7 @@ from prag_asp.physics.proofs.reasons import (
     room_reasons,
     turn_reasons,
 )
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 REMEMBERED = 1 << 14
 """How many groups of facts a prover keeps in mind."""
@@ -60,16 +60,16 @@ class Prover:
         self._links: dict[Fact, frozenset[str]] = {}
         self._known: dict[frozenset[Fact], str | None] = {}
 
-    def impossibility(self, problem: Problem) -> Impossibility | None:
+    def impossibility(self, physical: PhysicalTask) -> Impossibility | None:
         """Return a proof that a task is infeasible, None where nothing is proved."""
         seen = set[Fact]()
-        for k, facts in enumerate(problem.states):
+        for k, facts in enumerate(physical.states):
             fresh = [fact for fact in facts if fact not in seen]
             seen.update(fresh)
             if next(self._reasons(facts, fresh), None) is not None:
                 least = self.fewest(facts)
                 reason = next(self._reasons(least, least))
-                return Impossibility(reason, least, k, problem.effects[k - 1].action if k else None)
+                return Impossibility(reason, least, k, physical.effects[k - 1].action if k else None)
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
@@ -177,9 +177,9 @@ class Prover:
             yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
 
 
-def impossibility(problem: Problem, scene: Scene) -> Impossibility | None:
+def impossibility(physical: PhysicalTask, scene: Scene) -> Impossibility | None:
     """Return a proof that a task is infeasible, None where nothing is proved."""
-    return Prover(scene).impossibility(problem)
+    return Prover(scene).impossibility(physical)
 
 
 def _lengths(found: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:

@@ -16,7 +16,7 @@ from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.world.solids import weight
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import IDENTITY, Pose, wrap
-from prag_asp.scene.load import Scene, Shape
+from prag_asp.scene.model import Scene, Shape
 
 AXES = ("x", "y", "z")
 NO_CONTAINER = (0.0, 0.0, 0.0)

@@ -10,7 +10,7 @@ from prag_asp.physics.robot.kuka import KUKA
 from prag_asp.physics.robot.model import Hand, Joints, Robot, Solver
 from prag_asp.physics.robot.panda import PANDA
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.load import Mount, Scene
+from prag_asp.scene.model import Mount, Scene
 
 ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
 """Every robot by the name that it has in a scene."""

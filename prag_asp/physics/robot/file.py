@@ -12,8 +12,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from prag_asp.errors import SceneError
+from prag_asp.physics.bullet import pybullet_data
 from prag_asp.physics.robot.model import Box, Hand, Robot
-from prag_asp.physics.world.bullet import pybullet_data
 from prag_asp.scene.geometry import Vector
 
 PALM_MASS, FINGER_MASS, INERTIA = 0.8, 0.1, 0.01

@@ -10,10 +10,10 @@ from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.search.foresight import Foresight
 from prag_asp.physics.search.spans import Spans
 from prag_asp.physics.situation import Situation, Standing
-from prag_asp.physics.verdict import ArmState, Moment
+from prag_asp.physics.witness import ArmState, Moment
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 EMPTY_VOLUME = "no room where the relations want the object"
 RELATION = "a relation of the state does not hold"

@@ -22,7 +22,7 @@ from prag_asp.physics.search.moving import (
 )
 from prag_asp.physics.search.placement import any_support, draw_pose, known_support
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.witness import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import TABLE, resting_height
 from prag_asp.scene.furniture import cavity

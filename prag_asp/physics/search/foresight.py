@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from prag_asp.physics.facts import SUPPORTING, Effect, Fact, Problem
+from prag_asp.physics.facts import SUPPORTING, Effect, Fact, PhysicalTask
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, INVERSES, MARGIN, direction
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
 """For a state and an object that comes to its place in it: where all of it leaves ample room, then just enough."""
@@ -20,15 +20,15 @@ Side = tuple[int, float]
 Rooms = dict[Side, float]
 
 
-def foresee(problem: Problem, scene: Scene) -> Foresight:
+def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
     """Return where the objects of a task should be put so that there is room for what is put beside them later."""
     found: dict[tuple[int, str], tuple[Volume, ...]] = {}
-    begun = [_named(effect.fresh) for effect in problem.effects]
-    for k in range(len(problem.states)):
-        concerned = set().union(*begun[k:], _named(problem.initial) if k == 0 else ())
-        for entity in problem.objects if k == 0 else problem.effects[k - 1].moved:
+    begun = [_named(effect.fresh) for effect in physical.effects]
+    for k in range(len(physical.states)):
+        concerned = set().union(*begun[k:], _named(physical.initial) if k == 0 else ())
+        for entity in physical.objects if k == 0 else physical.effects[k - 1].moved:
             if entity in concerned and entity not in scene.fixed:
-                volumes = [_volume(scene, _rooms(problem, scene, k, entity, wide)) for wide in (True, False)]
+                volumes = [_volume(scene, _rooms(physical, scene, k, entity, wide)) for wide in (True, False)]
                 if any(volume != Volume() for volume in volumes):
                     found[k, entity] = tuple(volumes)
     return found
@@ -39,28 +39,28 @@ def _named(facts: Iterable[Fact]) -> set[str]:
     return {entity for fact in facts if fact.value and fact.predicate.name in DIRECTIONS for entity in fact.arguments}
 
 
-def _rooms(problem: Problem, scene: Scene, k: int, entity: str, wide: bool, depth: int = 0) -> Rooms:
+def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool, depth: int = 0) -> Rooms:
     """Return how many metres there should be between an object put down in state `k` and each side."""
     rooms: Rooms = {}
-    for j, fact in _later(problem, scene, k, entity):
+    for j, fact in _later(physical, scene, k, entity):
         name, (subject, other) = fact.predicate.name, fact.arguments
         comer, side = (subject, name) if other == entity else (other, INVERSES[name])
-        if comer in scene.fixed or depth > len(problem.effects):
+        if comer in scene.fixed or depth > len(physical.effects):
             continue
         axis, sign = direction(side, scene.frame)
         radius = scene.shapes[comer].breadth(wide) / 2
-        beyond = _rooms(problem, scene, j, comer, wide, depth + 1).get((axis, sign)) if j > k else None
+        beyond = _rooms(physical, scene, j, comer, wide, depth + 1).get((axis, sign)) if j > k else None
         room = GAP + 2 * MARGIN + radius + (0.0 if beyond is None else radius + beyond)
         rooms[axis, sign] = max(room, rooms.get((axis, sign), 0.0))
     return rooms
 
 
-def _later(problem: Problem, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, Fact]]:
+def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, Fact]]:
     """Yield the relations of other objects to one that rests since state `k`, with the state that begins each."""
     if k == 0:
-        yield from ((0, fact) for fact in problem.initial if _beside(fact, entity))
-    for j in range(k, len(problem.effects)):
-        effect = problem.effects[j]
+        yield from ((0, fact) for fact in physical.initial if _beside(fact, entity))
+    for j in range(k, len(physical.effects)):
+        effect = physical.effects[j]
         if entity in (*effect.moved, effect.grasps, effect.releases):
             return
         for fact in effect.fresh:

@@ -21,7 +21,7 @@ from prag_asp.physics.search.attempt import (
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
-from prag_asp.scene.load import Shape
+from prag_asp.scene.model import Shape
 
 LIFT = 0.10
 """How far above an object the gripper approaches it, in metres."""

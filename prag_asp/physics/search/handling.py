@@ -25,7 +25,7 @@ from prag_asp.physics.search.attempt import (
 from prag_asp.physics.search.grasping import DOWN, LARGEST_STEP, LIFT, Configuration, collide
 from prag_asp.physics.search.moving import arm_waypoint
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.witness import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.furniture import POST, mechanism, part_pose

@@ -18,7 +18,7 @@ from prag_asp.physics.search.moving import (
     verify_objects,
     with_riders,
 )
-from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.witness import Waypoint
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
 
 LOWEST, HIGHEST = 0.18, 0.28

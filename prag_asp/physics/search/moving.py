@@ -10,7 +10,7 @@ from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, collide
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.verdict import Waypoint
+from prag_asp.physics.witness import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import STEADY, riders, unsupported
 from prag_asp.scene.geometry import Pose, compose, invert, raised

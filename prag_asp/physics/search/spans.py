@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from prag_asp.physics.facts import Fact, Problem
+from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates.between import GAP, MARGIN
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 FINGER_ROOM = 0.035
 DEPTH = 4
@@ -29,47 +29,47 @@ Spans = Mapping[tuple[int, str], tuple[Span, ...]]
 """For a state and an object that comes to its place in it: how far from which others it should be."""
 
 
-def foresee_spans(problem: Problem, scene: Scene) -> Spans:
+def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
     """Return how far apart the objects of a task should be for what comes between them."""
-    known = [*problem.initial, *(fact for effect in problem.effects for fact in effect.fresh)]
+    known = [*physical.initial, *(fact for effect in physical.effects for fact in effect.fresh)]
     if not any(fact.value and fact.predicate.name == "between" for fact in known):
         return {}
     found: dict[tuple[int, str], tuple[Span, ...]] = {}
-    for k in range(len(problem.states)):
-        for entity in problem.objects if k == 0 else problem.effects[k - 1].moved:
+    for k in range(len(physical.states)):
+        for entity in physical.objects if k == 0 else physical.effects[k - 1].moved:
             spans = tuple(
                 Span(
                     other,
-                    _span(problem, scene, k, (entity, other), True),
-                    _span(problem, scene, k, (entity, other), False),
+                    _span(physical, scene, k, (entity, other), True),
+                    _span(physical, scene, k, (entity, other), False),
                 )
-                for other in problem.objects
-                if other != entity and any(_between(problem, k, (entity, other)))
+                for other in physical.objects
+                if other != entity and any(_between(physical, k, (entity, other)))
             )
             if spans:
                 found[k, entity] = spans
     return found
 
 
-def _span(problem: Problem, scene: Scene, k: int, pair: tuple[str, str], wide: bool, depth: int = 0) -> float:
+def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], wide: bool, depth: int = 0) -> float:
     """Return how far apart the centres of two objects should be in state `k`, in metres."""
     one, two = pair
     need = scene.shapes[one].breadth(wide) / 2 + scene.shapes[two].breadth(wide) / 2
     need += FINGER_ROOM if wide else GAP + 2 * MARGIN
     if depth < DEPTH:
-        for i, fact in _between(problem, k, pair):
+        for i, fact in _between(physical, k, pair):
             inner = fact.arguments[0]
             parts = ((one, inner), (inner, two))
-            need = max(need, sum(_span(problem, scene, i, part, wide, depth + 1) for part in parts))
+            need = max(need, sum(_span(physical, scene, i, part, wide, depth + 1) for part in parts))
     return need
 
 
-def _between(problem: Problem, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
+def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
     """Yield what is between two objects while they rest as in state `k`, with the state that begins it."""
     if k == 0:
-        yield from ((0, fact) for fact in problem.initial if _parts(fact, pair))
-    for j in range(k, len(problem.effects)):
-        effect = problem.effects[j]
+        yield from ((0, fact) for fact in physical.initial if _parts(fact, pair))
+    for j in range(k, len(physical.effects)):
+        effect = physical.effects[j]
         if not {*effect.moved, effect.grasps, effect.releases}.isdisjoint(pair):
             return
         yield from ((j + 1, fact) for fact in effect.fresh if _parts(fact, pair))

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.facts import BEARING, SUPPORTING, Fact, Problem, of_robot
+from prag_asp.physics.facts import BEARING, SUPPORTING, Fact, PhysicalTask, of_robot
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
@@ -19,28 +19,28 @@ from prag_asp.physics.search.moving import raise_arm, turn_to, verify_objects
 from prag_asp.physics.search.placement import any_support, draw_pose, known_support
 from prag_asp.physics.situation import Situation, Standing, fixed_pose
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 BACKTRACKS = 12
 """How often a first state goes back to an object that was put down before, instead of beginning anew."""
 
 
-def draw_start(search: Search, problem: Problem) -> Snapshot:
+def draw_start(search: Search, physical: PhysicalTask) -> Snapshot:
     """Return a snapshot that satisfies the facts of the initial state.
 
     Raises:
         Failure: this attempt found none.
     """
-    snapshot = _at_home(search, fixed_poses(search, problem))
+    snapshot = _at_home(search, fixed_poses(search, physical))
     still = snapshot.situation
-    for furniture, opening in draw_openings(search, still, problem.initial).items():
+    for furniture, opening in draw_openings(search, still, physical.initial).items():
         still = still.with_opening(furniture, opening)
-    situation = _arranged(search, problem, still)
-    verify_objects(search, situation, problem.objects, None)
+    situation = _arranged(search, physical, still)
+    verify_objects(search, situation, physical.objects, None)
     snapshot = replace(snapshot, situation=situation)
     for robot in search.scene.mounts:
-        snapshot = _bring(search, turn_to(search, snapshot, robot), problem)
-    if not all(fact.satisfied(snapshot.situation) for fact in problem.initial):
+        snapshot = _bring(search, turn_to(search, snapshot, robot), physical)
+    if not all(fact.satisfied(snapshot.situation) for fact in physical.initial):
         raise Failure(RELATION)
     return snapshot
 
@@ -59,39 +59,39 @@ def _at_home(search: Search, poses: Mapping[str, Pose]) -> Snapshot:
     return Snapshot(Situation(search.scene, poses, tool, opening, acting=first, others=waiting), home)
 
 
-def _about(problem: Problem, entity: str, situation: Situation) -> tuple[Fact, ...]:
+def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[Fact, ...]:
     """Return what an object's place has to agree with: the facts of the first state.
 
     An object that a robot holds in the air is first put down below its gripper, to be taken from there.
     """
-    holder = next((robot for robot, thing in problem.held.items() if thing == entity), None)
-    if holder is None or not (situation.others or _in_the_air(problem, entity)):
-        return problem.initial
-    own = of_robot(situation.scene, problem.initial, holder)
+    holder = next((robot for robot, thing in physical.held.items() if thing == entity), None)
+    if holder is None or not (situation.others or _in_the_air(physical, entity)):
+        return physical.initial
+    own = of_robot(situation.scene, physical.initial, holder)
     below = [fact.arguments[1] for fact in own if fact.value and fact.predicate.name == "over"]
     lies = [Fact(PREDICATES["on_top"], (entity, place), True) for place in below if situation.is_surface(place)]
-    return (*(fact for fact in problem.initial if entity not in fact.arguments), *lies)
+    return (*(fact for fact in physical.initial if entity not in fact.arguments), *lies)
 
 
-def _in_the_air(problem: Problem, entity: str) -> bool:
+def _in_the_air(physical: PhysicalTask, entity: str) -> bool:
     """Tell whether a held object is known not to stand on or in something, and to stand on or in nothing."""
-    known = [fact for fact in problem.initial if fact.predicate.name in SUPPORTING and fact.arguments[0] == entity]
+    known = [fact for fact in physical.initial if fact.predicate.name in SUPPORTING and fact.arguments[0] == entity]
     return bool(known) and not any(fact.value for fact in known)
 
 
-def _bring(search: Search, snapshot: Snapshot, problem: Problem) -> Snapshot:
+def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapshot:
     """Bring the arm that acts to where the facts of the first state have it.
 
     Raises:
         Failure: it does not get there.
     """
     situation = snapshot.situation
-    own = of_robot(search.scene, problem.initial, situation.acting)
-    held, over = problem.held.get(situation.acting), _place(own, "over")
+    own = of_robot(search.scene, physical.initial, situation.acting)
+    held, over = physical.held.get(situation.acting), _place(own, "over")
     place = held or _place(own, "at")
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=held is not None)
-        lifted = held is not None and (situation.others or _in_the_air(problem, held))
+        lifted = held is not None and (situation.others or _in_the_air(physical, held))
         return raise_arm(search, snapshot, []) if lifted else snapshot
     if over is not None:
         snapshot = move_over(search, snapshot, over, 0, [])
@@ -102,12 +102,12 @@ def _bring(search: Search, snapshot: Snapshot, problem: Problem) -> Snapshot:
     return snapshot
 
 
-def fixed_poses(search: Search, problem: Problem) -> Mapping[str, Pose]:
+def fixed_poses(search: Search, physical: PhysicalTask) -> Mapping[str, Pose]:
     """Return the poses of the objects of a task that never move."""
-    return {entity: fixed_pose(search.scene, entity) for entity in search.scene.fixed if entity in problem.objects}
+    return {entity: fixed_pose(search.scene, entity) for entity in search.scene.fixed if entity in physical.objects}
 
 
-def _arranged(search: Search, problem: Problem, still: Situation) -> Situation:
+def _arranged(search: Search, physical: PhysicalTask, still: Situation) -> Situation:
     """Return a situation with all objects at places that the facts allow, one after the other.
 
     Where there is no place for one, an earlier one that it is in a relation to is drawn again, and all after that:
@@ -116,13 +116,13 @@ def _arranged(search: Search, problem: Problem, still: Situation) -> Situation:
     Raises:
         Failure: there is no such object, or this has been tried `BACKTRACKS` times.
     """
-    order = [entity for entity in order_of(problem, search.scene) if entity not in still.poses]
-    partners = _partners(problem.initial)
+    order = [entity for entity in order_of(physical, search.scene) if entity not in still.poses]
+    partners = _partners(physical.initial)
     situations, failures = [still], Counter[str]()
     while len(situations) <= len(order):
         entity, situation = order[len(situations) - 1], situations[-1]
         try:
-            about = _about(problem, entity, situation)
+            about = _about(physical, entity, situation)
             support = known_support(situation, entity, about)
             if support is None:
                 support = any_support(search, situation, entity, about)
@@ -148,15 +148,15 @@ def _partners(facts: Iterable[Fact]) -> Mapping[str, set[str]]:
     return partners
 
 
-def order_of(problem: Problem, scene: Scene) -> list[str]:
+def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
     """Return the objects in the order in which they are put down, large ones before small ones.
 
     Supports come before what stands on them and, as far as there is no circle, what a relation refers to before its
     subject, so that its volume is known; where the two can be swapped it does not matter.
     """
-    below: dict[str, set[str]] = {entity: set() for entity in problem.objects}
-    before: dict[str, set[str]] = {entity: set() for entity in problem.objects}
-    for fact in problem.initial:
+    below: dict[str, set[str]] = {entity: set() for entity in physical.objects}
+    before: dict[str, set[str]] = {entity: set() for entity in physical.objects}
+    for fact in physical.initial:
         predicate, subject = fact.predicate, fact.arguments[fact.predicate.subject]
         if not fact.value or predicate.of_gripper or predicate.inverse is not None or subject not in below:
             continue
@@ -165,7 +165,7 @@ def order_of(problem: Problem, scene: Scene) -> list[str]:
         if predicate.name in BEARING:
             below[subject] |= others
     ordered: list[str] = []
-    waiting = sorted(problem.objects, key=lambda entity: -scene.shapes[entity].size[0] * scene.shapes[entity].size[1])
+    waiting = sorted(physical.objects, key=lambda entity: -scene.shapes[entity].size[0] * scene.shapes[entity].size[1])
     while waiting:
         ready = [entity for entity in waiting if before[entity] <= set(ordered)]
         ready = ready or [entity for entity in waiting if below[entity] <= set(ordered)] or waiting

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from prag_asp.errors import SceneError
+from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.situation import TABLE_THICKNESS
-from prag_asp.physics.world.bullet import pybullet
 from prag_asp.physics.world.furniture import make_furniture
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.physics.world.solids import solids, weight
 from prag_asp.scene.geometry import Vector, yaw_quaternion
-from prag_asp.scene.load import Material, Scene, Solid
+from prag_asp.scene.model import Material, Scene, Solid
 
 PARKING = (20.0, 20.0, 5.0)
 GREY = "#808080"

@@ -10,17 +10,16 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.robot import Joints, Robot, robot_of
 from prag_asp.physics.robot.file import write_robot
-from prag_asp.physics.verdict import Moment
+from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body, make_table
-from prag_asp.physics.world.bullet import pybullet
 from prag_asp.physics.world.furniture import JOINT, read_opening, set_opening
-from prag_asp.physics.world.silence import STDOUT, silenced
 from prag_asp.physics.world.simulated_arm import load_robot
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 TIME_STEP = 1 / 120
 """Seconds; half of it doubles the costs and does not raise the share of tasks that succeed."""

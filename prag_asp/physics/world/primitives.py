@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.world.bullet import pybullet
-from prag_asp.scene.load import Solid
+from prag_asp.physics.bullet import pybullet
+from prag_asp.scene.model import Solid
 
 GEOMETRIES: Mapping[str, int] = {
     "box": pybullet.GEOM_BOX,

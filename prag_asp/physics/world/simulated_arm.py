@@ -9,10 +9,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from prag_asp.errors import SceneError
+from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.file import wheel_file, write_robot
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.physics.world.bullet import pybullet
 from prag_asp.scene.geometry import Pose, Vector, rotate
 
 REMEMBERED = 256

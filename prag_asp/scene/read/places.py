@@ -9,7 +9,7 @@ from typing import Any
 
 from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart, corners
 from prag_asp.scene.model import Shape, Table
-from prag_asp.scene.read.report import MAX_LENGTH, Problem, Report, is_number
+from prag_asp.scene.read.report import MAX_LENGTH, Fault, Report, is_number
 
 PAIR, TRIPLE = 2, 3
 PLACELESS = ("robot", "table")
@@ -72,7 +72,7 @@ def read_fixed(report: Report, value: Mapping[str, Any], shapes: Mapping[str, Sh
     return fixed
 
 
-def place_problems(table: Table, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> Iterator[Problem]:
+def place_problems(table: Table, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> Iterator[Fault]:
     """Yield fixed bodies that are not wholly on the table, and pairs of the others that overlap."""
     (x, y), (size_x, size_y) = table.centre, table.size
     bodies = [entity for entity in fixed if shapes[entity].traits.body]
@@ -80,8 +80,8 @@ def place_problems(table: Table, shapes: Mapping[str, Shape], fixed: Mapping[str
         outer = corners(Footprint(shapes[entity], place))
         if any(abs(at_x - x) > size_x / 2 or abs(at_y - y) > size_y / 2 for at_x, at_y in outer):
             text = f"{entity} is not wholly on the table; move it or enlarge the table"
-            yield Problem(f"scene.fixed.{entity}", text)
+            yield Fault(f"scene.fixed.{entity}", text)
             bodies = [other for other in bodies if other != entity]
     for one, two in combinations(bodies, 2):
         if not apart(Footprint(shapes[one], fixed[one]), Footprint(shapes[two], fixed[two]), TOUCHING):
-            yield Problem(f"scene.fixed.{two}", f"{two} overlaps {one}, which is fixed too; move one of them")
+            yield Fault(f"scene.fixed.{two}", f"{two} overlaps {one}, which is fixed too; move one of them")

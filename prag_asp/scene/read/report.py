@@ -21,7 +21,7 @@ FALLBACK_COLOR = "#808080"
 COUNTS = {1: "a positive length", 2: "two positive lengths", 3: "three positive lengths"}
 
 
-class Problem(NamedTuple):
+class Fault(NamedTuple):
     """One mistake in a ``[scene]`` table: the dotted path of the key, and what is wrong with its value."""
 
     key: str
@@ -62,14 +62,14 @@ class Report:
         self.folder = folder
         self.classes = {**dict.fromkeys(entities.values(), ()), **classes}
         self.entities = entities
-        self.problems: list[Problem] = []
+        self.problems: list[Fault] = []
         self.doubtful: set[str] = set()
         self.misspelt: set[str] = set()
 
     def add(self, key: str, message: str) -> None:
         """Remember a problem, unless it is that of a misspelt key."""
         if key not in self.misspelt:
-            self.problems.append(Problem(key, message))
+            self.problems.append(Fault(key, message))
 
     def unknown(self, key: str, table: Mapping[str, Any], known: Sequence[str]) -> None:
         """Report the keys of a table that are not known."""

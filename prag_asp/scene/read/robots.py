@@ -8,7 +8,7 @@ from typing import Any
 
 from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart
 from prag_asp.scene.model import Mount, Scene, Shape
-from prag_asp.scene.read.report import Problem, Report, is_number
+from prag_asp.scene.read.report import Fault, Report, is_number
 
 ROBOTS = ("panda", "kuka")
 BASE_LENGTH = 3
@@ -58,7 +58,7 @@ def read_robots(report: Report, value: Mapping[str, Any], shapes: Mapping[str, S
     return mounts
 
 
-def base_problems(scene: Scene) -> Iterator[Problem]:
+def base_problems(scene: Scene) -> Iterator[Fault]:
     """Yield fixed bodies that stand on the base of a robot."""
     for entity, place in scene.fixed.items():
         shape = scene.shapes[entity]
@@ -66,7 +66,7 @@ def base_problems(scene: Scene) -> Iterator[Problem]:
             pieces = (piece._replace(place=_placed(mount, piece.place)) for piece in BASES[mount.kind])
             if not all(apart(Footprint(shape, place), piece, TOUCHING) for piece in pieces):
                 text = f"{entity} stands on the base of {robot or 'the robot'}; move it"
-                yield Problem(f"scene.fixed.{entity}", text)
+                yield Fault(f"scene.fixed.{entity}", text)
 
 
 def _placed(mount: Mount, place: Place) -> Place:

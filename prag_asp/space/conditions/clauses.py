@@ -13,7 +13,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.space.conditions.formula import parse_conjunction, parse_formula
 from prag_asp.space.conditions.patterns import Pattern, class_members
 from prag_asp.space.conditions.regular import Recogniser, parse_expression, recogniser
-from prag_asp.space.spelling import not_too_deep, unknown
+from prag_asp.wording import not_too_deep, unknown
 
 
 class Clause(Protocol):

@@ -25,7 +25,7 @@ class Condition:
         Raises:
             QueryError: a text spells none.
         """
-        from prag_asp.space.conditions.grammar import parse_clause  # noqa: PLC0415 - most spaces have no condition
+        from prag_asp.space.conditions.grammar import parse_clause
 
         lines = (line for text in words for line in text.split("\n") if line.strip())
         return cls(tuple(map(parse_clause, lines)))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.space.spelling import not_too_deep, unknown
+from prag_asp.wording import not_too_deep, unknown
 
 Conjunction = Mapping[str, bool]
 """Fluents with their values."""

@@ -21,7 +21,7 @@ from prag_asp.space.conditions.clauses import (
     Range,
     Uses,
 )  # fmt: skip
-from prag_asp.space.spelling import unknown
+from prag_asp.wording import unknown
 
 NUMBER = re.compile(r"(?:(?P<bound>at\s+least|at\s+most|exactly)\s+)?(?P<number>\d+)\s+(?P<rest>\S.*)$", re.DOTALL)
 AFTER = re.compile(r"(?P<steps>\d+)\s*:(?P<formula>.*)$", re.DOTALL)

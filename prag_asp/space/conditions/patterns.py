@@ -11,7 +11,7 @@ from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
-from prag_asp.space.spelling import unknown
+from prag_asp.wording import unknown
 
 ANY = "_"
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from prag_asp.errors import QueryError
-from prag_asp.space.spelling import unknown
+from prag_asp.wording import unknown
 
 TOKEN = re.compile(r"\s*(?:(?P<name>[\w]+)|\{(?P<low>\d+)(?P<range>,(?P<high>\d*))?\}|(?P<sign>[.|*+?()]))")
 MOST_COPIES = 1000

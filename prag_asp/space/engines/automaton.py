@@ -198,8 +198,7 @@ class AutomatonEngine:
         return self._ranked[1]
 
     def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
-        from prag_asp.logic.step.hindsight import Hindsight
-        from prag_asp.space.goals import numbered_goals
+        from prag_asp.logic.step.hindsight import Hindsight, numbered_goals
 
         hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
         read = hindsight.last_read if hindsight else ()

@@ -71,7 +71,7 @@ def _parsed(content: bytes, key: str) -> Entry | None:
 
 def write_entry(folder: Path, key: str, entry: Entry) -> bool:
     """Keep something under a key, in one stroke; return whether that was possible."""
-    from tempfile import NamedTemporaryFile  # noqa: PLC0415 - little is written
+    from tempfile import NamedTemporaryFile
 
     table = [[name, str(array.dtype), list(array.shape)] for name, array in entry.arrays.items()]
     header = json.dumps({"key": key, "texts": entry.texts, "arrays": table})

@@ -9,7 +9,7 @@ from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
 from prag_asp.space.engines.protocol import Level
-from prag_asp.space.spelling import unknown
+from prag_asp.wording import unknown
 
 
 def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ...]:

@@ -7,11 +7,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, overload
 
-from prag_asp.domain.plural import plural
 from prag_asp.errors import QueryError
 from prag_asp.space.parts.shuffle import Shuffle
-from prag_asp.space.ranks import distinct_ranks
 from prag_asp.task import Task
+from prag_asp.wording import plural
 
 
 class Ranks(Protocol):
@@ -172,3 +171,30 @@ def checked_place(place: int, size: int) -> int:
 def size_of(numbers: range) -> int:
     """Return how many numbers a range has; `len` fails above 2^63."""
     return max(0, -((numbers.start - numbers.stop) // numbers.step))
+
+
+class Generator(Protocol):
+    """A source of random numbers."""
+
+    def randrange(self, below: int, /) -> int:
+        """Return a number from 0 to `below` - 1, each with the same probability."""
+        ...
+
+
+def distinct_ranks(generator: Generator, total: int, count: int) -> list[int]:
+    """Return `count` different numbers below `total`, every set of them equally likely, in random order.
+
+    Needs room for the numbers returned alone, however large `total` is (Floyd's algorithm, Bentley 1987).
+    """
+    chosen: set[int] = set()
+    ranks: list[int] = []
+    for last in range(total - count, total):
+        rank = generator.randrange(last + 1)
+        if rank in chosen:
+            rank = last
+        chosen.add(rank)
+        ranks.append(rank)
+    for last in range(count - 1, 0, -1):
+        other = generator.randrange(last + 1)
+        ranks[last], ranks[other] = ranks[other], ranks[last]
+    return ranks

@@ -16,10 +16,9 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.ground.program import mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.hindsight import TRUE, UNKNOWN, Hindsight
-from prag_asp.logic.step.plan_states import SolvedTelling, Telling
+from prag_asp.logic.step.plan_states import PlanStates, SolvedPlanStates
 from prag_asp.program.facts import Assignment
-from prag_asp.space.frozen import FrozenDict
-from prag_asp.task import Task
+from prag_asp.task import FrozenDict, Task
 
 BATCH = 2048
 """Plans that are told together; the first task of a long iteration waits for one batch at most."""
@@ -40,7 +39,7 @@ class Narrator:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._telling = self._new_telling()
+        self._plan_states = self._new_plan_states()
         self._states: list[Known] = []
         self._named: list[Entities] = []
         self._classes: dict[Entities, FrozenDict[str, str]] = {}
@@ -64,13 +63,13 @@ class Narrator:
 
     def _told(self, words: Sequence[Sequence[str]]) -> list[list[int]]:
         """Return the places in `_states` of what is known of the states of each plan."""
-        if self._telling.full:
-            self._telling = self._new_telling()
+        if self._plan_states.full:
+            self._plan_states = self._new_plan_states()
             self._states, self._named, self._classes = [], [], {}
         plans = np.array([[self._letters[text] for text in word] for word in words], dtype=np.int64)
-        numbers = self._telling.numbers(plans.reshape(len(words), -1))
+        numbers = self._plan_states.numbers(plans.reshape(len(words), -1))
         new = range(len(self._states), int(numbers.max()) + 1)
-        for column in self._telling.values(new).T:
+        for column in self._plan_states.values(new).T:
             places = np.flatnonzero(column != UNKNOWN)
             values = (column[places] == TRUE).tolist()
             fluents = [self._fluents[place] for place in places.tolist()]
@@ -105,15 +104,15 @@ class Narrator:
             self._classes[used] = found
         return found
 
-    def _new_telling(self) -> Telling | SolvedTelling:
+    def _new_plan_states(self) -> PlanStates | SolvedPlanStates:
         try:
-            return Telling(Hindsight(self._model.step, self._model.domain.facts.fluents))
+            return PlanStates(Hindsight(self._model.step, self._model.domain.facts.fluents))
         except EngineError:
-            return SolvedTelling(self._model.program, self._model.domain.facts)
+            return SolvedPlanStates(self._model.program, self._model.domain.facts)
 
     @cached_property
     def _letters(self) -> dict[str, int]:
-        return {str(action): number for number, action in enumerate(self._telling.letters)}
+        return {str(action): number for number, action in enumerate(self._plan_states.letters)}
 
     @cached_property
     def _fluents(self) -> list[Atom]:

@@ -23,7 +23,7 @@ from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.program.facts import Facts
 from prag_asp.space.automaton.automaton import Automaton, Completions
-from prag_asp.space.spelling import unknown
+from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
     from prag_asp.space.automaton.merged import MergedRanking

@@ -40,3 +40,10 @@ def flush() -> None:
         if stream is not None and not stream.closed:
             stream.flush()
     ctypes.CDLL(None).fflush(None)
+
+
+with silenced(STDOUT, STDERR):
+    import pybullet
+    import pybullet_data
+
+__all__ = ["pybullet", "pybullet_data"]

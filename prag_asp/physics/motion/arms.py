@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation, Standing
-from prag_asp.physics.verdict import ArmState
+from prag_asp.physics.witness import ArmState
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import Scene
+from prag_asp.scene.model import Scene
 
 
 @dataclass(frozen=True)
