@@ -13,8 +13,9 @@ The names below are loaded when they are first used, so that the command starts 
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.atom import Atom, parse_atom
@@ -53,12 +54,7 @@ _HOMES = {
     "prag_asp.space.task_space": ("TaskSpace",),
 }
 
-
-def __getattr__(name: str) -> object:
-    for module, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(module), name)
-    raise AttributeError(f"module 'prag_asp' has no attribute {name!r}")
+__getattr__ = names_from(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:

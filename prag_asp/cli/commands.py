@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import IO, Any
@@ -26,7 +27,7 @@ from prag_asp.cli.terminal import (
     whole_lines,
     writer,
 )
-from prag_asp.errors import LimitReached, QueryError
+from prag_asp.errors import LimitReached, OutputError, QueryError
 from prag_asp.wording import plural
 
 DRAWS_FOR_EACH = 1000
@@ -60,7 +61,9 @@ def check(*, asked: Asked) -> None:
     """Check a domain and say what it declares."""
     domain = asked.domain()
     if "own" in domain.settings.scene:
-        options.scene_of(domain)
+        from prag_asp.dataset.filtering import scene_of
+
+        scene_of(domain)
     require_proofs(domain)
     warn_of_grips(domain)
     facts = domain.facts
@@ -184,22 +187,35 @@ def sample(
     with progress() as tell:
         space = asked.space(tell)
         line = options.line_form(form, space.domain)
-        drawn = space.draw(seed=seed, by=by, over=over, **weighing.arguments(space.domain)) if wanted else iter(())
+        drawing = {"by": by, "over": over, **weighing.arguments(space.domain)}
         if physics is None:
             physics = bool(space.domain.settings.scene)
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
+            drawn = space.draw(seed=seed, **drawing) if wanted else iter(())
             with writer(output) as write:
                 for task in islice(drawn, wanted):
                     write(line(Record(task)))
             return
-        from prag_asp.dataset.feasible import first_feasible
+        from prag_asp.cli.tally import show_tally, tally_line
+        from prag_asp.dataset import Tally, feasible
 
-        scene, limit = options.scene_of(space.domain), max_draws or DRAWS_FOR_EACH * wanted
-        records = first_feasible(drawn, wanted, scene, seed, checking, limit, tell)
-        with writer(output) as write, closing(records):
-            for record in records:
-                write(line(record))
+        limit, tally = max_draws or DRAWS_FOR_EACH * wanted, Tally()
+        records = feasible(space, seed=seed, draws=limit, tally=tally, **checking.arguments(), **drawing)
+
+        def told() -> str:
+            return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
+
+        try:
+            with writer(output) as write, closing(records):
+                for record in islice(records, wanted):
+                    write(line(record))
+                    tell(told(), tally.passed, wanted)
+        finally:
+            show_tally(tally, told())
+        if tally.passed < wanted:
+            found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
+            raise OutputError(f"{found}; raise --max-draws" if tally.seen == limit else found)
 
 
 @cli.command()
@@ -221,8 +237,6 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
     Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
     and --where that the tasks were made with.
     """
-    from prag_asp.dataset.jsonl import read_lines
-
     require_unrecorded(checking.demonstrate)
     checking.tries()
     if witness_only and checking.budget != options.BUDGET:
@@ -233,28 +247,25 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         total = _tasks_in(lines)
         if total == 0:
             raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
-        from prag_asp.dataset.recheck import check_again
-        from prag_asp.dataset.tally import Tally
+        from prag_asp.cli.tally import show_tally, tally_line
+        from prag_asp.dataset import Tally, read_lines, recheck
 
         budget = checking.limits()
-        tally = Tally(("task", "tasks"), f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}")
-        outcomes = check_again(
-            read_lines(lines, file),
-            asked,
-            folder=Path(file).parent,
-            seed=seed,
-            checking=checking,
-            witness_only=witness_only,
-        )
+        limits = f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}"
+        tally = Tally()
+        outcomes = recheck(
+            read_lines(lines, file), asked.domain() if asked.name else None, where=asked.conditions(), seed=seed,
+            witness_only=witness_only, load=lambda name: replace(asked, name=name).domain(), folder=Path(file).parent,
+            **checking.arguments(),
+        )  # fmt: skip
         try:
             with whole_lines(), closing(outcomes):
-                for status, reason, causes, _ in outcomes:
-                    tally.count(status, reason, causes)
-                    click.echo(f"{tally.seen}\t{status}\t{reason}".rstrip())
-                    tell(str(tally), tally.seen, total)
+                for outcome in outcomes:
+                    tally.count(outcome.status, outcome.reason, outcome.causes)
+                    click.echo(f"{tally.seen}\t{outcome.status}\t{outcome.reason}".rstrip())
+                    tell(tally_line(tally, ("task", "tasks"), limits), tally.seen, total)
         finally:
-            if tally.seen:
-                tally.show()
+            show_tally(tally, tally_line(tally, ("task", "tasks"), limits))
     if tally.passed < tally.seen:
         raise click.exceptions.Exit(FAILED)
 

@@ -38,6 +38,7 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     Prints the rules for the file learned.lp, and what they change: the numbers of plans, tasks and skeletons of length
     N, and how many of K uniformly drawn tasks pass physics. A learned.lp that is there already is left out.
     """
+    from prag_asp.dataset.filtering import scene_of
     from prag_asp.domain.load import LEARNED, with_learned
     from prag_asp.physics.proofs.learning import proved
     from prag_asp.physics.proofs.schemas import rules, text_of
@@ -46,7 +47,7 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     checking.tries()
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
-        domain, scene = before.domain, options.scene_of(before.domain)
+        domain, scene = before.domain, scene_of(before.domain)
         if write:
             require_writable(str(domain.folder / LEARNED))
         found = rules(proved(domain.facts, scene, tell), domain.facts)
@@ -73,10 +74,11 @@ def require_proofs(domain: Domain) -> None:
     """
     if not domain.learned:
         return
+    from prag_asp.dataset.filtering import scene_of
     from prag_asp.domain.load import LEARNED
     from prag_asp.physics.proofs.learning import unproved
 
-    for fluents in islice(unproved(domain, options.scene_of(domain)), 1):
+    for fluents in islice(unproved(domain, scene_of(domain)), 1):
         told = f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"
         raise DomainError(
             f"{domain.folder / LEARNED}:1: the scene does not prove that {told}; "
@@ -87,9 +89,10 @@ def require_proofs(domain: Domain) -> None:
 def warn_of_grips(domain: Domain) -> None:
     """Say which bodies of a domain are held by no proof too wide, and yet never grasped."""
     if domain.settings.scene:
+        from prag_asp.dataset.filtering import scene_of
         from prag_asp.physics.proofs.grips import never_gripped
 
-        for warning in never_gripped(domain, options.scene_of(domain)):
+        for warning in never_gripped(domain, scene_of(domain)):
             click.echo(f"warning: {warning}", err=True)
 
 
@@ -115,10 +118,15 @@ def _tally(
     space: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking, tell: Callable[[str], None]
 ) -> Tally:
     """Return how many of some uniformly drawn tasks pass physics."""
+    from prag_asp.cli.tally import tally_line
     from prag_asp.dataset.tally import Tally
     from prag_asp.physics import validate_tasks
 
-    tally = Tally(("drawn", "drawn"), f"budget {checking.limits()}")
+    tally = Tally()
+
+    def told() -> str:
+        return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
+
     if wanted == 0 or space.count() == 0:
         return tally
     tasks = islice(space.draw(seed=seed, weights={}), wanted)
@@ -127,8 +135,8 @@ def _tally(
     ) as verdicts:
         for verdict in verdicts:
             tally.add(verdict)
-            tell(str(tally))
-    click.echo(str(tally), err=True)
+            tell(told())
+    click.echo(told(), err=True)
     return tally
 
 

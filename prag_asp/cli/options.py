@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget
-    from prag_asp.scene.model import Scene
     from prag_asp.space.task_space import TaskSpace
 
 Function = Callable[..., Any]
@@ -61,10 +60,19 @@ class Asked:
             parse_time(self.time) if self.time else None,
             self.cached,
         )
+        conditions = self.conditions()
+        space = TaskSpace(domain or self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
+        return space.where(*conditions)
+
+    def conditions(self) -> tuple[str, ...]:
+        """Return the conditions asked for.
+
+        Raises:
+            QueryError: one is empty.
+        """
         if not all(map(str.strip, self.where)):
             raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
-        space = TaskSpace(domain or self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
-        return space.where(*self.where)
+        return self.where
 
 
 PROGRAM = (
@@ -180,6 +188,10 @@ class Checking:
         dearest = "demonstration" if self.demonstrate is not None else self.tier
         return Budget(*self.tries(), TIERS[TIERS.index(dearest)])
 
+    def arguments(self) -> dict[str, Any]:
+        """Return them as arguments for what looks at tasks."""
+        return {"workers": self.workers, "budget": self.limits(), "demonstrate": self.demonstrate}
+
 
 def checks(function: Function) -> Function:
     """Give a command the options of physics, as one value `checking`."""
@@ -238,20 +250,6 @@ class Weighing:
 def weighs(function: Function) -> Function:
     """Give a command the options of weights, as one value `weighing`."""
     return _bundled(function, "weighing", Weighing, WEIGHING)
-
-
-def scene_of(domain: Domain) -> Scene:
-    """Return the scene of a domain, all its spatial predicates ready for use.
-
-    Raises:
-        SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
-    """
-    from prag_asp.domain.load import load_scene
-    from prag_asp.physics.predicates import own_predicates
-
-    scene = load_scene(domain)
-    own_predicates(scene)
-    return scene
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:

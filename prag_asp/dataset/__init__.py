@@ -1,1 +1,47 @@
-"""Tasks written to files and read from them; one format a file."""
+"""Task spaces and physics together: feasible tasks, checked again, written to files and read from them.
+
+>>> from itertools import islice
+>>> from prag_asp import TaskSpace, load_domain
+>>> from prag_asp.dataset import feasible
+>>> [str(record.task) for record in islice(feasible(TaskSpace(load_domain("tabletop"), length=1), seed=7), 1)]
+['place(panda,can_1,in_front_of,tray_1)']
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from prag_asp.lazy import names_from
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.filtering import feasible
+    from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
+    from prag_asp.dataset.language import instruction
+    from prag_asp.dataset.rechecking import Outcome, recheck
+    from prag_asp.dataset.tally import Tally
+
+__all__ = [
+    "Outcome",
+    "Record",
+    "Tally",
+    "feasible",
+    "instruction",
+    "read_lines",
+    "read_tasks",
+    "recheck",
+    "write_line",
+]
+
+_HOMES = {
+    "prag_asp.dataset.filtering": ("feasible",),
+    "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
+    "prag_asp.dataset.language": ("instruction",),
+    "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
+    "prag_asp.dataset.tally": ("Tally",),
+}
+
+__getattr__ = names_from(__name__, _HOMES)
+
+
+def __dir__() -> list[str]:
+    return __all__

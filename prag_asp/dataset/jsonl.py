@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from prag_asp.atom import Atom, parse_atom
@@ -68,6 +69,17 @@ def _frozen_json(values: FrozenDict[Any, Any]) -> str:
 
 def _spelled(values: Mapping[Any, Any]) -> dict[str, Any]:
     return {str(key): value for key, value in values.items()}
+
+
+def read_tasks(file: str | Path) -> Iterator[Record]:
+    """Yield the records of a file of JSON lines; what is not UTF-8 in it is told as any other mistake.
+
+    Raises:
+        OSError: the file cannot be read.
+        QueryError: a line is no record; the message names it.
+    """
+    with Path(file).open(encoding="utf-8", errors="replace") as lines:
+        yield from read_lines(lines, str(file))
 
 
 def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:

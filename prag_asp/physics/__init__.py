@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from prag_asp.physics.cascade import open_cascade
 from prag_asp.physics.checks.check import check_witness, open_witness_check
 from prag_asp.physics.checks.settling import open_settling, settle
 from prag_asp.physics.demonstration.check import check_demonstration
@@ -37,6 +38,7 @@ __all__ = [
     "check_witness",
     "demonstrate",
     "film_strip",
+    "open_cascade",
     "open_settling",
     "open_validator",
     "open_witness_check",

@@ -1,0 +1,87 @@
+"""The feasible ones of the tasks that are drawn from a space."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from contextlib import closing
+from itertools import islice, tee
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from prag_asp.dataset.jsonl import Record
+from prag_asp.dataset.recordings import Recordings
+from prag_asp.dataset.tally import Tally
+from prag_asp.domain.load import load_scene
+from prag_asp.physics import Budget, Verdict, validate_tasks
+from prag_asp.physics.predicates import own_predicates
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.scene.model import Scene
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
+
+
+def feasible(
+    space: TaskSpace,
+    scene: Scene | None = None,
+    *,
+    seed: int = 0,
+    workers: int = 1,
+    budget: Budget | None = None,
+    demonstrate: str | Path | None = None,
+    draws: int | None = None,
+    tally: Tally | None = None,
+    **drawing: Any,
+) -> Generator[Record, None, None]:
+    """Yield the feasible tasks among those drawn from a space, each with its verdict and its witness, without end.
+
+    `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.draw` takes beside the
+    seed. It ends after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot
+    performs each task, and recordings are written into that folder, which is made where it is missing. What is
+    yielded depends on the seed alone, not on the number of `workers`.
+
+    Raises:
+        SceneError: the domain has no scene, or a task speaks of something for which the scene has no shape.
+        QueryError: the space is empty, or the draw is asked for in a wrong way.
+        OutputError: a recording cannot be written.
+        WorkerError: workers died again and again.
+    """
+    scene = scene_of(space.domain) if scene is None else scene
+    budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
+    asked, kept = tee(islice(space.draw(seed=seed, **drawing), draws))
+    verdicts = validate_tasks(asked, scene, seed=seed, workers=workers, budget=budget)
+    return _passed(kept, verdicts, Recordings(demonstrate), tally)
+
+
+def _passed(
+    tasks: Iterator[Task], verdicts: Generator[Verdict, None, None], recordings: Recordings, tally: Tally
+) -> Generator[Record, None, None]:
+    """Yield the feasible ones of some tasks, record their demonstrations, and count all."""
+    with closing(verdicts):
+        for task, verdict in zip(tasks, verdicts, strict=False):
+            tally.add(verdict)
+            if verdict.feasible:
+                told = verdict.to_json()
+                witness = told.pop("witness")
+                name = recordings.write(tally.passed, verdict.demonstration)
+                if name is not None:
+                    told["demonstration"] = name
+                yield Record(task, told, witness)
+
+
+def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
+    """Return a budget with the tier of demonstrations where these are to be recorded."""
+    budget = budget or Budget()
+    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
+
+
+def scene_of(domain: Domain) -> Scene:
+    """Return the scene of a domain, all its spatial predicates ready for use.
+
+    Raises:
+        SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
+    """
+    scene = load_scene(domain)
+    own_predicates(scene)
+    return scene

@@ -1,0 +1,40 @@
+"""The folder of the demonstrations of some tasks, one file a task."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from prag_asp.errors import OutputError
+
+if TYPE_CHECKING:
+    from prag_asp.physics import Demonstration
+
+
+class Recordings:
+    """Writes demonstrations into a folder; no folder, no files."""
+
+    def __init__(self, folder: str | Path | None):
+        """Make the folder, where there is to be one.
+
+        Raises:
+            OutputError: it cannot be made.
+        """
+        self._folder = None if folder is None else Path(folder)
+        try:
+            if self._folder is not None:
+                self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"{self._folder}: the folder cannot be made: {error.strerror}") from None
+
+    def write(self, number: int, demonstration: Demonstration | None) -> str | None:
+        """Write the demonstration of the task on a line, counted from 1, and return the name of its file.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        if self._folder is None or demonstration is None:
+            return None
+        name = f"{number:06d}.npz"
+        demonstration.save(self._folder / name)
+        return name
