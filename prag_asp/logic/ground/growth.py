@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign, parse_string
 
-from prag_asp.logic.syntax import Signature, atoms_in, children_of, heads_of, signature_of, variables_in
+from prag_asp.program.rule_atoms import Signature, atoms_in, children_of, heads_of, signature_of, variables_in
 from prag_asp.program.sources import Program
 
 FINITE = {("occurs", 2), ("holds", 3)}

@@ -15,7 +15,7 @@ import clingo
 from clingo.ast import AST, ASTType, parse_string
 
 from prag_asp.logic.ground.growth import growing_heads
-from prag_asp.logic.syntax import BEFORE, NOW, Signature, children_of
+from prag_asp.program.rule_atoms import BEFORE, NOW, Signature, children_of
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import STRING, Atom, atoms, head_atoms, plain_atom
 
