@@ -41,7 +41,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
 
 FLOORS: Mapping[str, tuple[str, ...]] = {
-    "scene": ("forms", "kinds", "model", "geometry", "footprint", "furniture", "read", "load"),
+    "scene": ("boxes", "forms", "kinds", "model", "geometry", "footprint", "furniture", "read", "load"),
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
         "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "drawing", "shared", "task_space",

@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.robot import Joints, Robot, robot_of
-from prag_asp.scene.furniture import around, cavity_pose, part_pose
-from prag_asp.scene.geometry import Pose, Vector, extents, finite, raised, yaw_quaternion
+from prag_asp.scene.boxes import Corners, Vector, box_of, corners_of
+from prag_asp.scene.furniture import bounds, cavity_pose, part_pose
+from prag_asp.scene.geometry import Pose, extents, finite, raised, yaw_quaternion
 from prag_asp.scene.model import Scene, Shape
 
 TABLE_THICKNESS = 0.04
@@ -123,7 +124,7 @@ class Situation:
             raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
         shape = self.scene.shapes[entity]
         if shape.traits.furniture:
-            body = _between(pose, *around(shape, pose, self.opening(entity)))
+            body = _between(pose, bounds(shape, pose, self.opening(entity)))
         else:
             body = _box(pose, extents(shape, pose.quaternion))
         self.measured[entity] = body
@@ -191,12 +192,11 @@ def fixed_pose(scene: Scene, entity: str) -> Pose:
 
 def _box(pose: Pose, half: Vector) -> Body:
     """Return a pose with a bounding box around it."""
-    (x, y, z), (hx, hy, hz) = pose.position, half
-    return Body(pose, half, (x - hx, y - hy, z - hz), (x + hx, y + hy, z + hz), pose.position)
+    low, high = corners_of((pose.position, half))
+    return Body(pose, half, low, high, pose.position)
 
 
-def _between(pose: Pose, low: Vector, high: Vector) -> Body:
+def _between(pose: Pose, corners: Corners) -> Body:
     """Return a pose with the bounding box between two corners."""
-    (ax, ay, az), (bx, by, bz) = low, high
-    half = ((bx - ax) / 2, (by - ay) / 2, (bz - az) / 2)
-    return Body(pose, half, low, high, ((ax + bx) / 2, (ay + by) / 2, (az + bz) / 2))
+    (centre, half), (low, high) = box_of(corners), corners
+    return Body(pose, half, low, high, centre)

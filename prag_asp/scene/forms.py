@@ -9,8 +9,9 @@ import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from prag_asp.scene.boxes import Vector
+
 Point = tuple[float, float]
-Vector = tuple[float, float, float]
 Outline = tuple[Point, ...]
 
 CIRCLE_SIDES = 16

@@ -13,14 +13,9 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from prag_asp.scene.geometry import Pose, Vector, compose, yaw_quaternion
+from prag_asp.scene.boxes import Box, Corners, Vector, around, box_between
+from prag_asp.scene.geometry import Pose, compose, yaw_quaternion
 from prag_asp.scene.model import Shape
-
-Box = tuple[Vector, Vector]
-"""The centre of a box and half its sides."""
-
-Corners = tuple[Vector, Vector]
-"""The lowest and the highest corner of a bounding box."""
 
 GAP = 0.002
 """Between the moving part and the rest."""
@@ -96,10 +91,10 @@ def cavity_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
 
 
 @lru_cache(maxsize=1 << 10)
-def around(shape: Shape, pose: Pose, opening: float) -> Corners:
+def bounds(shape: Shape, pose: Pose, opening: float) -> Corners:
     """Return the bounding box of furniture that is open so far."""
     made = mechanism(shape)
-    return _union([_around(made.body, pose), _around(made.part, part_pose(shape, pose, opening))])
+    return around([_around_in(made.body, pose), _around_in(made.part, part_pose(shape, pose, opening))])
 
 
 @lru_cache(maxsize=64)
@@ -107,7 +102,7 @@ def swept(shape: Shape, pose: Pose) -> tuple[Corners, Corners]:
     """Return the bounding boxes of the body of furniture, and of all the places where its part can be."""
     made = mechanism(shape)
     openings = [made.limit * i / (SWEPT - 1) for i in range(SWEPT)]
-    return _around(made.body, pose), _union([_around(made.part, part_pose(shape, pose, q)) for q in openings])
+    return _around_in(made.body, pose), around([_around_in(made.part, part_pose(shape, pose, q)) for q in openings])
 
 
 def _drawer(shape: Shape) -> Mechanism:
@@ -118,18 +113,18 @@ def _drawer(shape: Shape) -> Mechanism:
     depth = RIM * (z - wall - GAP - floor)
     post = -x - STAND_OFF
     cabinet = (
-        _box((front, x), (-y, y), (z - wall, z)),
-        _box((front, x), (y - wall, y), (-z, z - wall)),
-        _box((front, x), (-y, wall - y), (-z, z - wall)),
-        _box((x - wall, x), (wall - y, y - wall), (-z, z - wall)),
+        box_between((front, x), (-y, y), (z - wall, z)),
+        box_between((front, x), (y - wall, y), (-z, z - wall)),
+        box_between((front, x), (-y, wall - y), (-z, z - wall)),
+        box_between((x - wall, x), (wall - y, y - wall), (-z, z - wall)),
     )
     tray = (
-        _box((-x, front - GAP), (-y, y), (GAP - z, z)),
-        _box((front - GAP, back), (-side, side), (GAP - z, floor)),
-        _box((front - GAP, back), (side - wall, side), (floor, floor + depth)),
-        _box((front - GAP, back), (-side, wall - side), (floor, floor + depth)),
-        _box((back - wall, back), (wall - side, side - wall), (floor, floor + depth)),
-        _box((post, -x), (-STEM, STEM), (z + GRIP_DEPTH - POST_HEIGHT, z + 2 * STEM + GRIP_DEPTH - POST_HEIGHT)),
+        box_between((-x, front - GAP), (-y, y), (GAP - z, z)),
+        box_between((front - GAP, back), (-side, side), (GAP - z, floor)),
+        box_between((front - GAP, back), (side - wall, side), (floor, floor + depth)),
+        box_between((front - GAP, back), (-side, wall - side), (floor, floor + depth)),
+        box_between((back - wall, back), (wall - side, side - wall), (floor, floor + depth)),
+        box_between((post, -x), (-STEM, STEM), (z + GRIP_DEPTH - POST_HEIGHT, z + 2 * STEM + GRIP_DEPTH - POST_HEIGHT)),
         _post(post, 0.0, z + GRIP_DEPTH - POST_HEIGHT),
     )
     low, high = front - GAP, back - wall
@@ -151,15 +146,15 @@ def _cupboard(shape: Shape) -> Mechanism:
     (x, y, z), wall = shape.half, shape.wall
     rim = z - wall - GAP
     box = (
-        _box((-x, x), (-y, y), (-z, wall - z)),
-        _box((-x, x), (y - wall, y), (wall - z, rim)),
-        _box((-x, x), (-y, wall - y), (wall - z, rim)),
-        _box((x - wall, x), (wall - y, y - wall), (wall - z, rim)),
-        _box((-x, wall - x), (wall - y, y - wall), (wall - z, rim)),
+        box_between((-x, x), (-y, y), (-z, wall - z)),
+        box_between((-x, x), (y - wall, y), (wall - z, rim)),
+        box_between((-x, x), (-y, wall - y), (wall - z, rim)),
+        box_between((x - wall, x), (wall - y, y - wall), (wall - z, rim)),
+        box_between((-x, wall - x), (wall - y, y - wall), (wall - z, rim)),
     )
     pin = (x - wall / 2, y - wall / 2, 0.0)
     post = STAND_OFF - x
-    door = (_box((-x, x), (-y, y), (z - wall, z)), _post(post, 0.0, z))
+    door = (box_between((-x, x), (-y, y), (z - wall, z)), _post(post, 0.0, z))
     return Mechanism(
         body=box,
         part=tuple((_minus(centre, pin), half) for centre, half in door),
@@ -179,30 +174,17 @@ MAKERS: Mapping[str, Callable[[Shape], Mechanism]] = {"drawer": _drawer, "cupboa
 
 def _post(x: float, y: float, bottom: float) -> Box:
     """Return the post of a handle."""
-    return _box((x - POST, x + POST), (y - POST, y + POST), (bottom, bottom + POST_HEIGHT))
+    return box_between((x - POST, x + POST), (y - POST, y + POST), (bottom, bottom + POST_HEIGHT))
 
 
-def _box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Box:
-    """Return the box between two ends along each axis."""
-    centre = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (z[0] + z[1]) / 2)
-    return centre, ((x[1] - x[0]) / 2, (y[1] - y[0]) / 2, (z[1] - z[0]) / 2)
-
-
-def _around(boxes: tuple[Box, ...], pose: Pose) -> Corners:
+def _around_in(boxes: tuple[Box, ...], pose: Pose) -> Corners:
     """Return the bounding box of boxes in a frame."""
     found = []
     for (x, y, z), (dx, dy, dz) in boxes:
         for i in range(8):
             corner = (x + dx * (1 - (i & 2)), y + dy * (1 - (i & 4) // 2), z + dz * (1 - 2 * (i & 1)))
             found.append(compose(pose, Pose(corner)).position)
-    return _union([(corner, corner) for corner in found])
-
-
-def _union(boxes: list[Corners]) -> Corners:
-    """Return the bounding box of bounding boxes."""
-    lows, highs = zip(*boxes, strict=True)
-    (ax, ay, az), (bx, by, bz) = (map(min, zip(*lows, strict=True)), map(max, zip(*highs, strict=True)))
-    return (ax, ay, az), (bx, by, bz)
+    return around([(corner, corner) for corner in found])
 
 
 def _minus(one: Vector, two: Vector) -> Vector:

@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.forms import Outline, Point
 from prag_asp.scene.model import Shape
 
-Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
-Point = tuple[float, float]
-Outline = tuple[Point, ...]
 
 IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
 AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

@@ -113,7 +113,7 @@ class Material(NamedTuple):
 STANDARD = Material()
 
 
-class Box(NamedTuple):
+class Bounds(NamedTuple):
     """A box by its lowest and its highest corner, in metres; infinite where nothing bounds it."""
 
     low: tuple[float, float, float]
@@ -130,7 +130,7 @@ class Own(NamedTuple):
 
     name: str
     roles: tuple[str, ...]
-    boxes: tuple[Box, ...] = ()
+    boxes: tuple[Bounds, ...] = ()
     whole: bool = False
     around: str | None = None
     sentence: str = ""

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.scene.furniture import around, cavity_pose, mechanism, part_pose, swept
+from prag_asp.scene.furniture import bounds, cavity_pose, mechanism, part_pose, swept
 from prag_asp.scene.geometry import Pose, compose, yaw_quaternion
 from prag_asp.scene.load import parse_scene
 from prag_asp.scene.model import Shape
@@ -41,7 +41,7 @@ def test_the_bounding_box_and_the_part_are_where_the_simulator_has_them(two, sha
     assert link[4] == pytest.approx(part.position, abs=1e-6)
     assert abs(sum(a * b for a, b in zip(link[5], part.quaternion, strict=True))) == pytest.approx(1.0, abs=1e-6)
     boxes = [pybullet.getAABB(body, i, physicsClientId=two.client) for i in (-1, 0)]
-    low, high = around(shape, pose, opening)
+    low, high = bounds(shape, pose, opening)
     # The simulator's boxes hold the boxes of the body's own frame, so they are larger where it is turned.
     assert all(min(box[0][i] for box in boxes) <= low[i] + 1e-6 for i in range(3))
     assert all(max(box[1][i] for box in boxes) >= high[i] - 1e-6 for i in range(3))
@@ -53,7 +53,7 @@ def test_the_bounding_box_of_what_is_square_to_the_axes_is_that_of_the_simulator
         pose = Pose((0.5, 0.2, shape.half[2]))
         two.place({shape.kind: pose}, {shape.kind: opening})
         boxes = [pybullet.getAABB(two.body(shape.kind), i, physicsClientId=two.client) for i in (-1, 0)]
-        low, high = around(shape, pose, opening)
+        low, high = bounds(shape, pose, opening)
         assert low == pytest.approx([min(box[0][i] for box in boxes) for i in range(3)], abs=1e-6)
         assert high == pytest.approx([max(box[1][i] for box in boxes) for i in range(3)], abs=1e-6)
 
@@ -62,7 +62,7 @@ def test_the_bounding_box_of_what_is_square_to_the_axes_is_that_of_the_simulator
 @settings(max_examples=100, deadline=None)
 def test_what_furniture_sweeps_holds_it_at_every_opening(shape, pose, share):
     body, part = swept(shape, pose)
-    low, high = around(shape, pose, share * mechanism(shape).limit)
+    low, high = bounds(shape, pose, share * mechanism(shape).limit)
     assert all(min(a, c) - 0.002 <= x for a, c, x in zip(body[0], part[0], low, strict=True))
     assert all(max(b, d) + 0.002 >= x for b, d, x in zip(body[1], part[1], high, strict=True))
 

@@ -10,7 +10,7 @@ from prag_asp import SceneError
 from prag_asp.atom import parse_atom
 from prag_asp.physics.facts import facts
 from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Box, Own
+from prag_asp.scene.model import Bounds, Own
 
 PAIR = ("object", "object")
 
@@ -32,7 +32,7 @@ def test_a_table_of_boxes_becomes_a_predicate_with_its_bounds() -> None:
         {"panda": "robot", "cube_1": "cube", "cube_2": "cube"},
     )
     inf = float("inf")
-    box = Box((0.0, -inf, -0.5), (0.1, inf, inf))
+    box = Bounds((0.0, -inf, -0.5), (0.1, inf, inf))
     assert scene.own["odd"] == Own("odd", PAIR, (box,), whole=True, sentence="{0} {is} odd to {1}")
     assert scene.meaning(parse_atom("strange(cube_1,cube_2)")) == "odd"
     (fact,) = facts(scene, {parse_atom("strange(cube_1,cube_2)"): False})

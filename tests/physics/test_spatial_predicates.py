@@ -19,7 +19,7 @@ from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
-from prag_asp.scene.model import PREDICATE_ROLES, Box, Own, Scene, Shape
+from prag_asp.scene.model import PREDICATE_ROLES, Bounds, Own, Scene, Shape
 
 SHAPES = {
     "panda": Shape("robot"),
@@ -60,11 +60,11 @@ ARGUMENTS = {
     "is_closed": ("cupboard",),
 }
 CORNERS = (
-    Box((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
-    Box((0.0, 0.06, -0.1), (0.15, 0.12, 0.1)),  # overlaps the first
-    Box((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
+    Bounds((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
+    Bounds((0.0, 0.06, -0.1), (0.15, 0.12, 0.1)),  # overlaps the first
+    Bounds((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
 )
-LEFT = (Box((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
+LEFT = (Bounds((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
 STUDIO = Path(__file__).parents[2] / "examples" / "own_predicates" / "predicates.py"
 PAIR = ("object", "object")
 OWN = {
@@ -316,7 +316,7 @@ def test_the_width_of_a_grip_on_a_long_box_is_what_is_between_the_pads(yaw, off)
     pose = Pose((0.5, 0.0, 0.02), yaw_quaternion(yaw))
     tool = compose(pose, Pose((off, 0.0, 0.0)))._replace(quaternion=DOWN)
     situation = Situation(scene, {"brick": pose}, tool, 0.04)
-    pad = robot_of(scene).finger_boxes[0][1][0]
+    pad = robot_of(scene).finger_boxes[0].size[0]
     corners = [
         compose(pose, Pose((x * 0.12, y * 0.0175, 0.0))).position for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))
     ]

@@ -10,9 +10,9 @@ import clingo
 
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
-from prag_asp.program.rule_atoms import Signature
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.rule_atoms import Signature
 from prag_asp.program.sources import Program
 
 STEP = 1_000_000_000

@@ -22,17 +22,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
-from prag_asp.scene.geometry import (
-    Pose,
-    compose,
-    invert,
-    multiply,
-    raised,
-    rotate,
-    wrap,
-    yaw_of,
-    yaw_quaternion,
-)
+from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, rotate, wrap, yaw_of, yaw_quaternion
 
 Angles = NDArray[np.float64]
 LARGEST_TURN = 0.3

@@ -13,7 +13,7 @@ from prag_asp.errors import PragError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.simulator import Simulator
-from prag_asp.scene.geometry import Vector
+from prag_asp.scene.boxes import Vector
 from prag_asp.scene.model import Scene
 
 if TYPE_CHECKING:

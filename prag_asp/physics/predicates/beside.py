@@ -15,7 +15,8 @@ from functools import partial
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, Vector, extents
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import Quaternion, extents
 
 GAP = 0.005
 MARGIN = 0.003

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, turned_box
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, Vector, width_along
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import Quaternion, width_along
 
 GAP = 0.005
 MARGIN = 0.003

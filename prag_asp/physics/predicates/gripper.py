@@ -9,7 +9,8 @@ from dataclasses import replace
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, Vector, heading, rotate, to_local, width_along
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import Quaternion, heading, rotate, to_local, width_along
 
 CENTRE_TOLERANCE = 0.015
 BELOW = 0.005
@@ -38,7 +39,7 @@ def grip_width(situation: Situation, entity: str, robot: str = "") -> float:
     x, y, z, w = quaternion
     along = [max(abs(part), SLANT) for part in rotate((-x, -y, -z, w), opening)]
     half, cosine = min(zip(shape.half, along, strict=True), key=lambda side: side[0] / side[1])
-    pad = situation.robot(robot).finger_boxes[0][1][0]
+    pad = situation.robot(robot).finger_boxes[0].size[0]
     return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
 
 

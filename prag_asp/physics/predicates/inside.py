@@ -11,20 +11,10 @@ from collections.abc import Iterator
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, turned_box
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.forms import rectangle
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity
-from prag_asp.scene.geometry import (
-    Outline,
-    Pose,
-    Quaternion,
-    Vector,
-    extents,
-    heading,
-    inside_by,
-    multiply,
-    to_local,
-    yaw_of,
-)
+from prag_asp.scene.geometry import Pose, Quaternion, extents, heading, inside_by, multiply, to_local, yaw_of
 
 TOLERANCE = 0.002
 FLOOR_BAND = 0.01

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, Vector, extents, heading, to_local
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import Quaternion, extents, heading, to_local
 
 TOLERANCE = 0.002
 MARGIN = 0.004

@@ -8,7 +8,9 @@ from collections.abc import Callable
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from prag_asp.scene.geometry import Outline, Vector, cut, inside_by, wrap
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.forms import Outline
+from prag_asp.scene.geometry import cut, inside_by, wrap
 
 RING_TRIES = 20
 EVERYWHERE = (-math.inf, -math.inf, -math.inf), (math.inf, math.inf, math.inf)

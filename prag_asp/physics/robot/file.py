@@ -13,8 +13,9 @@ from xml.etree import ElementTree
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet_data
-from prag_asp.physics.robot.model import Box, Hand, Robot
-from prag_asp.scene.geometry import Vector
+from prag_asp.physics.robot.model import Hand, Robot
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.model import Solid
 
 PALM_MASS, FINGER_MASS, INERTIA = 0.8, 0.1, 0.01
 STIFFNESS, DAMPING = 30000.0, 1000.0
@@ -66,8 +67,8 @@ def _mount(root: ElementTree.Element, hand: Hand, robot: Robot) -> None:
         contact = ElementTree.SubElement(finger, "contact")
         ElementTree.SubElement(contact, "stiffness", value=str(STIFFNESS))
         ElementTree.SubElement(contact, "damping", value=str(DAMPING))
-        for (x, y, z), size in robot.finger_boxes:
-            _add_box(finger, "visual", (x, side * y, z), size)
+        for solid in robot.finger_boxes:
+            _add_box(finger, "visual", _mirrored(solid.at, side), solid.size)
         joint = _joint(root, f"{name}_joint", "prismatic", ("hand", name), hand.palm[2], 0.0)
         ElementTree.SubElement(joint, "axis", xyz=f"0 {side} 0")
         limits = {"lower": "0", "upper": str(robot.opening / 2), "effort": str(FORCE), "velocity": str(SPEED)}
@@ -96,12 +97,18 @@ def _joint(
     return joint
 
 
-def _give_boxes(finger: ElementTree.Element, boxes: tuple[Box, ...], side: float) -> None:
+def _give_boxes(finger: ElementTree.Element, boxes: tuple[Solid, ...], side: float) -> None:
     """Replace what a finger collides with by boxes, mirrored where `side` is -1."""
     for collision in finger.findall("collision"):
         finger.remove(collision)
-    for (x, y, z), size in boxes:
-        _add_box(finger, "collision", (x, side * y, z), size)
+    for solid in boxes:
+        _add_box(finger, "collision", _mirrored(solid.at, side), solid.size)
+
+
+def _mirrored(at: Vector, side: float) -> Vector:
+    """Return a point of the left finger in the frame of the one on a side."""
+    x, y, z = at
+    return (x, side * y, z)
 
 
 def _add_box(link: ElementTree.Element, kind: str, at: Vector, size: Vector) -> None:

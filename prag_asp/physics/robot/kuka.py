@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.robot.model import Hand, Joints, Robot
 from prag_asp.scene.geometry import Pose
+from prag_asp.scene.model import Solid
 
 Floats = NDArray[np.float64]
 
@@ -170,8 +171,8 @@ KUKA = Robot(
     finger_names=(("left_finger", 1.0), ("right_finger", -1.0)),
     # The pad, then the shank, which stands back.
     finger_boxes=(
-        ((0.0, 0.0071, 0.045), (0.0176, 0.0142, 0.0176)),
-        ((0.0, 0.0172, 0.018), (0.0208, 0.0166, 0.036)),
+        Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
+        Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
     ),
     hand=Hand(parent="lbr_iiwa_link_7", at=FACE, turn=TURN, palm=PALM),
 )

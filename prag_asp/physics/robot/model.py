@@ -14,11 +14,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.scene.geometry import Pose, Vector
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.model import Solid
 
 Joints = tuple[float, ...]
-Box = tuple[Vector, Vector]
-"""The centre and the sizes of a box in metres."""
 
 
 ORIGIN = Pose((0.0, 0.0, 0.0))
@@ -100,7 +100,7 @@ class Robot:
     payload: float
     self_pairs: tuple[tuple[int, int], ...]
     finger_names: tuple[tuple[str, float], ...]
-    finger_boxes: tuple[Box, ...]
+    finger_boxes: tuple[Solid, ...]
     hand: Hand | None = None
     base: Pose = ORIGIN
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.robot.model import Joints, Robot
 from prag_asp.scene.geometry import Pose, wrap, yaw_of
+from prag_asp.scene.model import Solid
 
 POSTURE = (0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4)
 WRIST_LIMIT = 2.8973
@@ -84,7 +85,7 @@ PANDA = Robot(
     finger_names=(("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)),
     # The pad, then the shank, which stands back.
     finger_boxes=(
-        ((0.0, 0.0071, 0.045), (0.0176, 0.0142, 0.0176)),
-        ((0.0, 0.0172, 0.018), (0.0208, 0.0166, 0.036)),
+        Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
+        Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
     ),
 )

@@ -15,11 +15,12 @@ from prag_asp.physics.search.allowed import all_satisfied, allowed, draw_yaws, r
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
 from prag_asp.physics.search.chains import Chain, chains, kept_apart
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.world.collisions import Box, box
+from prag_asp.physics.world.collisions import box
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
+from prag_asp.scene.boxes import Box, Vector, box_of
 from prag_asp.scene.furniture import swept
-from prag_asp.scene.geometry import Pose, Quaternion, Vector, extents, yaw_of, yaw_quaternion
+from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
 
 TRIES = 8
 SPACING = 0.01
@@ -246,20 +247,19 @@ def _neighbours(situation: Situation, support: str, half: Vector, z: float) -> l
         traits = shapes[other].traits
         if traits.hollow and support != TABLE:
             continue
-        boxes = _swept(situation, other) if traits.furniture else (box(situation, other),)
+        boxes = _boxes(situation, other)
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
                 found.append((x, y, half_x + half[0], half_y + half[1]))
     return found
 
 
-def _swept(situation: Situation, furniture: str) -> tuple[Box, Box]:
-    """Return the bounding boxes of the body of furniture, and of all the places where its part can be."""
-    body, part = (
-        (((ax + bx) / 2, (ay + by) / 2, (az + bz) / 2), ((bx - ax) / 2, (by - ay) / 2, (bz - az) / 2))
-        for (ax, ay, az), (bx, by, bz) in swept(situation.shape(furniture), situation.pose(furniture))
-    )
-    return body, part
+def _boxes(situation: Situation, entity: str) -> tuple[Box, ...]:
+    """Return the bounding box of a body; of furniture that of its body, and of all the places of its part."""
+    shape = situation.shape(entity)
+    if not shape.traits.furniture:
+        return (box(situation, entity),)
+    return tuple(map(box_of, swept(shape, situation.pose(entity))))
 
 
 def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) -> bool:

@@ -10,7 +10,8 @@ from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.world.furniture import make_furniture
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.physics.world.solids import solids, weight
-from prag_asp.scene.geometry import Vector, yaw_quaternion
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import yaw_quaternion
 from prag_asp.scene.model import Material, Scene, Solid
 
 PARKING = (20.0, 20.0, 5.0)

@@ -8,9 +8,8 @@ from typing import NamedTuple
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.situation import Situation, Standing
 from prag_asp.physics.world.simulator import COLLISION, Simulator
-from prag_asp.scene.geometry import Vector
+from prag_asp.scene.boxes import Box, Corners
 
-Box = tuple[Vector, Vector]
 BASE_LINK = -1
 
 
@@ -123,8 +122,8 @@ def _deep(contacts: Iterable[tuple[int, float]]) -> int | None:
     return next((link for link, gap in contacts if gap < COLLISION), None)
 
 
-def _touching(body: Box, links: Iterable[tuple[int, Box]]) -> list[int]:
-    """Return the links whose bounding boxes have a point in common with one, all as lowest and highest corner."""
+def _touching(body: Corners, links: Iterable[tuple[int, Corners]]) -> list[int]:
+    """Return the links whose bounding boxes have a point in common with one."""
     (ax, ay, az), (bx, by, bz) = body
     return [
         link

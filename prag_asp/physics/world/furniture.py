@@ -6,8 +6,8 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.physics.world.solids import boxes, volume
+from prag_asp.scene.boxes import Vector
 from prag_asp.scene.furniture import mechanism
-from prag_asp.scene.geometry import Vector
 from prag_asp.scene.model import Material, Shape
 
 JOINT = 0

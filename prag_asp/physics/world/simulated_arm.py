@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,11 +13,10 @@ from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.file import wheel_file, write_robot
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.scene.geometry import Pose, Vector, rotate
+from prag_asp.scene.boxes import Corners, around, touch
+from prag_asp.scene.geometry import Pose, rotate
 
 REMEMBERED = 256
-Corners = tuple[Vector, Vector]
-"""The lowest and the highest corner of a bounding box, in metres."""
 
 
 @dataclass
@@ -104,10 +103,10 @@ class SimulatedArm:
 
     def _overlaps(self, joints: Joints, width: float, boxes: Mapping[int, Corners]) -> Iterator[float]:
         """Yield the distances of the links that touch in metres, of those whose bounding boxes do."""
-        trunk = _around([boxes[link] for link in self._trunk])
-        near = {link for link in self._wrist if boxes_touch(boxes[link], trunk)}
+        trunk = around([boxes[link] for link in self._trunk])
+        near = {link for link in self._wrist if touch(boxes[link], trunk)}
         for low, high in self.robot.self_pairs:
-            if high in near and boxes_touch(boxes[low], boxes[high]):
+            if high in near and touch(boxes[low], boxes[high]):
                 self.pose(joints, width)
                 points = pybullet.getClosestPoints(
                     self.body, self.body, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
@@ -117,20 +116,6 @@ class SimulatedArm:
     def flange(self) -> Pose:
         """Return the pose of the flange as the simulator's own kinematics has it."""
         return read_flange(self.client, self.body, self.robot)
-
-
-def boxes_touch(one: Corners, two: Corners) -> bool:
-    """Tell whether two bounding boxes have a point in common."""
-    (ax, ay, az), (bx, by, bz) = one
-    (cx, cy, cz), (dx, dy, dz) = two
-    return ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz
-
-
-def _around(boxes: Sequence[Corners]) -> Corners:
-    """Return the bounding box of bounding boxes."""
-    lows, highs = zip(*boxes, strict=True)
-    (ax, ay, az), (bx, by, bz) = (map(min, zip(*lows, strict=True)), map(max, zip(*highs, strict=True)))
-    return (ax, ay, az), (bx, by, bz)
 
 
 def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False) -> int:

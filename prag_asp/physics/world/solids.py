@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.furniture import mechanism
-from prag_asp.scene.geometry import Vector
 from prag_asp.scene.model import Scene, Shape, Solid
 
 

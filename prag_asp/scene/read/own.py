@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from string import Formatter
 from typing import Any
 
-from prag_asp.scene.model import IGNORED, PREDICATE_ROLES, Box, Own
+from prag_asp.scene.model import IGNORED, PREDICATE_ROLES, Bounds, Own
 from prag_asp.scene.read.report import Report, suggest
 
 ROLES = tuple(dict.fromkeys(role for roles in PREDICATE_ROLES.values() for role in roles))
@@ -114,24 +114,24 @@ class _OwnReader:
             sentence=self.sentence(f"{key}.sentence", table.get("sentence")),
         )
 
-    def boxes(self, key: str, value: object) -> tuple[Box, ...]:
+    def boxes(self, key: str, value: object) -> tuple[Bounds, ...]:
         """Return the boxes of a predicate, at least one."""
         if not isinstance(value, list) or not value:
             self.add(key, f"needs a list of boxes like {{ x = [0.05, 0.12], z = [0, 0.1] }}; got {value!r}")
             return ()
         return tuple(self.box(f"{key}.{i}", box) for i, box in enumerate(value, 1))
 
-    def box(self, key: str, value: object) -> Box:
+    def box(self, key: str, value: object) -> Bounds:
         """Return a box; along an axis that it does not name nothing bounds it."""
         if not isinstance(value, Mapping) or not value:
             self.add(key, f"needs a table like {{ x = [0.05, 0.12], y = [0, 0.1] }}; got {value!r}")
-            return Box((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            return Bounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         for name in value:
             if name not in AXES:
                 self.add(f"{key}.{name}", f"unknown key; {suggest(name, AXES)}")
         ends = [self.ends(f"{key}.{axis}", value.get(axis, list(ENDLESS))) for axis in AXES]
         (ax, bx), (ay, by), (az, bz) = ends
-        return Box((ax, ay, az), (bx, by, bz))
+        return Bounds((ax, ay, az), (bx, by, bz))
 
     def ends(self, key: str, value: object) -> tuple[float, float]:
         """Return the low and the high end of a box along an axis in metres."""
