@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import EngineError, QueryError, TaskSpace
+from prag_asp.space.engines import ENGINES, Engine, engine_class
 from tests.domains import domain_of
 
 TWO = """
@@ -132,3 +133,11 @@ def test_unnamed_arguments_mean_what_they_mean_in_clingo(engine: str, base: str,
     """What `not flag(_,t)` reads is an atom of clingo's own, defined piece by piece as parts are ground."""
     space = TaskSpace(domain_of(f"{TWO}\n#program base. {base}\n#program step(t). {FLAGS}{rules}"), 0, engine=engine)
     assert [space.at(length).count("plan") for length in range(5)] == counts
+
+
+def test_every_engine_of_the_registry_answers_what_engines_answer() -> None:
+    asked = {name for name, value in vars(Engine).items() if callable(value) and not name.startswith("_")}
+    assert {"count", "words", "contains", "rank", "unrank", "weighed"} <= asked
+    for name in ENGINES:
+        made = engine_class(name)
+        assert asked | {"letters"} <= set(dir(made)), name

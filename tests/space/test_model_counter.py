@@ -10,7 +10,7 @@ from prag_asp import EngineError, load_domain
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import count_models
 from prag_asp.logic.model import Model
-from prag_asp.space.engines import ENGINES
+from prag_asp.space.engines import engine_class
 from prag_asp.space.engines.sharp import SharpEngine
 from prag_asp.space.limits import UNLIMITED, Limits
 from tests.domains import domain_of
@@ -22,7 +22,7 @@ from tests.space.test_engines_clauses import needs_ganak
 def test_without_ganak_one_line_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("prag_asp.logic.formula.counter.find_spec", lambda name: None)
     with pytest.raises(EngineError, match=r"pip install 'prag_asp\[sharp\]'"):
-        ENGINES["sharp"](Model(domain_of(TWO)), "plan", None, UNLIMITED)
+        engine_class("sharp")(Model(domain_of(TWO)), "plan", None, UNLIMITED)
 
 
 @needs_ganak

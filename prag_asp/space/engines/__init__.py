@@ -1,34 +1,18 @@
-"""The engines, by name; `select` takes the best one that can express a domain."""
+"""The engines; `select` takes the best one that can express a domain."""
 
 from __future__ import annotations
 
+from importlib import import_module
+
 from prag_asp.errors import EngineError, QueryError
 from prag_asp.logic.model import Model
-from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space import ENGINES
 from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEngine, Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 
-
-def _clingo(model: Model, level: Level, progress: Progress | None, limits: Limits) -> Engine:
-    from prag_asp.space.engines.clingo import ClingoEngine
-
-    return ClingoEngine(model, level, progress, limits)
-
-
-def _sat(model: Model, level: Level, progress: Progress | None, limits: Limits) -> Engine:
-    from prag_asp.space.engines.sat import SatEngine
-
-    return SatEngine(model, level, progress, limits)
-
-
-def _sharp(model: Model, level: Level, progress: Progress | None, limits: Limits) -> Engine:
-    from prag_asp.space.engines.sharp import SharpEngine
-
-    return SharpEngine(model, level, progress, limits)
-
-
-ENGINES: dict[str, MakeEngine] = {"automaton": AutomatonEngine, "clingo": _clingo, "sat": _sat, "sharp": _sharp}
 AUTO = "auto"
+FIRST, OTHERWISE = "automaton", "clingo"
+"""What ``auto`` tries first, and what takes over where a step is no function of the state."""
 
 
 def select(
@@ -42,14 +26,21 @@ def select(
     """
     if name == AUTO:
         try:
-            return AutomatonEngine(model, level, progress, limits)
+            return engine_class(FIRST)(model, level, progress, limits)
         except EngineError as error:
             if progress:
-                progress(f"engine clingo, because {error}")
-            return _clingo(model, level, progress, limits)
+                progress(f"engine {OTHERWISE}, because {error}")
+            return engine_class(OTHERWISE)(model, level, progress, limits)
     if name not in ENGINES:
         raise QueryError(f"no engine {name!r}; there are {', '.join((AUTO, *ENGINES))}")
-    return ENGINES[name](model, level, progress, limits)
+    return engine_class(name)(model, level, progress, limits)
 
 
-__all__ = ["ENGINES", "LEVELS", "Draw", "Engine", "Level", "select"]
+def engine_class(name: str) -> MakeEngine:
+    """Return the class of an engine that `ENGINES` names."""
+    module, _, own = ENGINES[name].rpartition(".")
+    made: MakeEngine = getattr(import_module(module), own)
+    return made
+
+
+__all__ = ["ENGINES", "LEVELS", "Draw", "Engine", "Level", "engine_class", "select"]
