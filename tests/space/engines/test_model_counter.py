@@ -15,8 +15,8 @@ from prag_asp.space.engines.sharp import SharpEngine
 from prag_asp.space.limits import UNLIMITED, Limits
 from tests.domains import domain_of
 from tests.processes import children
-from tests.space.test_engines import TWO
-from tests.space.test_engines_clauses import needs_ganak
+from tests.space.engines.test_engines import TWO
+from tests.space.engines.test_engines_clauses import needs_ganak
 
 
 def test_without_ganak_one_line_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:

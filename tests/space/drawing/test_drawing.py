@@ -23,7 +23,7 @@ from prag_asp.space.drawing.drawers import ByWeight
 from prag_asp.space.drawing.table import exact_choice
 from prag_asp.space.weights import Number, Weighed
 from tests.domains import domain_of
-from tests.space.test_sampling import expected_weight
+from tests.space.drawing.test_sampling import expected_weight
 
 DRAWS = 1_000_000
 DOMAIN = load_domain("prag")

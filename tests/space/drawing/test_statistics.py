@@ -17,7 +17,7 @@ from prag_asp.space.statistics import Statistics
 from prag_asp.space.weights import Number
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
-from tests.space.test_sampling import KINDS, expected_weight
+from tests.space.drawing.test_sampling import KINDS, expected_weight
 from tests.strategies import toys
 
 DOMAIN = load_domain("prag")

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import DomainError
 from tests.brute_force import State, Toy, Values, agrees
-from tests.domain.test_good_domains import SWITCH, domain
-from tests.domain.test_occurrence import plain, report
+from tests.lint.test_good_domains import SWITCH, domain
+from tests.lint.test_occurrence import plain, report
 from tests.strategies import hierarchies
 
 TWICE = """

@@ -25,7 +25,7 @@ from tests.brute_force import Toy, term
 from tests.domains import domain_of
 from tests.strategies import toys
 
-WAREHOUSE = Path(__file__).parents[2] / "examples" / "warehouse"
+WAREHOUSE = Path(__file__).parents[3] / "examples" / "warehouse"
 LEARNED = """\
 % Y is 100 mm wide, the gripper opens 80 mm
 impossible(holding(X,Y), holding(X,Y)) :- fluent(holding(X,Y)), is_a(Y,crate).

@@ -65,7 +65,7 @@ CORNERS = (
     Box((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
 )
 LEFT = (Box((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
-STUDIO = Path(__file__).parents[2] / "examples" / "own_predicates" / "predicates.py"
+STUDIO = Path(__file__).parents[3] / "examples" / "own_predicates" / "predicates.py"
 PAIR = ("object", "object")
 OWN = {
     "in_corner": Own("in_corner", PAIR, CORNERS, sentence="{0} {is} in a corner of {1}"),

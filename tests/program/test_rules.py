@@ -9,7 +9,7 @@ import pytest
 from prag_asp.domain.load import load_domain
 from prag_asp.domain.paths import data_folder
 from prag_asp.errors import DomainError
-from tests.domain.test_good_domains import SWITCH, domain
+from tests.lint.test_good_domains import SWITCH, domain
 
 WRONG = [
     ("nope", r"^nope: no such rule; there are at_most, closed_world, no_undo in .*rules$"),

@@ -20,7 +20,7 @@ from prag_asp.space.engines import LEVELS
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
 from tests.processes import children, interrupt, interruptible
-from tests.space.test_engines import BEYOND, CARRIED, TWO
+from tests.space.engines.test_engines import BEYOND, CARRIED, TWO
 from tests.space.test_known_counts import COUNTS
 from tests.strategies import toys
 

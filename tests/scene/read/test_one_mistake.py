@@ -8,7 +8,7 @@ import pytest
 
 from prag_asp import DomainError, load_domain
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 TRAY = "size = [0.30, 0.24, 0.035], wall = 0.006"
 WHOLE_TRAY = f'tray = {{ kind = "container", {TRAY} }}\n'
 CORNER = "{ x = [0.07, 0.15], y = [0.05, 0.13], z = [0, 0.1] }"

@@ -16,7 +16,7 @@ from tests.independent.frames import frame
 from tests.independent.world import world_of
 from tests.physics.scenarios import carrying, stacking
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def _record(validator, task, seed=1):
