@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from shutil import copytree
@@ -22,6 +20,7 @@ from prag_asp.physics.proofs.learning import proved, unproved
 from prag_asp.physics.proofs.schemas import rules, text_of
 from prag_asp.space.task import Task
 from tests.brute_force import Toy, term
+from tests.commands import run
 from tests.domains import domain_of
 from tests.strategies import toys
 
@@ -147,14 +146,9 @@ def test_what_was_learned_for_another_scene_is_told(before: Domain, after: Domai
     }
 
 
-def prag_asp(*arguments: str) -> subprocess.CompletedProcess[str]:
-    code = "from prag_asp.cli import main; main()"
-    return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
-
-
 def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain) -> None:
     folder = str(copytree(WAREHOUSE, tmp_path / "warehouse"))
-    proposed = prag_asp("learn", folder, "-n", "2", "--count", "20", "--seed", "1")
+    proposed = run("learn", folder, "-n", "2", "--count", "20", "--seed", "1")
     assert proposed.returncode == 0, proposed.stderr
     (tmp_path / "proposed.lp").write_text(proposed.stdout)
     assert with_learned(load_domain(folder), (Source(tmp_path / "x.lp", proposed.stdout),)).learned == after.learned
@@ -164,15 +158,15 @@ def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain)
     assert table["drawn"] == ["20", "20"] and table["budget"][:4] == ["10", "x", "10,", "kinematics"]
     assert int(table["passed"][0]) < int(table["passed"][3])
 
-    written = prag_asp("learn", folder, "-n", "2", "--count", "0", "--write")
+    written = run("learn", folder, "-n", "2", "--count", "0", "--write")
     assert written.returncode == 0 and written.stdout.startswith("4 rules state 10 proofs\n")
-    assert "10 learned invariants" in prag_asp("check", folder).stdout
+    assert "10 learned invariants" in run("check", folder).stdout
     for options, count in (([], plans[1]), (["--no-learned"], plans[0])):
-        assert prag_asp("count", folder, "-n", "2", "--by", "plan", *options).stdout == f"{count}\n"
+        assert run("count", folder, "-n", "2", "--by", "plan", *options).stdout == f"{count}\n"
 
     settings = tmp_path / "warehouse" / "domain.toml"
     settings.write_text(settings.read_text().replace("[0.95, 0.00]", "[0.55, 0.00]"))
-    stale = prag_asp("check", folder)
+    stale = run("check", folder)
     assert stale.returncode == 2 and stale.stdout == "" and stale.stderr.count("\n") == 1
     assert "learned.lp:1: the scene does not prove that on_top(" in stale.stderr
 
@@ -180,7 +174,7 @@ def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain)
 def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
     folder = copytree(WAREHOUSE, tmp_path / "warehouse")
     (folder / "learned.lp").write_text(LEARNED)
-    told = prag_asp("explain", str(folder), "pick(panda,crate_1,table_1)")
+    told = run("explain", str(folder), "pick(panda,crate_1,table_1)")
     assert told.returncode == 1
     assert "holding(panda,crate_1) would have to be true, which is impossible together with what else is" in told.stdout
 
