@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.cli.test_commands import ok, run
+from tests.commands import ok, run
 
 Change = Callable[[dict[str, Any]], object]
 MEND = "; draw the task anew, or set its witness to null"

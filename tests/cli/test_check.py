@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-PRAG = [sys.executable, "-c", "from prag_asp.cli import main; main()"]
+from tests.commands import run
+
 WAREHOUSE = Path(__file__).parents[2] / "examples" / "warehouse"
 LINE = 'crate = { kind = "box", size = [0.10, 0.10, 0.10] }'
 
@@ -19,7 +18,7 @@ def warnings(folder: Path, crate: str) -> list[str]:
     shutil.copytree(WAREHOUSE, folder)
     table = folder / "domain.toml"
     table.write_text(table.read_text(encoding="utf-8").replace(LINE, f"crate = {crate}"), encoding="utf-8")
-    done = subprocess.run([*PRAG, "check", str(folder)], capture_output=True, text=True, timeout=300, check=False)
+    done = run("check", str(folder))
     assert done.returncode == 0 and done.stdout.startswith("it: ok")
     return done.stderr.splitlines()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.cli.test_commands import ok, run
+from tests.commands import ok, ok_apart, run, run_apart
 
 CONFLICT = """\
 step 3, grasp(panda,apple_2), cannot follow:
@@ -17,7 +17,7 @@ no plan of this length has these steps, whatever its others are:
 
 
 def test_explain_tells_reasons_and_conflict_and_ends_with_code_1() -> None:
-    done = run("explain", "prag", "approach(panda, apple_1)", "grasp(panda,apple_1)", "grasp(panda,apple_2)")
+    done = run_apart("explain", "prag", "approach(panda, apple_1)", "grasp(panda,apple_1)", "grasp(panda,apple_2)")
     assert (done.returncode, done.stdout, done.stderr) == (1, CONFLICT, "")
 
 
@@ -36,7 +36,7 @@ def test_explain_refuses_what_is_no_action() -> None:
 def test_export_writes_the_same_bytes_again_for_each_level(tmp_path: Path) -> None:
     shown = {}
     for level in ("plan", "task", "skeleton"):
-        texts = [ok("export", "blocks", "-n", "2", "--by", level) for _ in range(2)]
+        texts = [ok_apart("export", "blocks", "-n", "2", "--by", level) for _ in range(2)]
         assert texts[0] == texts[1]
         assert texts[0].startswith(f"c the {level}s of blocks of length 2, by prag_asp\nc 2 ")
         lines = texts[0].splitlines()

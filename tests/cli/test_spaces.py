@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.test_commands import ok, run
+from tests.commands import ok, ok_apart, run
 
 
 @pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
@@ -21,7 +21,7 @@ def test_conditions_are_all_satisfied_with_every_engine(engine: str) -> None:
 
 
 def test_a_task_is_shown_by_its_rank_and_found_again() -> None:
-    shown = ok("task", "prag", "-n", "9", "--index", "123456789", "--format", "text").strip()
+    shown = ok_apart("task", "prag", "-n", "9", "--index", "123456789", "--format", "text").strip()
     assert ok("task", "prag", "-n", "9", "--rank-of", shown) == "123456789\n"
     full = ok("task", "prag", "-n", "9", "--index", "123456789").splitlines()
     assert full[0] == "task 123456789 of 599973676"
@@ -37,7 +37,7 @@ def test_a_task_tells_its_readings() -> None:
 def test_a_split_prints_its_sizes_and_writes_different_tasks(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "parts"
     arguments = ["train=0.8", "test=0.2", "--seed", "4"]
-    told = ok("split", "prag", "-n", "3", *arguments, "--count", "100", "-o", str(folder))
+    told = ok_apart("split", "prag", "-n", "3", *arguments, "--count", "100", "-o", str(folder))
     assert told.split() == ["train", "1674", "test", "418"]
     parts = {name: (folder / f"{name}.txt").read_text().splitlines() for name in ("train", "test")}
     assert all(len(set(lines)) == 100 for lines in parts.values())

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-PRAG = [sys.executable, "-c", "from prag_asp.cli import main; main()"]
+from tests.commands import run_apart as run
+
 STUDIO = Path(__file__).parents[2] / "examples" / "own_predicates"
-
-
-def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*PRAG, *arguments], capture_output=True, text=True, timeout=300, check=False)
 
 
 @pytest.mark.parametrize("arguments", [["check", str(STUDIO)], ["sample", str(STUDIO), "-n", "3"]])

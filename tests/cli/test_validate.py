@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from prag_asp.cli import terminal
-from tests.cli.test_commands import PRAG, ok, run
+from tests.commands import PRAG, ok, run, run_apart
 from tests.processes import children, interrupt, interruptible, terminate
 
 
@@ -39,7 +39,8 @@ def test_invalid_tasks_among_others_keep_their_places(tmp_path: Path) -> None:
     file = tmp_path / "tasks.jsonl"
     file.write_text("\n".join(map(json.dumps, tasks)))
     for more in ((), ("--workers", "2"), ("--witness-only",)):
-        lines = run("validate", str(file), *more).stdout.splitlines()
+        done = (run_apart if "--workers" in more else run)("validate", str(file), *more)
+        lines = done.stdout.splitlines()
         assert [number for number, line in enumerate(lines) if "\tinvalid\tits states" in line] == [0, 3, 4, 11]
         assert [line.split("\t")[0] for line in lines] == [str(number) for number in range(1, 13)]
 
@@ -71,8 +72,8 @@ def test_a_verdict_does_not_depend_on_where_the_task_stands_nor_on_the_workers(
     for name, listed in (("there", lines), ("back", lines[::-1])):
         (tmp_path / name).write_text("".join(f"{line}\n" for line in listed))
     there, back, together = (
-        run("validate", name, *tight, *options, cwd=tmp_path).stdout.splitlines()
-        for name, options in (("there", ()), ("back", ()), ("there", ("--workers", "2")))
+        runs("validate", name, *tight, *options, cwd=tmp_path).stdout.splitlines()
+        for runs, name, options in ((run, "there", ()), (run, "back", ()), (run_apart, "there", ("--workers", "2")))
     )
     told = [line.split("\t")[1:] for line in there]
     assert together == there and told == [line.split("\t")[1:] for line in back][::-1]

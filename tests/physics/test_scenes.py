@@ -1,4 +1,4 @@
-"""Scenes made and answered by hand: see tests/scenes."""
+"""Scenes made and answered by hand: see scenes/."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-FOLDER = Path(__file__).parent.parent / "scenes"
+FOLDER = Path(__file__).parent / "scenes"
 
 
 def read(name: str) -> dict[str, Any]:

@@ -1,0 +1,85 @@
+"""The linter reports composites that can never occur exactly where brute force over all states says so."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from prag_asp.domain.load import load_domain
+from prag_asp.errors import DomainError
+from tests.brute_force import State, Toy, Values, agrees
+from tests.lint.test_good_domains import SWITCH, domain
+from tests.lint.test_occurrence import plain, report
+from tests.strategies import hierarchies
+
+TWICE = """
+composite(twice(L)) :- is_a(L,lamp).
+stage(twice(L), 1, press(L)) :- is_a(L,lamp).
+stage(twice(L), 2, release(L)) :- is_a(L,lamp).
+"""
+
+
+def executes(toy: Toy, states: frozenset[State], word: tuple[int, ...]) -> bool:
+    for action in word:
+        states = toy.after(states, (), action)
+    return bool(states)
+
+
+def everywhere(toy: Toy) -> frozenset[State]:
+    """Return the states that agree with the start on what no action changes."""
+    changing = {fluent for action in toy.actions for fluent in action.after}
+    values = {f: {state[f] for state in toy.start()} for f in range(toy.fluents) if f not in changing}
+    fixed: Values = {f: found.pop() for f, found in values.items() if len(found) == 1}
+    every = itertools.product((False, True), repeat=toy.fluents)
+    return frozenset(s for s in every if toy.allowed(s) and agrees(s, fixed))
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.one_of(hierarchies(closed=False), hierarchies(closed=True)))
+def test_a_composite_is_reported_if_and_only_if_no_state_executes_it(toy: Toy) -> None:
+    toy = plain(toy)
+    assume(toy.start())
+    states = everywhere(toy)
+    assume(all(toy.after(states, (), i) for i in range(len(toy.actions))))
+    said = report(toy)
+    first = len(toy.actions)
+    never = {i for i in range(len(toy.composites)) if not executes(toy, states, toy.word(first + i))}
+    innermost = {i for i in never if not {first + other for other in never} & set(toy.composites[i])}
+    assert {int(number) for number in re.findall(r"c(\d+) can never occur", said)} == innermost
+    units = (*toy.free, *range(first, first + len(toy.composites)))
+    stuck = not any(executes(toy, toy.start(), toy.word(unit)) for unit in units)
+    assert ("no composite and no free action can begin" in said) == (stuck and not never)
+    assert bool(said) == bool(never or stuck)
+
+
+def test_a_hierarchy_without_mistakes_passes(tmp_path: Path) -> None:
+    facts = load_domain(domain(tmp_path, SWITCH + TWICE)).facts
+    assert [str(composite) for composite in facts.composites] == ["twice(lamp_1)", "twice(lamp_2)"]
+    stages = facts.stages[facts.composites[0]]
+    assert [(str(number), str(part)) for number, part in stages] == [("1", "press(lamp_1)"), ("2", "release(lamp_1)")]
+
+
+def test_own_rules_that_change_the_state_are_not_second_guessed(tmp_path: Path) -> None:
+    text = SWITCH + TWICE.replace("2, release", "2, press")
+    with pytest.raises(DomainError, match=r"twice\(lamp_1\) can never occur: its action 2, press\(lamp_1\), needs"):
+        load_domain(domain(tmp_path, text))
+    own = "#program step(t).\nholds(lit(L),false,t) :- occurs(press(L),t).\n"
+    load_domain(domain(tmp_path, text + own))
+
+
+def test_a_step_rule_may_read_what_is_ahead(tmp_path: Path) -> None:
+    rule = "#program step(t).\n:- occurs(press(lamp_1),t), ahead((),t-1).\n"
+    assert "ahead" in load_domain(domain(tmp_path, SWITCH + TWICE + rule)).program.text
+
+
+def test_without_composites_the_program_is_that_of_a_domain_that_knows_none(tmp_path: Path) -> None:
+    for text, flat in ((SWITCH, False), (SWITCH + "% no composite here\n", False), (SWITCH + TWICE, True)):
+        program = load_domain(domain(tmp_path, text), flat=flat).program
+        assert "hierarchy.lp" not in {source.path.name for source in program.sources}
+    program = load_domain(domain(tmp_path, SWITCH + TWICE)).program
+    assert "hierarchy.lp" in {source.path.name for source in program.sources}

@@ -1,0 +1,164 @@
+"""Demonstrations by two arms in one world: what is recorded, the handover, the arm that stands still."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prag_asp.domain.load import load_domain
+from prag_asp.errors import QueryError
+from prag_asp.physics import (
+    Budget,
+    Demonstration,
+    check_demonstration,
+    demonstrate,
+    film_strip,
+    open_validator,
+    validate_tasks,
+)
+from prag_asp.physics.checks import TRANSIT
+from prag_asp.physics.robot import PANDA, robot_of
+from prag_asp.physics.robot.kinematics import inverse, tool_pose
+from prag_asp.physics.search.attempt import LOST
+from prag_asp.physics.verdict import Verdict
+from prag_asp.physics.world import dynamics
+from prag_asp.scene.model import Scene
+from prag_asp.space.task_space import TaskSpace
+from prag_asp.task import Task
+from tests.physics.random_tasks import shipped_scene
+from tests.physics.scenarios import GIVE, HANDOVER
+
+FINGERS = {robot: [f"{side} finger of {robot}" for side in ("left", "right")] for robot in ("left", "right")}
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return shipped_scene("two_arms")
+
+
+@pytest.fixture(scope="module")
+def handover() -> Task:
+    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).narrate([HANDOVER])
+    return task
+
+
+@pytest.fixture(scope="module")
+def verdict(scene: Scene, handover: Task) -> Verdict:
+    with open_validator(scene) as validator:
+        return validator.validate(handover, seed=1, budget=Budget(5, 10, "demonstration"))
+
+
+@pytest.fixture(scope="module")
+def shown(verdict: Verdict) -> Demonstration:
+    assert verdict.demonstration is not None, verdict.causes
+    return verdict.demonstration
+
+
+def _touching(shown: Demonstration, one: str, two: str) -> set[int]:
+    """Return the frames in which two bodies press on each other."""
+    pair = {shown.bodies.index(one), shown.bodies.index(two)}
+    return {frame for frame, *bodies in shown.contacts.tolist() if set(bodies) == pair}
+
+
+def _tool(shown: Demonstration, scene: Scene, robot: str, frame: int) -> np.ndarray:
+    """Return where the tool of a robot is in a frame."""
+    return np.array(tool_pose(robot_of(scene, robot), shown.arms(frame)[robot].joints).position)
+
+
+def test_two_arms_carry_a_bar_from_side_to_side_through_the_air(scene, handover, shown):
+    assert shown.success and len(shown.ends) == len(HANDOVER) + 1
+    assert check_demonstration(handover, shown, scene) == []
+    bar = shown.poses[:, shown.objects.index("bar_1")]
+    assert bar[0, 1] > 0.24 and bar[-1, 1] < -0.24
+    assert bar[shown.ends[GIVE] : shown.ends[-2], 2].min() > 0.1
+
+
+def test_the_recording_tells_joints_and_gripper_of_every_arm(shown):
+    frames = len(shown.times)
+    assert shown.robots == ("left", "right")
+    assert shown.joints.shape == (frames, 2, 7) and shown.commands.shape == (frames, 2, 8)
+    assert shown.widths.shape == (frames, 2)
+    assert shown.bodies[:7] == ("arm of left", *FINGERS["left"], "arm of right", *FINGERS["right"], "table")
+    assert all(PANDA.within_limits(row, 1e-3) for row in shown.joints.reshape(-1, 7).tolist())
+    assert np.abs(shown.joints - shown.commands[..., :7]).max() < 0.05
+    assert list(shown.arms(0)) == ["left", "right"]
+    assert shown.arms(3)["right"].joints == tuple(shown.joints[3, 1].tolist())
+
+
+def test_both_grippers_hold_the_bar_before_the_giver_opens(shown):
+    held = {
+        robot: _touching(shown, fingers[0], "bar_1") & _touching(shown, fingers[1], "bar_1")
+        for robot, fingers in FINGERS.items()
+    }
+    both = held["left"] & held["right"]
+    begun, ended = int(shown.ends[GIVE]), int(shown.ends[GIVE + 1])
+    assert both and both <= set(range(begun + 1, ended))
+    assert max(held["left"]) < ended and max(held["left"]) == max(both)
+    # From the grasp to where it is put down there is no moment in which nobody holds the bar.
+    assert set(range(int(shown.ends[1]), int(shown.ends[-2]) + 1)) <= held["left"] | held["right"]
+
+
+def test_the_arm_that_does_not_act_holds_its_place_and_what_it_holds(scene, handover, shown):
+    acting = ("left", "left", "right", None, "left", "right", "right")
+    for k, robot in enumerate(acting):
+        still = {"left": "right", "right": "left"}.get(robot or "")
+        if still is None:
+            continue
+        first, last = int(shown.ends[k]), int(shown.ends[k + 1])
+        places = np.array([_tool(shown, scene, still, frame) for frame in range(first, last + 1)])
+        assert np.abs(places - places[0]).max() < 0.002
+    bar = shown.poses[shown.ends[2] : shown.ends[3] + 1, shown.objects.index("bar_1"), :3]
+    assert np.abs(bar - bar[0]).max() < 0.003
+
+
+def test_an_arm_in_the_way_is_run_into(scene, handover, verdict):
+    tool = tool_pose(robot_of(scene, "left"), verdict.witness.moments[2].arms()["left"].joints)
+    there = next(inverse(robot_of(scene, "right"), tool))
+    last = replace(verdict.witness.motions[2][-1], joints=there)
+    motions = list(verdict.witness.motions)
+    motions[2] = (replace(last, name=TRANSIT), last)
+    shown = demonstrate(handover, replace(verdict.witness, motions=tuple(motions)), scene)
+    assert not shown.success
+    arms = [[f"arm of {robot}", *FINGERS[robot]] for robot in FINGERS]
+    assert any(_touching(shown, one, two) for one in arms[0] for two in arms[1])
+
+
+def test_without_friction_nothing_changes_hands(scene, handover, verdict, monkeypatch):
+    monkeypatch.setattr(dynamics, "FINGER_FRICTION", 0.0)
+    shown = demonstrate(handover, verdict.witness, scene)
+    assert shown.cause == LOST and len(shown.ends) == 2
+
+
+def test_a_recording_of_two_arms_comes_back_from_its_file_and_is_drawn(scene, handover, shown, tmp_path: Path):
+    shown.save(tmp_path / "it.npz")
+    loaded = Demonstration.load(tmp_path / "it.npz")
+    assert loaded == shown and loaded.robots == shown.robots
+    one, two = (film_strip(handover, each, scene, frames=2, size=(90, 80)).tobytes() for each in (loaded, shown))
+    assert one == two
+    swapped = replace(shown, joints=shown.joints[:, ::-1], widths=shown.widths[:, ::-1])
+    assert film_strip(handover, swapped, scene, frames=2, size=(90, 80)).tobytes() != one
+    assert check_demonstration(handover, swapped, scene) != []
+    replace(shown, robots=("left",)).save(tmp_path / "bad.npz")
+    with pytest.raises(QueryError, match=r"joints has the shape \(\d+, 2, 7\) in place of \(\d+, 1, 7\)"):
+        Demonstration.load(tmp_path / "bad.npz")
+
+
+def test_demonstrations_of_two_arms_are_the_same_with_two_workers(scene):
+    tasks = TaskSpace(load_domain("two_arms"), 3).sample(3, seed=4, weights={})
+    budget = Budget(3, 10, "demonstration")
+    alone = list(validate_tasks(tasks, scene, seed=3, budget=budget))
+    together = list(validate_tasks(tasks, scene, seed=3, budget=budget, workers=2))
+    assert all(verdict.feasible for verdict in alone)
+    assert [verdict.demonstration for verdict in alone] == [verdict.demonstration for verdict in together]
+
+
+def test_random_tasks_of_two_arms_are_performed(scene):
+    tasks = TaskSpace(load_domain("two_arms"), 5).sample(6, seed=9, weights={})
+    with open_validator(scene) as validator:
+        for index, task in enumerate(tasks):
+            found = validator.validate(task, seed=2, index=index, budget=Budget(tier="demonstration"))
+            assert found.demonstration is not None, found.causes
+            assert check_demonstration(task, found.demonstration, scene) == []

@@ -1,0 +1,326 @@
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import replace
+from itertools import pairwise, permutations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from prag_asp.errors import SceneError
+from prag_asp.physics import PREDICATES
+from prag_asp.physics.predicates import predicate_of
+from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.predicates.volume import Volume
+from prag_asp.physics.robot import robot_of
+from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
+from prag_asp.scene.model import PREDICATE_ROLES, Bounds, Own, Scene, Shape
+
+SHAPES = {
+    "panda": Shape("robot"),
+    "table": Shape("table"),
+    "cube": Shape("box", (0.05, 0.05, 0.05)),
+    "brick": Shape("box", (0.12, 0.06, 0.04)),
+    "can": Shape("cylinder", (0.066, 0.066, 0.1)),
+    "apple": Shape("sphere", (0.07, 0.07, 0.07)),
+    "crate": Shape("container", (0.3, 0.24, 0.06), 0.006),
+    "drawer": Shape("drawer", (0.3, 0.26, 0.1), 0.008),
+    "cupboard": Shape("cupboard", (0.24, 0.22, 0.12), 0.008),
+}
+LIMITS = {"drawer": 0.3 - 3 * 0.008 - 0.002, "cupboard": math.pi / 2}
+ARGUMENTS = {
+    "on_top": ("cube", "brick"),
+    "inside": ("brick", "crate"),
+    "left_of": ("can", "brick"),
+    "right_of": ("cube", "crate"),
+    "in_front_of": ("apple", "can"),
+    "behind": ("brick", "cube"),
+    "reachable": ("panda", "can"),
+    "holding": ("panda", "cube"),
+    "at": ("panda", "can"),
+    "gripper_open": ("panda",),
+    "over": ("panda", "brick"),
+    "located": ("can", "crate"),
+    "rotated": ("brick", "quarter"),
+    "near": ("cube", "brick"),
+    "far": ("can", "cube"),
+    "between": ("cube", "brick", "can"),
+    "aligned": ("brick", "crate"),
+    "upright": ("can",),
+    "in_corner": ("cube", "crate"),
+    "wholly_in_corner": ("can", "crate"),
+    "on_the_left": ("brick", "table"),
+    "looks_at": ("brick", "can"),
+    "is_open": ("drawer",),
+    "is_closed": ("cupboard",),
+}
+CORNERS = (
+    Bounds((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
+    Bounds((0.0, 0.06, -0.1), (0.15, 0.12, 0.1)),  # overlaps the first
+    Bounds((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
+)
+LEFT = (Bounds((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
+STUDIO = Path(__file__).parents[3] / "examples" / "own_predicates" / "predicates.py"
+PAIR = ("object", "object")
+OWN = {
+    "in_corner": Own("in_corner", PAIR, CORNERS, sentence="{0} {is} in a corner of {1}"),
+    "wholly_in_corner": Own("wholly_in_corner", PAIR, CORNERS, whole=True, sentence="{0} {is} tucked into {1}"),
+    "on_the_left": Own("on_the_left", PAIR[:1], LEFT, around="table", sentence="{0} {is} on the left"),
+    "looks_at": Own("looks_at", PAIR, file=str(STUDIO)),
+}
+NAMES = sorted([*PREDICATES, *OWN])
+DOWN = (1.0, 0.0, 0.0, 0.0)
+ROOM = Volume((-1.0, -1.5, -0.5), (2.0, 1.5, 1.0))
+
+
+def _scene(frame: str = "robot") -> Scene:
+    rotations = {"quarter": math.pi / 2, "straight": 0.0}
+    return Scene(shapes=SHAPES, frame=frame, rotations=rotations, own=OWN, trusted=True)
+
+
+ALL = {name: predicate_of(_scene(), name) for name in NAMES}
+
+
+def _situation(rng: random.Random, frame: str = "robot", spread: float = 0.5) -> Situation:
+    def pose() -> Pose:
+        at = (rng.uniform(0.3, 0.3 + spread), rng.uniform(-spread, spread), rng.uniform(0.0, spread / 2))
+        return Pose(at, yaw_quaternion(rng.uniform(-math.pi, math.pi)))
+
+    poses = {name: pose() for name, shape in SHAPES.items() if shape.kind not in ("robot", "table")}
+    tool = pose()
+    tool = Pose(tool.position, multiply(tool.quaternion, DOWN))
+    openings = {name: rng.choice((0.0, 1.0, rng.random())) * limit for name, limit in LIMITS.items()}
+    return Situation(_scene(frame), poses, tool, rng.uniform(0.0, 0.08), openings=openings)
+
+
+def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: random.Random) -> Situation | None:
+    """Put the subject (the object with a yaw, or the gripper) somewhere in the predicate's volume."""
+    predicate = ALL[name]
+    volume = predicate.volume(situation, arguments, IDENTITY)
+    if _scene().roles(name) == ("furniture",):
+        return None if volume.empty else situation.with_opening(arguments[0], rng.uniform(*volume.opening))
+    yaw = rng.uniform(-math.pi, math.pi)
+    if volume.yaws is not None:
+        chosen = rng.choice(volume.yaws)
+        yaw = chosen.centre + rng.uniform(-chosen.half, chosen.half)
+    quaternion = yaw_quaternion(yaw)
+    volume = predicate.volume(situation, arguments, quaternion).meet(ROOM)
+    floor = volume.floor()
+    at = None if floor is None else volume.draw(floor, rng.uniform)
+    if at is None:
+        return None
+    assert volume.outside(at) <= 1e-12
+    if predicate.of_gripper:
+        low, high = volume.width
+        width = rng.uniform(low, high if math.isfinite(high) else 0.2)
+        return replace(situation, tool=Pose(at, situation.tool.quaternion), width=width)
+    return situation.with_pose(arguments[predicate.subject], Pose(at, quaternion))
+
+
+def _pairs(name: str) -> list[tuple[str, ...]]:
+    """Return the arguments of a predicate with every kind of subject and of the other bodies."""
+    given = ARGUMENTS[name]
+    roles = _scene().roles(name)
+    if "furniture" in roles:
+        return [("drawer",), ("cupboard",)]
+    if "object" not in roles:
+        return [given]
+    bodies = ["cube", "brick", "can", "apple", "crate"]
+    hollow = ["crate", "drawer", "cupboard"]
+    places = {
+        "inside": hollow,
+        "located": [*hollow, "table"],
+        "rotated": ["quarter", "straight"],
+        "on_the_left": ["table"],
+    }
+    if roles[0] == "robot":
+        return [("panda", body) for body in bodies]
+    if len(given) == 1:
+        return [(body,) for body in bodies]
+    if len(given) == 3:
+        return list(permutations(bodies, 3))
+    others = places.get(name, [*bodies, "table"] if name == "on_top" else bodies)
+    return [(one, two) for one in bodies for two in others if one != two]
+
+
+@pytest.mark.parametrize("frame", ["robot", "viewer"])
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_what_is_drawn_from_a_volume_always_passes_the_check(name, frame, seed):
+    rng = random.Random(seed)
+    situation = _situation(rng, frame)
+    for arguments in _pairs(name):
+        for _ in range(5):
+            drawn = _drawn(name, arguments, situation, rng)
+            if drawn is not None:
+                assert ALL[name].holds(drawn, arguments)
+                assert ALL[name].distance(drawn, arguments) == 0.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_volumes_are_seldom_empty(name):
+    rng = random.Random(5)
+    drawn = [_drawn(name, ARGUMENTS[name], _situation(rng), rng) for _ in range(200)]
+    assert sum(made is not None for made in drawn) > 150
+
+
+@settings(max_examples=300, deadline=None)
+@given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.1, 0.5]))
+def test_what_satisfies_a_predicate_lies_in_its_volume_up_to_the_margin(seed, spread):
+    rng = random.Random(seed)
+    situation = _situation(rng, spread=spread)
+    for name, predicate in ALL.items():
+        for arguments in _pairs(name):
+            if name == "looks_at" or predicate.of_gripper or not predicate.holds(situation, arguments):
+                continue
+            pose = situation.pose(arguments[predicate.subject])
+            volume = predicate.volume(situation, arguments, pose.quaternion)
+            if not volume.empty:
+                assert volume.outside(pose.position) <= 0.011  # the height within which a body is inside
+
+
+@settings(max_examples=300, deadline=None)
+@given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.1, 0.5]))
+def test_the_distance_is_never_negative_and_zero_exactly_where_the_check_holds(seed, spread):
+    situation = _situation(random.Random(seed), spread=spread)
+    for name, predicate in ALL.items():
+        distance = predicate.distance(situation, ARGUMENTS[name])
+        assert math.isfinite(distance) and distance >= 0.0
+        assert predicate.holds(situation, ARGUMENTS[name]) == (distance == 0.0)
+
+
+@settings(max_examples=100, deadline=None)
+@given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.1, 0.5]))
+def test_a_small_move_changes_the_distance_by_no_more_than_that(seed, spread):
+    rng = random.Random(seed)
+    situation = _situation(rng, spread=spread)
+    move = [rng.uniform(-0.01, 0.01) for _ in range(3)]
+    for name, predicate in ALL.items():
+        for arguments in _pairs(name):
+            if name == "looks_at" or predicate.of_gripper:
+                continue
+            subject = arguments[predicate.subject]
+            at, quaternion = situation.pose(subject)
+            moved = situation.with_pose(subject, Pose(tuple(a + b for a, b in zip(at, move, strict=True)), quaternion))
+            change = predicate.distance(moved, arguments) - predicate.distance(situation, arguments)
+            assert abs(change) <= math.hypot(*move) + 1e-12
+
+
+@pytest.mark.parametrize("name", ["on_top", "inside", "located", "reachable", "near", "between", "wholly_in_corner"])
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_the_distance_grows_as_a_body_moves_away(name, seed):
+    rng = random.Random(seed)
+    arguments = ARGUMENTS[name]
+    drawn = _drawn(name, arguments, _situation(rng), rng)
+    if drawn is None:
+        return
+    angle = rng.uniform(-math.pi, math.pi)
+    subject = arguments[ALL[name].subject]
+    (x, y, z), quaternion = drawn.pose(subject)
+    distances = []
+    for step in range(20):
+        at = (x + step * 0.1 * math.cos(angle), y + step * 0.1 * math.sin(angle), z)
+        distances.append(ALL[name].distance(drawn.with_pose(subject, Pose(at, quaternion)), arguments))
+    assert distances[0] == 0.0 and distances[-1] > 0.2
+    convex = name not in ("reachable", "wholly_in_corner")
+    assert not convex or all(later >= earlier - 1e-12 for earlier, later in pairwise(distances))
+
+
+@pytest.mark.parametrize("name", ["left_of", "right_of", "in_front_of", "behind", "near", "far", "aligned"])
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_a_relation_holds_exactly_where_its_inverse_holds_of_the_swapped_bodies(name, seed):
+    situation = _situation(random.Random(seed))
+    inverse = PREDICATES[str(PREDICATES[name].inverse)]
+    forward = PREDICATES[name].distance(situation, ("cube", "brick"))
+    assert forward == pytest.approx(inverse.distance(situation, ("brick", "cube")))
+
+
+def test_left_is_plus_y_for_the_robot_and_minus_y_for_who_faces_it():
+    poses = {"cube": Pose((0.5, 0.2, 0.025)), "brick": Pose((0.5, 0.0, 0.02))}
+    for frame, left in (("robot", True), ("viewer", False)):
+        situation = Situation(_scene(frame), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+        assert PREDICATES["left_of"].holds(situation, ("cube", "brick")) == left
+        assert PREDICATES["right_of"].holds(situation, ("cube", "brick")) != left
+
+
+def test_in_front_is_nearer_to_who_looks():
+    poses = {"cube": Pose((0.3, 0.0, 0.025)), "brick": Pose((0.5, 0.0, 0.02))}
+    for frame, front in (("robot", True), ("viewer", False)):
+        situation = Situation(_scene(frame), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+        assert PREDICATES["in_front_of"].holds(situation, ("cube", "brick")) == front
+        assert PREDICATES["behind"].holds(situation, ("cube", "brick")) != front
+
+
+@pytest.mark.parametrize(
+    ("height", "expected"), [(0.065, 0.0), (0.068, 0.001), (0.165, 0.098)]
+)  # the brick is 40 mm high, the half cube 25 mm, the tolerance 2 mm
+def test_the_distance_to_on_top_is_the_gap(height, expected):
+    poses = {"cube": Pose((0.5, 0.0, height)), "brick": Pose((0.5, 0.0, 0.02))}
+    situation = Situation(_scene(), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    assert PREDICATES["on_top"].distance(situation, ("cube", "brick")) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_body_stacked_in_a_container_is_located_there_but_not_inside():
+    poses = {"cube": Pose((0.5, 0.0, 0.071)), "crate": Pose((0.5, 0.0, 0.03))}
+    situation = Situation(_scene(), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    assert not PREDICATES["inside"].holds(situation, ("cube", "crate"))
+    assert PREDICATES["located"].holds(situation, ("cube", "crate"))
+
+
+def test_a_box_is_held_along_its_narrow_side_only():
+    tool = Pose((0.5, 0.0, 0.02), DOWN)
+    situation = Situation(_scene(), {"brick": Pose((0.5, 0.0, 0.02))}, tool, 0.06)
+    assert grip_width(situation, "brick") == pytest.approx(0.06)
+    assert PREDICATES["holding"].holds(situation, ("panda", "brick"))
+    turned = situation.with_pose("brick", Pose((0.5, 0.0, 0.02), yaw_quaternion(math.pi / 2)))
+    assert PREDICATES["holding"].distance(turned, ("panda", "brick")) == pytest.approx(0.058)
+
+
+def test_every_predicate_speaks_in_plain_words():
+    said = {name: ALL[name].sentence(ARGUMENTS[name]) for name in NAMES}
+    assert set(PREDICATE_ROLES) < set(said)
+    assert said["left_of"] == "can is to the left of brick"
+    assert said["holding"] == "cube is held by the gripper"
+    assert said["between"] == "cube is between brick and can"
+    assert said["far"] == "can is far from cube"
+    assert said["on_the_left"] == "brick is on the left"
+    assert said["looks_at"] == "brick is looking at can"
+    assert PREDICATES["inside"].sentence(("cube_1", "crate_1"), value=False) == "cube 1 is not inside crate 1"
+    for name, sentence in said.items():
+        assert ALL[name].sentence(ARGUMENTS[name], value=False) == sentence.replace(" is ", " is not ")
+    assert len(set(said.values())) == len(said)
+
+
+def test_an_unknown_body_is_an_error_not_a_silent_no():
+    situation = Situation(_scene(), {}, Pose((0.0, 0.0, 1.0)), 0.0)
+    with pytest.raises(SceneError, match="cube is not in this situation"):
+        PREDICATES["on_top"].holds(situation, ("cube", "brick"))
+    with pytest.raises(SceneError, match="ghost has no shape"):
+        PREDICATES["inside"].holds(situation, ("ghost", "crate"))
+    with pytest.raises(SceneError, match="tilted has no yaw"):
+        PREDICATES["rotated"].holds(situation.with_pose("cube", Pose((0.5, 0.0, 0.025))), ("cube", "tilted"))
+
+
+@settings(deadline=None)
+@given(yaw=st.floats(-0.3, 0.3), off=st.floats(-0.08, 0.08))
+def test_the_width_of_a_grip_on_a_long_box_is_what_is_between_the_pads(yaw, off):
+    scene = replace(_scene(), shapes={**_scene().shapes, "brick": Shape("box", (0.24, 0.035, 0.035))})
+    pose = Pose((0.5, 0.0, 0.02), yaw_quaternion(yaw))
+    tool = compose(pose, Pose((off, 0.0, 0.0)))._replace(quaternion=DOWN)
+    situation = Situation(scene, {"brick": pose}, tool, 0.04)
+    pad = robot_of(scene).finger_boxes[0].size[0]
+    corners = [
+        compose(pose, Pose((x * 0.12, y * 0.0175, 0.0))).position for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
+    edge = [np.linspace(a, b, 20_000) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    points = np.concatenate(edge)[:, :2] - np.array(tool.position[:2])
+    between = points[np.abs(points[:, 0]) <= pad / 2]
+    assert grip_width(situation, "brick") == pytest.approx(np.ptp(between[:, 1]), abs=2e-5)
