@@ -16,7 +16,6 @@ from prag_asp.domain.load import load_domain
 from prag_asp.errors import SceneError
 from prag_asp.physics import Budget, Validator, Verdict, Witness, check_witness, open_validator, settle
 from prag_asp.physics.bullet import pybullet, pybullet_data
-from prag_asp.physics.checks import ArmState
 from prag_asp.physics.checks.states import tool_in
 from prag_asp.physics.facts import physical_task
 from prag_asp.physics.predicates import PREDICATES
@@ -24,6 +23,7 @@ from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import Snapshot
 from prag_asp.physics.situation import Situation, Standing
+from prag_asp.physics.witness import ArmState
 from prag_asp.physics.world.simulator import open_client, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
 from prag_asp.scene.load import parse_scene

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from prag_asp.physics import Moment, Witness, check_witness
-from prag_asp.physics.checks import TRANSIT
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.witness import TRANSIT
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, yaw_quaternion
 from prag_asp.scene.model import Shape
 from tests.physics.scenarios import stacking
