@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from contextlib import closing
 from itertools import islice, tee
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.cli.options import Checking
 from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.tally import Tally
 from prag_asp.errors import OutputError
+from prag_asp.output import make_folder
 from prag_asp.physics import Demonstration, validate_tasks
 from prag_asp.wording import plural
 
@@ -30,12 +30,7 @@ class Recordings:
         Raises:
             OutputError: it cannot be made.
         """
-        self._folder = None if folder is None else Path(folder)
-        try:
-            if self._folder is not None:
-                self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{self._folder}: the folder cannot be made: {error.strerror}") from None
+        self._folder = None if folder is None else make_folder(folder)
 
     def write(self, number: int, demonstration: Demonstration | None) -> str | None:
         """Write the demonstration of the task on a line, counted from 1, and return the name of its file.
