@@ -17,12 +17,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    __version__: str
+
     from prag_asp.atom import Atom, parse_atom
     from prag_asp.domain.load import Domain, load_domain, load_scene
     from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
     from prag_asp.scene.model import Scene
     from prag_asp.space.conditions.condition import Condition
     from prag_asp.space.task_space import TaskSpace
+    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
 
 __all__ = [
@@ -38,6 +41,8 @@ __all__ = [
     "SceneError",
     "Task",
     "TaskSpace",
+    "TaskSpaces",
+    "__version__",
     "load_domain",
     "load_scene",
     "parse_atom",
@@ -51,10 +56,13 @@ _HOMES = {
     "prag_asp.space.conditions.condition": ("Condition",),
     "prag_asp.task": ("Task",),
     "prag_asp.space.task_space": ("TaskSpace",),
+    "prag_asp.space.task_spaces": ("TaskSpaces",),
 }
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        return import_module("prag_asp.versions").own_version()
     for module, names in _HOMES.items():
         if name in names:
             return getattr(import_module(module), name)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
-from dataclasses import replace
 from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from prag_asp.cli.options import Asked, Checking, scene_of
 from prag_asp.dataset.feasible import Recordings
 from prag_asp.dataset.jsonl import Record
-from prag_asp.dataset.origin import foreign, index_of, named_domain, read_witness, told_with_place
+from prag_asp.dataset.origin import foreign, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
 from prag_asp.physics import (
     Demonstration,
@@ -57,10 +56,10 @@ def check_again(
     Where `asked` has no domain, each record names its own: a shipped one, or a folder, here or in `folder`.
     """
     number, recordings = 0, Recordings(checking.demonstrate)
-    for _, several in groupby(records, key=lambda record: record.task.domain):
+    for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
         group = iter(several)
         first = next(group)
-        space = replace(asked, name=asked.name or named_domain(first, folder)).space()
+        space = asked.of(first, folder).space()
         told, scene = _told(chain([first], group), space), scene_of(space.domain)
         check = _witnesses(told, scene, checking) if witness_only else _anew(told, scene, seed, checking)
         for outcome in check:
