@@ -18,12 +18,15 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
+    __version__: str
+
     from prag_asp.atom import Atom, parse_atom
     from prag_asp.domain.load import Domain, load_domain, load_scene
     from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
     from prag_asp.scene.model import Scene
     from prag_asp.space.conditions.condition import Condition
     from prag_asp.space.task_space import TaskSpace
+    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
 
 __all__ = [
@@ -39,6 +42,8 @@ __all__ = [
     "SceneError",
     "Task",
     "TaskSpace",
+    "TaskSpaces",
+    "__version__",
     "load_domain",
     "load_scene",
     "parse_atom",
@@ -52,6 +57,8 @@ _HOMES = {
     "prag_asp.space.conditions.condition": ("Condition",),
     "prag_asp.task": ("Task",),
     "prag_asp.space.task_space": ("TaskSpace",),
+    "prag_asp.space.task_spaces": ("TaskSpaces",),
+    "prag_asp.versions": ("__version__",),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from prag_asp.errors import QueryError
@@ -51,3 +52,26 @@ def split_terms(text: str) -> list[str]:
     if depth != 0 or not all(terms):
         raise QueryError(f"{text!r} is not a list of terms; write it like approach,grasp(panda,apple_1)")
     return terms
+
+
+def split_actions(*texts: str) -> list[str]:
+    """Return the actions that texts hold one after another, separated by blanks or by commas.
+
+    Raises:
+        QueryError: one is empty or its parentheses do not match.
+    """
+    return [action for text in texts if text.strip() for term in split_terms(text) for action in _words(term)]
+
+
+def _words(text: str) -> Iterator[str]:
+    """Yield what stands between blanks; those within parentheses, and before one, do not separate."""
+    depth, start = 0, 0
+    for position, character in enumerate(text):
+        depth += (character == "(") - (character == ")")
+        if character.isspace() and depth == 0:
+            if text[position:].lstrip().startswith("("):
+                continue
+            if start < position:
+                yield text[start:position]
+            start = position + 1
+    yield text[start:]

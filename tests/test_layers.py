@@ -17,12 +17,14 @@ import prag_asp
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "atom", "task", "lazy"])
+GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output"])
 """What every room may stand on."""
 
 ROOMS: Mapping[str, frozenset[str]] = {
     "errors": frozenset(),
     "lazy": frozenset(),
+    "versions": frozenset(),
+    "output": frozenset(["errors"]),
     "wording": frozenset(["errors"]),
     "atom": frozenset(["errors"]),
     "task": frozenset(["errors", "atom"]),
@@ -35,7 +37,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "domain", "space", "physics"},
     "analysis": GROUND | {"domain", "space"},
-    "cli": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis"},
+    "cli": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -45,6 +47,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
         "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "drawing", "shared", "task_space",
+        "task_spaces",
     ),
     "physics": (
         "bullet", "fields", "robot", "witness", "situation", "predicates", "facts", "world", "proofs", "search",
@@ -55,7 +58,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 
 PUBLIC = {
     "Atom", "Condition", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "Scene",
-    "SceneError", "Task", "TaskSpace", "load_domain", "load_scene", "parse_atom",
+    "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "load_domain", "load_scene", "parse_atom",
 }  # fmt: skip
 HEAVY = {"pybullet", "frankik", "rich", "PIL", "matplotlib", "plotly", "multiprocessing", "pysat", "pyganak"}
 """What counting does not need."""
@@ -198,5 +201,5 @@ def test_asking_for_help_loads_no_solver() -> None:
 
 def test_the_public_names_are_these_and_all_exist() -> None:
     assert set(prag_asp.__all__) == PUBLIC
-    assert all(getattr(prag_asp, name).__module__.startswith("prag_asp.") for name in PUBLIC)
+    assert all(getattr(prag_asp, name).__module__.startswith("prag_asp.") for name in PUBLIC - {"__version__"})
     assert set(dir(prag_asp)) == PUBLIC

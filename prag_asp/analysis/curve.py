@@ -50,7 +50,7 @@ def counts_by_length(space: TaskSpace) -> Curve:
         for level in ("plan", "task", "skeleton")
     ]
     every = Series(f"{names}^n, all sequences of names", tuple(names**length for length in lengths))
-    return Curve(space.domain.name, (*counted, every))
+    return Curve(space.domain.label, (*counted, every))
 
 
 def check_file(file: str) -> None:

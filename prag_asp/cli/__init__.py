@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from prag_asp.cli import explain, export  # noqa: F401 - they add their commands
-from prag_asp.cli.commands import cli
+from prag_asp.cli.registry import cli
 
 __all__ = ["cli", "main"]
 

@@ -3,46 +3,80 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.errors import QueryError
+from prag_asp.cli import complete
+from prag_asp.cli.words import one_length, one_or_more_lengths
+from prag_asp.errors import DomainError, QueryError
+from prag_asp.program.paths import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget
+    from prag_asp.program.sources import Source
+    from prag_asp.space.limits import Limits
     from prag_asp.space.task_space import TaskSpace
+    from prag_asp.space.task_spaces import TaskSpaces
 
 Function = Callable[..., Any]
 
 
 @dataclass(frozen=True)
 class Asked:
-    """The domain and the task space that a command line asks for."""
+    """The domain and the task space that a command line asks for.
 
-    name: str
+    `recorded` is a task of a file, made with constants of the domain; those of the command line go before its own.
+    """
+
+    names: tuple[str, ...] = ()
+    constants: tuple[str, ...] = ()
+    settings: str | None = None
     rules: tuple[str, ...] = ()
     encodings: str | None = None
     flat: bool = False
     learned: bool = True
-    length: int = 0
+    length: int | range = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
     memory: str | None = None
     time: str | None = None
     cached: bool = True
     trust: bool = False
+    recorded: Record | None = None
+
+    def of(self, record: Record, folder: Path) -> Asked:
+        """Return the same for the task of a file in a folder: its domain where none is asked for, and its constants."""
+        from prag_asp.dataset.origin import named_domain
+
+        recorded = record if record.task.constants else None
+        return replace(self, names=self.names or (named_domain(record, folder),), recorded=recorded)
 
     def domain(self) -> Domain:
-        """Load the domain."""
+        """Load the domain.
+
+        Raises:
+            DomainError: something is wrong with it, or with the constants that a task of a file names.
+        """
+        if self.recorded is None:
+            return self._load({})
+        try:
+            return self._load(self.recorded.task.constants)
+        except DomainError as error:
+            raise DomainError(f"{self.recorded.place}: {error}") from None
+
+    def _load(self, recorded: Mapping[str, str]) -> Domain:
         from prag_asp.domain.load import load_domain
 
         return load_domain(
-            self.name,
+            *map(_given, self.names),
+            constants={**recorded, **parse_constant_options(self.constants)},
+            settings=self.settings,
             rules=self.rules,
             encodings=self.encodings,
             flat=self.flat,
@@ -52,17 +86,21 @@ class Asked:
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
         """Return the task space of the domain, or of another one, which tells its progress to `tell`."""
-        from prag_asp.space.limits import Limits, parse_memory, parse_time
         from prag_asp.space.task_space import TaskSpace
 
-        limits = Limits(
-            parse_memory(self.memory) if self.memory else None,
-            parse_time(self.time) if self.time else None,
-            self.cached,
-        )
-        conditions = self.conditions()
-        space = TaskSpace(domain or self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
-        return space.where(*conditions)
+        limits = self._limits()
+        space = TaskSpace(domain or self.domain(), self.one_length, engine=self.engine, progress=tell, limits=limits)
+        return space.where(*self.where)
+
+    def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace | TaskSpaces:
+        """Return the task space of the length, or the task spaces of a range of lengths as one."""
+        if isinstance(self.length, int):
+            return self.space(tell)
+        from prag_asp.space.task_spaces import TaskSpaces
+
+        limits = self._limits()
+        spaces = TaskSpaces(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
+        return spaces.where(*self.where)
 
     def conditions(self) -> tuple[str, ...]:
         """Return the conditions asked for.
@@ -74,35 +112,95 @@ class Asked:
             raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
         return self.where
 
+    @property
+    def one_length(self) -> int:
+        """The length, where a command takes no range."""
+        assert isinstance(self.length, int), "a range is refused where the option is read"
+        return self.length
+
+    def _limits(self) -> Limits:
+        """Return the limits; what is asked is checked on the way, before anything is loaded.
+
+        Raises:
+            QueryError: a limit is none, or a condition is empty.
+        """
+        from prag_asp.space.limits import Limits, parse_memory, parse_time
+
+        self.conditions()
+        memory = parse_memory(self.memory) if self.memory else None
+        return Limits(memory, parse_time(self.time) if self.time else None, self.cached)
+
+
+def _given(name: str) -> str | Source:
+    """Return what a domain is given as; standard input is read once, however often its domain is loaded."""
+    if name != STANDARD_INPUT:
+        return name
+    from prag_asp.domain.given import standard_input
+
+    kept: dict[str, Any] = click.get_current_context().meta
+    if STANDARD_INPUT not in kept:
+        kept[STANDARD_INPUT] = standard_input()
+    source: Source = kept[STANDARD_INPUT]
+    return source
+
 
 PROGRAM = (
     click.option(
-        "--rule", "rules", metavar="RULE", multiple=True, help="Rule to add, such as no_undo or 'at_most(grasp,2)'."
+        "-c", "--const", "constants", metavar="NAME=VALUE", multiple=True,
+        help="Value for a #const of the domain, such as discs=4.",
     ),
-    click.option("--encodings", metavar="DIR", help="Folder of encodings to use in place of the shipped ones."),
+    click.option(
+        "--settings", metavar="FILE", shell_complete=complete.files,
+        help="File to read as domain.toml, in place of the folder's; a domain of files has none otherwise.",
+    ),
+    click.option(
+        "--rule", "rules", metavar="RULE", multiple=True, shell_complete=complete.rules,
+        help="Rule to add, such as no_undo or 'at_most(grasp,2)'.",
+    ),
+    click.option(
+        "--encodings", metavar="DIR", shell_complete=complete.files,
+        help="Folder of encodings to use in place of the shipped ones.",
+    ),
     click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
     click.option(
         "--learned/--no-learned", default=True, help="Read learned.lp if the domain has one.  [default: learned]"
     ),
-)
-DOMAIN = (click.argument("name", metavar="DOMAIN"), *PROGRAM)
+)  # fmt: skip
+OF_FILE = (
+    click.option(
+        "--domain", "names", metavar="DOMAIN", multiple=True, shell_complete=complete.domains,
+        help="Their domain; several times for several files.  [default: what they name]",
+    ),
+    *PROGRAM,
+)  # fmt: skip
+DOMAIN_ARGUMENT = click.argument("names", metavar="DOMAIN...", nargs=-1, required=True, shell_complete=complete.domains)
+DOMAIN = (DOMAIN_ARGUMENT, *PROGRAM)
 TRUST = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")
 WHERE = click.option(
-    "--where", metavar="CONDITION", multiple=True, help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'."
+    "--where", metavar="CONDITION", multiple=True, shell_complete=complete.conditions,
+    help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'.",
+)  # fmt: skip
+LENGTH = click.option(
+    "-n", "--length", type=one_length, required=True, metavar="N", help="Number of actions of a task."
 )
-SPACE = (
-    *DOMAIN,
-    click.option("-n", "--length", type=int, required=True, metavar="N", help="Number of actions of a task."),
+LENGTHS = click.option(
+    "-n", "--length", type=one_or_more_lengths, required=True, metavar="N|A..B",
+    help="Number of actions of a task, or all numbers from A to B.",
+)  # fmt: skip
+ANSWERED = (
     WHERE,
     click.option(
-        "--engine", default="auto", show_default=True, metavar="ENGINE", help="auto, automaton, clingo, sat or sharp."
+        "--engine", default="auto", show_default=True, metavar="ENGINE", shell_complete=complete.engines,
+        help="auto, automaton, clingo, sat or sharp.",
     ),
     click.option("--memory", metavar="SIZE", help="Stop at this much memory, such as 4GB."),
     click.option("--time", metavar="TIME", help="Stop exploring or counting after this long, such as 60s or 5m."),
     click.option(
         "--cache/--no-cache", "cached", default=True, help="Keep what took long for the next run.  [default: cache]"
     ),
-)
+)  # fmt: skip
+SPACE = (*DOMAIN, LENGTH, *ANSWERED)
+SPACES = (*DOMAIN, LENGTHS, *ANSWERED)
 
 by_level = click.option(
     "--by",
@@ -111,8 +209,12 @@ by_level = click.option(
     show_default=True,
     help="Plans; tasks, which are plans up to renaming of interchangeable entities; or sequences of action names.",
 )
-prefix = click.option("--prefix", metavar="A,B,...", help="Begin with these actions, or names of actions.")
-output = click.option("-o", "--output", metavar="FILE", help="Write to FILE in place of stdout.")
+prefix = click.option(
+    "--prefix", metavar="A,B,...", shell_complete=complete.prefix, help="Begin with these actions, or names of actions."
+)
+output = click.option(
+    "-o", "--output", metavar="FILE", shell_complete=complete.files, help="Write to FILE in place of stdout."
+)
 form = click.option(
     "--format",
     "form",
@@ -136,7 +238,8 @@ CHECKS = (
         "the arm has a free way from each waypoint to the next, also that the robot performs the task in simulation.",
     ),
     click.option(
-        "--demonstrate", metavar="DIR", help="Let the robot perform each task, and write recordings (.npz) into DIR."
+        "--demonstrate", metavar="DIR", shell_complete=complete.files,
+        help="Let the robot perform each task, and write recordings (.npz) into DIR.",
     ),
 )  # fmt: skip
 
@@ -219,7 +322,8 @@ def _bundled(function: Function, name: str, kind: Any, options: Sequence[Callabl
 
 WEIGHING = (
     click.option(
-        "--weight", "given", metavar="KEY=W", multiple=True, help="Such as grasp=2, 'grasp>move=0.5', apple=1/3."
+        "--weight", "given", metavar="KEY=W", multiple=True, shell_complete=complete.names,
+        help="Such as grasp=2, 'grasp>move=0.5', apple=1/3.",
     ),
     click.option("--uniform", is_flag=True, help="Leave out the weights of domain.toml."),
     click.option(
@@ -264,6 +368,21 @@ def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
         if not equals or not key:
             raise QueryError(f"--weight {option}: write KEY=WEIGHT, such as grasp=2 or 'grasp>move=0.5'")
         found[key.strip()] = weight.strip()
+    return found
+
+
+def parse_constant_options(options: Sequence[str]) -> dict[str, str]:
+    """Return the constants that options of the form NAME=VALUE set.
+
+    Raises:
+        QueryError: an option is of another form.
+    """
+    found = {}
+    for option in options:
+        name, equals, value = option.partition("=")
+        if not equals or not name.strip():
+            raise QueryError(f"--const {option}: write NAME=VALUE, such as discs=4")
+        found[name.strip()] = value.strip()
     return found
 
 

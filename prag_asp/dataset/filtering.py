@@ -19,11 +19,12 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.scene.model import Scene
     from prag_asp.space.task_space import TaskSpace
+    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
 
 
 def feasible(
-    space: TaskSpace,
+    space: TaskSpace | TaskSpaces,
     scene: Scene | None = None,
     *,
     seed: int = 0,

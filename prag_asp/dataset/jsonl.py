@@ -32,6 +32,7 @@ def write_line(record: Record) -> str:
     task = record.task
     fields = {
         "domain": _json(task.domain),
+        **({"constants": _json(dict(task.constants))} if task.constants else {}),
         "actions": _listed(map(_action_json, task.actions)),
         "entities": _mapping_json(task.entities),
         "initial": _mapping_json(task.initial),
@@ -116,6 +117,7 @@ def _record(values: Any) -> Record:
         subgoals=tuple(_known("subgoals", state) for state in _items(values, "subgoals", dict)),
         goal=_known("goal", _field(values, "goal", dict)),
         log_probability=log_probability,
+        constants=FrozenDict(_strings(values, "constants", {})),
     )
     if not len(task.actions) == len(task.states) == len(task.subgoals):
         raise QueryError("it needs one state and one subgoal for each action")
@@ -154,8 +156,8 @@ def _items(values: Mapping[str, Any], key: str, kind: type) -> list[Any]:
     return items
 
 
-def _strings(values: Mapping[str, Any], key: str) -> dict[str, str]:
-    found: dict[str, str] = _field(values, key, dict)
+def _strings(values: Mapping[str, Any], key: str, default: Any = _NEEDED) -> dict[str, str]:
+    found: dict[str, str] = _field(values, key, dict, default)
     for name, value in found.items():
         if not isinstance(value, str):
             raise QueryError(f"{name!r} in {key!r} is {_kind(value)}, not a string")

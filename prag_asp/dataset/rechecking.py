@@ -61,16 +61,16 @@ def recheck(
     budget: Budget | None = None,
     demonstrate: str | Path | None = None,
     witness_only: bool = False,
-    load: Callable[[str], Domain] = load_domain,
+    load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
 ) -> Generator[Outcome, None, None]:
     """Yield what becomes of each task of a file, or of records: is its plan valid, and can a robot do it.
 
     Physics looks for witnesses anew, with the same outcome for a task wherever it stands; with `witness_only` it checks
-    those in the file. Without a `domain`, each record names its own, which is then loaded by `load`: a shipped one, or
-    a folder, here or beside the file (in `folder`, for records). Tasks have to satisfy the conditions `where`. With
-    `demonstrate`, the robot performs each task, and recordings are written into that folder. Records are read a little
-    ahead.
+    those in the file. Without a `domain`, each record names its own: a shipped one, or a folder, here or beside the
+    file (in `folder`, for records); `load` says how it is loaded where that takes more. Tasks have to satisfy the
+    conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder.
+    Records are read a little ahead.
 
     Raises:
         QueryError: a line of the file is no task, or a domain that it names is not found; the message has the place.
@@ -83,10 +83,11 @@ def recheck(
         records = iter(tasks)
     number, recordings = 0, Recordings(demonstrate)
     search = _Search(seed, workers, budget_of(budget, demonstrate))
-    for _, several in groupby(records, key=lambda record: record.task.domain):
+    load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
+    for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
         group = iter(several)
         first = next(group)
-        own = load(named_domain(first, folder)) if domain is None else domain
+        own = load(first, folder) if domain is None else domain
         told = _told(chain([first], group), TaskSpace(own, 0).where(*where))
         check = _witnesses if witness_only else _anew
         for outcome in check(told, scene_of(own), search):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import OutputError
+from prag_asp.output import make_folder
 
 if TYPE_CHECKING:
     from prag_asp.physics import Demonstration
@@ -20,12 +20,7 @@ class Recordings:
         Raises:
             OutputError: it cannot be made.
         """
-        self._folder = None if folder is None else Path(folder)
-        try:
-            if self._folder is not None:
-                self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{self._folder}: the folder cannot be made: {error.strerror}") from None
+        self._folder = None if folder is None else make_folder(folder)
 
     def write(self, number: int, demonstration: Demonstration | None) -> str | None:
         """Write the demonstration of the task on a line, counted from 1, and return the name of its file.

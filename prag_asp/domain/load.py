@@ -1,16 +1,19 @@
-"""Read a domain from disk."""
+"""Read a domain."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import clingo
 
-from prag_asp.errors import SceneError
+from prag_asp.domain.given import parse_given
+from prag_asp.errors import DomainError, SceneError
 from prag_asp.lint import check, check_learned
+from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.facts import Facts
-from prag_asp.program.paths import data_folder, domain_folder
+from prag_asp.program.paths import data_folder
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
@@ -19,63 +22,95 @@ from prag_asp.scene.model import Scene
 LEARNED = "learned.lp"
 """The file of invariants that physics has proved; `prag-asp learn` writes it."""
 
+NO_SETTINGS = Path("<no domain.toml>")
+"""Where the settings of a domain that has no folder would be; there is no such file."""
+
 
 @dataclass(frozen=True)
 class Domain:
     """A domain that has passed every check.
 
     `program` is the whole logic program (the encodings, the domain's own files and the rules asked for), `facts` what
-    its base part states. Physics runs the Python files of the domain only where it is `trusted`. `learned` are the
-    impossible fluents that only the file of learned invariants states.
+    its base part states. `folder` is None where it was not given as a name or a folder. Physics runs the Python files
+    of the domain only where it is `trusted`. `learned` are the impossible fluents that only the file of learned
+    invariants states, `constants` the terms that its ``#const``s were set to, by their names.
     """
 
     name: str
-    folder: Path
+    folder: Path | None
     encodings: Path
     program: Program
     facts: Facts
     settings: Settings
     trusted: bool = False
     learned: tuple[tuple[clingo.Symbol, clingo.Symbol], ...] = ()
+    constants: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """The name, and the constants that were set: ``hanoi (discs=4)``."""
+        given = ", ".join(f"{name}={value}" for name, value in self.constants.items())
+        return f"{self.name} ({given})" if given else self.name
 
 
 def load_domain(
-    name_or_folder: str | Path,
-    *,
+    *given: str | Path | Source,
+    text: str | None = None,
+    constants: Mapping[str, Constant] | None = None,
+    settings: str | Path | None = None,
     rules: tuple[str, ...] = (),
     encodings: str | Path | None = None,
     flat: bool = False,
     trust: bool = False,
     learned: bool = True,
 ) -> Domain:
-    """Read and check a domain, given as a shipped name or as a folder.
+    """Read and check a domain, given as a shipped name, as a folder, as files that end in .lp, or as a text.
+
+    Files (``-`` is standard input) and a text together are one domain, named after the first. A file includes from its
+    own folder, a text from the working directory; they come without settings. `constants` are values for ``#const``s of
+    the domain. `settings` is a file to read in place of the folder's domain.toml; paths in it begin at its folder.
 
     `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
     of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
     that its domain.toml names; nothing else does. Without `learned`, the file of learned invariants is left out; it is
-    read where the folder has one.
+    read where a folder has one, unless `settings` give another scene than it was learned from.
 
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
     """
-    folder = domain_folder(name_or_folder)
+    found = parse_given(given, text)
+    values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
     core = core_sources(encodings)
-    own = read_sources(folder / "domain.lp", encodings, own=folder)
+    own = _unique(found.sources(encodings))
+    own = set_constants(own, values, found.name) if values else own
     hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in s.text for s in own) else ()
     asked = tuple(source for rule in rules for source in rule_sources(rule, encodings))
     known = {source.path.resolve() for source in core}
     extra = tuple(source for source in (*hierarchy, *own, *asked) if source.path.resolve() not in known)
     program = Program((*core, *_unique(extra)))
-    facts, settings = check(program, folder)
+    facts, table = check(program, _settings_file(settings, found.folder))
     if flat:
         facts = replace(facts, composites=(), stages={}, free=())
     if not facts.composites:
         program = Program(tuple(source for source in program.sources if source not in hierarchy))
-    domain = Domain(folder.resolve().name, folder, encodings, program, facts, settings, trust)
-    path = folder / LEARNED
-    return with_learned(domain, read_sources(path, encodings)) if learned and path.is_file() else domain
+    domain = Domain(found.name, found.folder, encodings, program, facts, table, trust, constants=values)
+    path = found.folder / LEARNED if found.folder and settings is None else None
+    return with_learned(domain, read_sources(path, encodings)) if learned and path and path.is_file() else domain
+
+
+def _settings_file(given: str | Path | None, folder: Path | None) -> Path:
+    """Return the file of settings; it need not be there, unless it is given.
+
+    Raises:
+        DomainError: it is given, and is not there.
+    """
+    if given is None:
+        return folder / "domain.toml" if folder else NO_SETTINGS
+    if not Path(given).is_file():
+        raise DomainError(f"{given}: no such file of settings; give one written like a domain.toml")
+    return Path(given)
 
 
 def load_scene(domain: Domain) -> Scene:
@@ -85,13 +120,15 @@ def load_scene(domain: Domain) -> Scene:
         SceneError: the domain has none.
     """
     if not domain.settings.scene:
+        if domain.settings.path == NO_SETTINGS:
+            told = f"{domain.name}: files have no [scene] of their own; give settings"
+            raise SceneError(f"{told} (--settings FILE), or draw with --no-physics")
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
     entities = {str(entity): name for entity, name in domain.facts.entities.items()}
     from prag_asp.scene.load import parse_scene
 
-    return parse_scene(
-        domain.settings.scene, domain.facts.parents, entities, folder=domain.folder, trust=domain.trusted
-    )
+    folder = domain.settings.path.parent
+    return parse_scene(domain.settings.scene, domain.facts.parents, entities, folder=folder, trust=domain.trusted)
 
 
 def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:

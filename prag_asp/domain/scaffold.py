@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from prag_asp.errors import DomainError
+from prag_asp.errors import DomainError, OutputError
+from prag_asp.output import make_folder
 from prag_asp.program.paths import shipped_domains
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -101,21 +102,20 @@ def write_new_domain(name: str, parent: Path) -> Path:
     """Write a new domain below `parent` and return its folder; `name` may be a path that ends in the name.
 
     Raises:
-        DomainError: the name is no name, the folder exists, or it cannot be written.
+        DomainError: the name is no name, or the folder exists.
+        OutputError: the folder cannot be made or written.
     """
     folder = parent / name
     if not NAME.fullmatch(Path(name).name) or name.endswith(("/", "\\")):
         raise DomainError(f"{name!r} cannot name a domain; begin with a letter and go on with letters, digits, - and _")
     if folder.name in shipped_domains():
         raise DomainError(f"{folder.name}: a shipped domain has this name; choose another")
+    if folder.exists():
+        raise DomainError(f"{folder}: exists already; choose another name, or remove it first")
+    make_folder(folder)
     try:
-        folder.mkdir(parents=True)
         for file, text in (("domain.lp", LOGIC), ("domain.toml", SETTINGS)):
             (folder / file).write_text(text.format(name=folder.name), encoding="utf-8")
-    except FileExistsError as error:
-        raise DomainError(f"{error.filename}: exists already; choose another name, or remove it first") from None
     except OSError as error:
-        raise DomainError(
-            f"{folder}: cannot be written: {error.strerror}; choose a folder that you may write to"
-        ) from None
+        raise OutputError(f"{folder}: cannot be written: {error.strerror}; choose another folder") from None
     return folder

@@ -35,15 +35,14 @@ LEARNED_INVARIANT = ("impossible", 2)
 """What a file of learned invariants may state."""
 
 
-def check(program: Program, folder: Path) -> tuple[Facts, Settings]:
-    """Return what a domain states and its settings, if nothing is wrong with them.
+def check(program: Program, path: Path) -> tuple[Facts, Settings]:
+    """Return what a domain states and its settings, those of the file `path`, if nothing is wrong with them.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
     """
     owned = _owned(program)
     statements, problems = parse_sources(owned)
-    path = folder / "domain.toml"
     table = read_table(path)
     settings = settings_of(table, path)
     raise_problems([*problems, *table_problems(table, settings)])

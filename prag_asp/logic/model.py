@@ -11,7 +11,7 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground import GroundStep, ground_plan, ground_step
-from prag_asp.logic.ground.program import canonical_program, whole_program, with_facts
+from prag_asp.logic.ground.program import ADDED, canonical_program, whole_program, with_facts
 from prag_asp.logic.ground.stationary import StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
@@ -95,5 +95,5 @@ class Model:
             program = with_facts(Program((*program.sources, *rules)), weighed)
         if program is self.program:
             return build_transition(self.step, labels)
-        reads = read_step(Program(tuple(s for s in program.sources if s.path.suffix == ".lp")))
+        reads = read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
         return build_transition(stratified_step(ground_step(program, self.domain.facts, reads)), labels)

@@ -7,7 +7,12 @@ from pathlib import Path
 from prag_asp.errors import DomainError
 from prag_asp.wording import most_similar
 
+BY_LIBRARY = frozenset(["canonical_names", "weights"])
+"""Rules that the library adds itself, together with facts that only it knows."""
+
 PACKAGE = Path(__file__).resolve().parent.parent
+STANDARD_INPUT = "-"
+"""What stands for standard input in place of a file."""
 
 
 def data_folder(name: str) -> Path:
@@ -19,6 +24,16 @@ def data_folder(name: str) -> Path:
 def shipped_domains() -> dict[str, Path]:
     """Return the folder of every shipped domain by its name."""
     return {path.parent.name: path.parent for path in sorted(data_folder("domains").glob("*/domain.lp"))}
+
+
+def rule_names(encodings: Path) -> list[str]:
+    """Return the names of the rules that a user may ask for, in a folder of encodings."""
+    return sorted({path.stem for path in (encodings / "rules").glob("*.lp")} - BY_LIBRARY)
+
+
+def is_file_name(given: str | Path) -> bool:
+    """Tell whether a domain is given as a file, which ends in .lp, or as standard input, not as a name or folder."""
+    return str(given) == STANDARD_INPUT or (Path(given).suffix == ".lp" and not Path(given).is_dir())
 
 
 def domain_folder(name_or_path: str | Path) -> Path:
@@ -36,7 +51,7 @@ def domain_folder(name_or_path: str | Path) -> Path:
     if folder.is_dir():
         raise DomainError(f"{folder}: this folder has no domain.lp; `prag-asp new NAME` writes one")
     if folder.is_file():
-        raise DomainError(f"{folder}: a file, not a folder; give the folder of the domain, {folder.parent}")
+        raise DomainError(f"{folder}: a file, but its name does not end in .lp; rename it, or give the domain's folder")
     near = most_similar(str(name_or_path), shipped)
-    hint = f"did you mean {near}?" if near else f"shipped are {', '.join(shipped)}; or give a folder"
+    hint = f"did you mean {near}?" if near else f"shipped are {', '.join(shipped)}; or give a folder or files"
     raise DomainError(f"{name_or_path}: no such domain; {hint}")

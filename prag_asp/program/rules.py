@@ -7,11 +7,9 @@ from pathlib import Path
 from prag_asp.atom import parse_atom
 from prag_asp.errors import DomainError
 from prag_asp.program.parse import parse_sources
+from prag_asp.program.paths import rule_names
 from prag_asp.program.problem import suggestion
 from prag_asp.program.sources import Source, read_sources
-
-BY_LIBRARY = frozenset(["canonical_names", "weights"])
-"""Rules that the library adds itself, together with facts that only it knows."""
 
 
 def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
@@ -22,7 +20,7 @@ def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
     """
     atom = parse_atom(rule)
     folder = encodings / "rules"
-    known = sorted({path.stem for path in folder.glob("*.lp")} - BY_LIBRARY)
+    known = rule_names(encodings)
     if atom.name not in known:
         otherwise = f"there are {', '.join(known) or 'none'} in {folder}"
         raise DomainError(f"{rule}: no such rule; {suggestion(atom.name, known, otherwise)}")

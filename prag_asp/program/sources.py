@@ -55,21 +55,23 @@ class Program:
         return self.sources[at].path, max(line - self._starts[at], 1)
 
 
-def read_sources(path: Path, encodings: Path, *, own: Path | None = None) -> tuple[Source, ...]:
+def read_sources(path: Path | Source, encodings: Path, *, own: Path | None = None) -> tuple[Source, ...]:
     """Return the file `path` and everything it includes, each file once, included files first.
 
-    An include is looked up beside the including file, then in the folder of encodings.
+    An include is looked up beside the including file, then in the folder of encodings; one of a source that is no file
+    beside where its path would be.
 
     Raises:
         DomainError: a file cannot be read, or an include leads out of the folder `own` and the encodings.
     """
     found: dict[Path, Source] = {}
-    _read(path, encodings, own or path.parent, found, ())
+    begin = path if isinstance(path, Source) else Source(path, read_text(path))
+    _read(begin, encodings, own or begin.path.parent, found, ())
     return tuple(found.values())
 
 
-def _read(path: Path, encodings: Path, own: Path, found: dict[Path, Source], above: tuple[Path, ...]) -> None:
-    text = read_text(path)
+def _read(source: Source, encodings: Path, own: Path, found: dict[Path, Source], above: tuple[Path, ...]) -> None:
+    path, text = source.path, source.text
     pieces = []
     end = 0
     for keyword in KEYWORD.finditer(blanked(text)):
@@ -79,7 +81,7 @@ def _read(path: Path, encodings: Path, own: Path, found: dict[Path, Source], abo
             raise DomainError(f'{path}:{line}: unreadable #include; write it as #include "file.lp".')
         target = _include(include["file"], path, line, encodings, own)
         if target.resolve() not in (*above, path.resolve()) and target.resolve() not in found:
-            _read(target, encodings, own, found, (*above, path.resolve()))
+            _read(Source(target, read_text(target)), encodings, own, found, (*above, path.resolve()))
         pieces += [text[end : include.start()], re.sub(r"[^\n]", " ", include[0])]
         end = include.end()
     found[path.resolve()] = Source(path, "".join([*pieces, text[end:]]))
@@ -103,13 +105,25 @@ def read_text(path: Path) -> str:
         DomainError: the file is missing, unreadable or not UTF-8.
     """
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise DomainError(f"{path}:{line}: not UTF-8 text; save the file as UTF-8") from None
+        content = path.read_bytes()
     except OSError as error:
         told = f"{path}:1: cannot be read: {error.strerror}"
         raise DomainError(f"{told}; check the path and its permissions") from None
+    return decoded(content, path)
+
+
+def decoded(content: bytes, path: Path) -> str:
+    """Return the text of a file's bytes, its lines ended alike.
+
+    Raises:
+        DomainError: they are not UTF-8.
+    """
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise DomainError(f"{path}:{line}: not UTF-8 text; save the file as UTF-8") from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def core_sources(encodings: Path) -> tuple[Source, ...]:

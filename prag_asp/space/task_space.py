@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from prag_asp.space.drawing.drawers import Over
+    from prag_asp.space.drawing.drawers import Drawer, Over
     from prag_asp.space.drawing.statistics import Statistics
     from prag_asp.space.parts.ranked import RankedTasks
     from prag_asp.space.plans.readings import Readings
@@ -92,7 +92,7 @@ class TaskSpace:
 
     def __repr__(self) -> str:
         where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
-        return f"TaskSpace({self.domain.name!r}, length={self.length}){where}"
+        return f"TaskSpace({self.domain.label!r}, length={self.length}){where}"
 
     def count(self, by: Level = "task", prefix: Prefix = ()) -> int:
         """Return the exact number of plans, tasks or skeletons that begin with `prefix`.
@@ -217,6 +217,12 @@ class TaskSpace:
         """Yield the task of each of some valid plans, given as texts of actions."""
         return self._shared.narrator.tasks((plan, None) for plan in plans)
 
+    def narrate_draws(self, draws: Iterable[Draw]) -> Iterator[Task]:
+        """Yield the task of each of some draws, with the logarithm of its probability."""
+        from prag_asp.space.drawing.draws import log_probability
+
+        return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
+
     def sample(
         self,
         count: int,
@@ -256,10 +262,9 @@ class TaskSpace:
         over: Over | None = None,
     ) -> Iterator[Task]:
         """Yield tasks drawn as by `sample`, without end."""
-        from prag_asp.space.drawing.draws import log_probability
-
-        draws = self.draw_words(seed=seed, weights=weights, by=_drawn(by), temperature=temperature, over=over)
-        return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
+        return self.narrate_draws(
+            self.draw_words(seed=seed, weights=weights, by=_drawn(by), temperature=temperature, over=over)
+        )
 
     def draw_words(
         self,
@@ -277,7 +282,7 @@ class TaskSpace:
         from prag_asp.space.drawing.bits import SeededBits
         from prag_asp.space.drawing.draws import drawn_words
 
-        drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
+        drawer = self.drawer(weights=weights, by=by, temperature=temperature, over=over)
         return drawn_words(drawer, self._engine(by), SeededBits(seed))
 
     def draw_array(
@@ -297,16 +302,33 @@ class TaskSpace:
         """
         from prag_asp.space.drawing.bits import SeededBits
 
-        drawer = self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
+        drawer = self.drawer(weights=weights, by=by, temperature=temperature, over=over)
         return drawer.draw(SeededBits(seed), first, _drawable(count), tell=False).letters
+
+    def drawer(
+        self,
+        *,
+        weights: Mapping[str, Number] | None = None,
+        by: Level = "task",
+        temperature: Temperature = 1,
+        over: Over | None = None,
+    ) -> Drawer:
+        """Return the way in which `draw_words` and `draw_array` draw.
+
+        Raises:
+            QueryError: there is nothing to draw, or a weight fits nothing.
+        """
+        return self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
 
     def letters(self, by: Level = "task") -> tuple[str, ...]:
         """Return what the numbers of `draw_array` stand for: the texts of actions, or names."""
         return self._engine(by).letters
 
-    def total_weight(self, *, weights: Mapping[str, Number] | None = None, by: Level = "task") -> Fraction:
+    def total_weight(
+        self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1
+    ) -> Fraction:
         """Return the exact sum of the weights of all tasks or plans; with ``weights={}``, their number."""
-        weighed = self._engine(by).weighed(self.length, self.weights(weights))
+        weighed = self._engine(by).weighed(self.length, self._tempered(weights, temperature))
         return weighed.total(self.length) * weighed.unit
 
     def statistics(

@@ -9,7 +9,7 @@ import pytest
 
 from prag_asp.domain.load import load_domain, load_scene
 from prag_asp.domain.scaffold import write_new_domain
-from prag_asp.errors import DomainError
+from prag_asp.errors import DomainError, OutputError
 
 
 def test_a_new_domain_passes_every_check(tmp_path: Path) -> None:
@@ -51,12 +51,12 @@ def test_the_name_of_a_shipped_domain_is_refused(tmp_path: Path) -> None:
 
 def test_a_file_in_the_way_is_told(tmp_path: Path) -> None:
     (tmp_path / "rooms").write_text("", encoding="utf-8")
-    with pytest.raises(DomainError, match="; choose"):
+    with pytest.raises(OutputError, match="the folder cannot be made: Not a directory; choose another"):
         write_new_domain("rooms/pantry", tmp_path)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
-    with pytest.raises(DomainError, match="cannot be written: Permission denied; choose a folder"):
+    with pytest.raises(OutputError, match="the folder cannot be made: Permission denied; choose another"):
         write_new_domain("pantry", tmp_path)

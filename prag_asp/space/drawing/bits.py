@@ -39,13 +39,14 @@ class Bits(Protocol):
 
 @dataclass(frozen=True)
 class SeededBits:
-    """The random words of a seed."""
+    """The random words of a seed; those of another `purpose` are independent of them."""
 
     seed: int
+    purpose: str = ""
 
     @cached_property
     def _key(self) -> int:
-        return int.from_bytes(sha256(f"{self.seed:x}".encode()).digest()[:16], "big")
+        return int.from_bytes(sha256(f"{self.seed:x}{self.purpose}".encode()).digest()[:16], "big")
 
     def words(self, first: int, count: int, each: int) -> Words:
         """Return `each` words for each of `count` draws from `first` on, shape (count, each)."""

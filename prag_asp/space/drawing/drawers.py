@@ -142,7 +142,10 @@ def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton
 
 
 class OverSkeletons:
-    """Draws a skeleton uniformly, of those that some word of positive weight has, then a word with it by weight."""
+    """Draws a skeleton uniformly, of those that some word of positive weight has, then a word with it by weight.
+
+    `count` is how many such skeletons there are.
+    """
 
     def __init__(self, weighed: Weighed, length: int, names: NDArray[np.int64]) -> None:
         self._automaton = positive(weighed.automaton)
@@ -151,7 +154,7 @@ class OverSkeletons:
         completions = Completions(skeleton_automaton(self._automaton, names)[0])
         self._skeletons = PathDrawer(completions, length)
         self._skeleton_letters = completions.automaton.letters
-        self._count = int(completions.row(length)[0])
+        self.count = int(completions.row(length)[0])
 
     @cached_property
     def _moves(self) -> list[dict[int, list[tuple[int, int, int]]]]:
@@ -178,7 +181,7 @@ class OverSkeletons:
             for place, (skeleton, chosen) in enumerate(zip(skeletons, words[:, self._length :].tolist(), strict=True)):
                 path, total = self._with_skeleton(skeleton, chosen, partial(further, place))
                 edges[:, begin + place] = path
-                totals.append(self._count * total)
+                totals.append(self.count * total)
         return Drawn(_letters(self._automaton, edges), _shares(self._automaton, edges, totals) if tell else ())
 
     def _with_skeleton(

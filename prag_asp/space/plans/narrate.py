@@ -43,6 +43,7 @@ class Narrator:
         self._states: list[Known] = []
         self._named: list[Entities] = []
         self._classes: dict[Entities, FrozenDict[str, str]] = {}
+        self._constants = FrozenDict(model.domain.constants)
 
     def tasks(self, words: Iterable[tuple[Sequence[str], float | None]]) -> Iterator[Task]:
         """Yield the task of each plan, given as the texts of its actions and the log-probability of its draw.
@@ -94,6 +95,7 @@ class Narrator:
             tuple([action.effect for action in plan]),
             self._goal or states[-1],
             log_probability,
+            self._constants,
         )
 
     def _classes_of(self, used: Entities) -> FrozenDict[str, str]:

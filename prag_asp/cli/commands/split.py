@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import options
+from prag_asp.cli import complete, options
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import progress, writer
-from prag_asp.errors import OutputError, QueryError
+from prag_asp.cli.words import domain_and_others
+from prag_asp.errors import QueryError
+from prag_asp.output import make_folder
 
 if TYPE_CHECKING:
     from prag_asp.space.parts.ranked import RankedTasks
@@ -20,16 +22,22 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@asks(options.SPACE)
-@click.argument("shares", metavar="[NAME=SHARE]...", nargs=-1)
+@click.argument("words", metavar="DOMAIN... [NAME=SHARE]...", nargs=-1, required=True, shell_complete=complete.shares)
+@asks((*options.PROGRAM, options.LENGTH, *options.ANSWERED))
 @click.option("--skeletons", is_flag=True, help="No two parts have a skeleton in common; shares are approximate.")
-@click.option("--hold-out", "held", metavar="WHAT", help="Entity, class, action or pair that only the test part has.")
+@click.option(
+    "--hold-out", "held", metavar="WHAT", shell_complete=complete.names,
+    help="Entity, class, action or pair that only the test part has.",
+)  # fmt: skip
 @click.option("--count", "wanted", type=click.IntRange(min=0), metavar="K", help="Write K different tasks a part.")
 @options.seed
 @options.form
-@click.option("-o", "--output", metavar="DIR", help="Folder for one file a part; needed with --count.")
+@click.option(
+    "-o", "--output", metavar="DIR", shell_complete=complete.files,
+    help="Folder for one file a part; needed with --count.",
+)  # fmt: skip
 def split(
-    *, asked: Asked, shares: tuple[str, ...], skeletons: bool, held: str | None, wanted: int | None, seed: int,
+    *, asked: Asked, words: tuple[str, ...], skeletons: bool, held: str | None, wanted: int | None, seed: int,
     form: str, output: str | None,
 ) -> None:  # fmt: skip
     """Divide the tasks of length N into disjoint parts, such as train=0.8 test=0.2, and print their sizes.
@@ -38,12 +46,13 @@ def split(
     """
     from prag_asp.dataset.jsonl import Record
 
+    names, shares = domain_and_others(words)
     if (held is None) == (not shares):
         raise QueryError("give either shares, such as train=0.8 test=0.2, or --hold-out WHAT")
     if (wanted is None) != (output is None):
         raise QueryError("give --count and --output together")
     with progress() as tell:
-        space = asked.space(tell)
+        space = replace(asked, names=names).space(tell)
         parts = _parts(space, shares, skeletons, held, seed)
         width = max(map(len, parts))
         for name, part in parts.items():
@@ -52,7 +61,7 @@ def split(
             return
         line = options.line_form(form, space.domain)
         for name, part in parts.items():
-            with writer(str(_folder(output) / f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")) as write:
+            with writer(str(make_folder(output) / f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")) as write:
                 for task in _drawn(part, min(wanted, part.count()), seed):
                     write(line(Record(task)))
 
@@ -77,12 +86,3 @@ def _drawn(part: TaskSpace | RankedTasks, count: int, seed: int) -> Iterator[Tas
         yield from part.sample(count, seed=seed, weights={}, distinct=True)
     else:
         yield from part.sample(count, seed=seed, distinct=True)
-
-
-def _folder(name: str) -> Path:
-    folder = Path(name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be made: {error.strerror}; choose another folder with -o") from None
-    return folder

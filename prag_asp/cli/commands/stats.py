@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli import options
+from prag_asp.cli import complete, options
 from prag_asp.cli.options import Asked, Weighing, asks
+from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress, writer
 
 if TYPE_CHECKING:
@@ -35,7 +36,10 @@ WIDEST = 40
     show_default=True,
     help="Tables with decimals, or JSON with exact fractions.",
 )
-@click.option("--plot", metavar="FILE", help="Draw counts per length up to N into FILE.html or FILE.png.")
+@click.option(
+    "--plot", metavar="FILE", shell_complete=complete.files,
+    help="Draw counts per length up to N into FILE.html or FILE.png.",
+)  # fmt: skip
 @options.output
 def stats(*, asked: Asked, by: Any, weighing: Weighing, form: str, plot: str | None, output: str | None) -> None:
     """Print what a random task of length N is like, exactly: entropy, expected numbers, and probabilities."""
@@ -70,7 +74,7 @@ def _json(found: Statistics) -> Iterator[str]:
 
 
 def _text(found: Statistics) -> Iterator[str]:
-    yield from _aligned(
+    yield from aligned(
         [
             (f"{found.by}s of length {found.length} that can be drawn", _whole(found.words)),
             ("sum of their weights", _whole(found.total_weight)),
@@ -89,19 +93,11 @@ def _text(found: Statistics) -> Iterator[str]:
             yield ""
             heads = (title, "expected number", "probability") if contains is not None else (title, "expected number")
             columns = [expected] if contains is None else [expected, contains]
-            yield from _aligned([heads, *((key, *(_decimal(each[key]) for each in columns)) for key in expected)])
+            yield from aligned([heads, *((key, *(_decimal(each[key]) for each in columns)) for key in expected)])
     for title, shares in (("entity", entities), ("class", classes)):
         if shares:
             yield ""
-            yield from _aligned([(title, "probability"), *((key, _decimal(share)) for key, share in shares.items())])
-
-
-def _aligned(rows: list[tuple[str, ...]]) -> Iterator[str]:
-    """Yield rows of texts as lines, the first column to the left and the others to the right."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for first, *others in rows:
-        cells = [f"{cell:>{width}}" for cell, width in zip(others, widths[1:], strict=True)]
-        yield "  ".join([f"{first:<{widths[0]}}", *cells])
+            yield from aligned([(title, "probability"), *((key, _decimal(share)) for key, share in shares.items())])
 
 
 def _decimal(share: Fraction) -> str:

@@ -6,14 +6,16 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 import click
 
 from prag_asp.cli import options
 from prag_asp.cli.options import Asked, Checking, asks
+from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress, require_writable, writer
-from prag_asp.errors import DomainError
+from prag_asp.errors import QueryError
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -48,14 +50,13 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
         domain, scene = before.domain, scene_of(before.domain)
-        if write:
-            require_writable(str(domain.folder / LEARNED))
+        path = _file(asked, domain) if write else Path(LEARNED)
         found = rules(proved(domain.facts, scene, tell), domain.facts)
-        path, text = domain.folder / LEARNED, text_of(found, domain.name)
+        text = text_of(found, domain.label)
         after = asked.space(tell, with_learned(domain, (Source(path, text),))) if found else before
         stated = plural(sum(len(rule.proofs) for rule in found), "proof")
         lines = [f"{plural(len(found), 'rule')} {'states' if len(found) == 1 else 'state'} {stated}"]
-        lines += _aligned(_figures(before, after, scene, wanted, seed, checking, tell))
+        lines += aligned(_figures(before, after, scene, wanted, seed, checking, tell))
     if write:
         with writer(str(path)) as put:
             put(text.rstrip())
@@ -66,34 +67,22 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
         click.echo(line if write else f"% {line}".rstrip())
 
 
-def require_proofs(domain: Domain) -> None:
-    """Check that physics still proves what a domain has learned.
+def _file(asked: Asked, domain: Domain) -> Path:
+    """Return the file that the rules are written to.
 
     Raises:
-        DomainError: it does not, for the scene has changed or the file was written by hand.
+        QueryError: the domain has no folder, or is not what its folder says.
+        OutputError: the file cannot be written.
     """
-    if not domain.learned:
-        return
-    from prag_asp.dataset.filtering import scene_of
     from prag_asp.domain.load import LEARNED
-    from prag_asp.physics.proofs.learning import unproved
 
-    for fluents in islice(unproved(domain, scene_of(domain)), 1):
-        told = f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"
-        raise DomainError(
-            f"{domain.folder / LEARNED}:1: the scene does not prove that {told}; "
-            f"write the file again with prag-asp learn {domain.folder} --length N --write"
-        )
-
-
-def warn_of_grips(domain: Domain) -> None:
-    """Say which bodies of a domain are held by no proof too wide, and yet never grasped."""
-    if domain.settings.scene:
-        from prag_asp.dataset.filtering import scene_of
-        from prag_asp.physics.proofs.grips import never_gripped
-
-        for warning in never_gripped(domain, scene_of(domain)):
-            click.echo(f"warning: {warning}", err=True)
+    if domain.folder is None:
+        raise QueryError(f"--write writes {LEARNED} into a domain's folder; {domain.name} has none, so give a folder")
+    for option, given in (("--const", asked.constants), ("--settings", asked.settings)):
+        if given:
+            raise QueryError(f"--write writes what holds of the folder as it is; leave {option} out")
+    require_writable(str(domain.folder / LEARNED))
+    return domain.folder / LEARNED
 
 
 def _figures(
@@ -138,10 +127,3 @@ def _tally(
             tell(told())
     click.echo(told(), err=True)
     return tally
-
-
-def _aligned(rows: Iterator[Row]) -> list[str]:
-    """Return the rows of a table as lines, the first column to the left and the others to the right."""
-    listed = list(rows)
-    widths = [max(map(len, column)) for column in zip(*listed, strict=True)]
-    return [f"{row[0]:<{widths[0]}}  {row[1]:>{widths[1]}}  {row[2]:>{widths[2]}}" for row in listed]

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import options
-from prag_asp.cli.commands import cli
+from prag_asp.atom import split_actions
+from prag_asp.cli import complete, options
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import FAILED
+from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
     from prag_asp.logic.formula.explain import Explanation
 
 
-@cli.command()
-@asks(options.DOMAIN)
-@click.argument("actions", metavar="ACTION...", nargs=-1)
-def explain(*, asked: Asked, actions: tuple[str, ...]) -> None:
+@click.command()
+@click.argument("words", metavar="DOMAIN... ACTION...", nargs=-1, required=True, shell_complete=complete.actions)
+@asks(options.PROGRAM)
+def explain(*, asked: Asked, words: tuple[str, ...]) -> None:
     """Say why a sequence of actions is no plan: the first step that cannot occur, why, and which steps conflict.
 
-    Ends with code 1 where it is no plan, with 0 where it is one.
+    Actions are arguments of their own, or several in one, separated by blanks or commas. Ends with code 1 where it is
+    no plan, with 0 where it is one.
     """
     import clingo
 
@@ -31,7 +34,11 @@ def explain(*, asked: Asked, actions: tuple[str, ...]) -> None:
     from prag_asp.logic.model import Model
     from prag_asp.space.engines.prefix import parse_prefix
 
-    domain = asked.domain()
+    names, texts = domain_and_others(words)
+    actions = split_actions(*texts)
+    if texts and not actions:
+        raise QueryError(f"{texts[0]!r} is no action; write actions, such as grasp(panda,apple_1), or none")
+    domain = replace(asked, names=names).domain()
     plan = parse_prefix(actions, "plan", domain.facts)
     known = set(map(str, domain.facts.actions))
     for action in plan:
@@ -40,7 +47,7 @@ def explain(*, asked: Asked, actions: tuple[str, ...]) -> None:
             raise QueryError(f"{action} is the name of several actions; give one in full, such as {example}")
     found = reasons_against(Model(domain), [clingo.parse_term(action) for action in plan])
     if found is None:
-        click.echo(f"a plan of {domain.name}")
+        click.echo(f"a plan of {domain.label}")
         return
     for line in _told(found, plan):
         click.echo(line)

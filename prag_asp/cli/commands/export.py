@@ -7,14 +7,12 @@ from typing import Any
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.commands import cli
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import require_writable, writer
 
 
-@cli.command()
-@asks(options.DOMAIN)
-@click.option("-n", "--length", type=click.IntRange(min=0), required=True, metavar="N", help="Number of actions.")
+@click.command()
+@asks((*options.DOMAIN, options.LENGTH))
 @options.by_level
 @click.option("--format", type=click.Choice(["dimacs"]), default="dimacs", show_default=True, help="Form of the file.")
 @options.output
@@ -29,7 +27,7 @@ def export(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
 
     require_writable(output)
     domain = asked.domain()
-    formula = word_formula(Model(domain), by, asked.length)
+    formula = word_formula(Model(domain), by, asked.one_length)
     with writer(output) as write:
-        for line in dimacs(formula.cnf, [f"the {by}s of {domain.name} of length {asked.length}, by prag_asp"]):
+        for line in dimacs(formula.cnf, [f"the {by}s of {domain.label} of length {asked.one_length}, by prag_asp"]):
             write(line)

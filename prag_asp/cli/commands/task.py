@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import options
+from prag_asp.atom import split_actions
+from prag_asp.cli import complete, options
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import progress
 from prag_asp.errors import QueryError
@@ -23,7 +24,10 @@ READINGS_SHOWN = 5
 @click.command()
 @asks(options.SPACE)
 @click.option("--index", type=int, metavar="I", help="Rank of the task, from 0; a negative one counts from the end.")
-@click.option("--rank-of", "plan", metavar="'A B ...'", help="Actions of a task, whose rank to find.")
+@click.option(
+    "--rank-of", "plan", metavar="'A B ...'", shell_complete=complete.plan,
+    help="Actions of a task, whose rank to find; blanks or commas separate them.",
+)  # fmt: skip
 @click.option(
     "--format", "form", type=click.Choice(["full", "text", "sentences", "jsonl"]), default="full", show_default=True,
     help="All states in words; or as in sample.",
@@ -41,7 +45,7 @@ def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> Non
     with progress() as tell:
         space = asked.space(tell)
         if index is None:
-            click.echo(space.index((plan or "").split()))
+            click.echo(space.index(split_actions(plan or "")))
             return
         try:
             found = space[index]

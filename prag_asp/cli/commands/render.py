@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import options
+from prag_asp.cli import complete, options
 from prag_asp.cli.options import Asked, asks
 from prag_asp.cli.terminal import progress, require_writable
-from prag_asp.dataset.origin import MEND, index_of, named_domain, read_witness, told_with_place
+from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import OutputError, QueryError
+from prag_asp.output import make_folder
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -35,15 +36,9 @@ SMALLEST, LARGEST = 16, 4096
 
 
 @click.command()
-@click.argument("file", metavar="TASKS.jsonl")
+@click.argument("file", metavar="TASKS.jsonl", shell_complete=complete.files)
 @click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=click.IntRange(min=1))
-@asks(
-    (
-        click.option("--domain", "name", metavar="DOMAIN", default="", help="Their domain.  [default: what they name]"),
-        *options.PROGRAM,
-        options.TRUST,
-    )
-)
+@asks((*options.OF_FILE, options.TRUST))
 @click.option(
     "--as",
     "form",
@@ -58,10 +53,13 @@ SMALLEST, LARGEST = 16, 4096
 @click.option("--size", metavar="WxH", help="Pixels of a frame.  [default: 360x320; state 960x800; animation 400x350]")
 @click.option("--speed", type=float, default=2.0, show_default=True, help="How fast an animation plays.")
 @click.option("--columns", type=click.IntRange(min=1), default=6, show_default=True, help="Frames in a row of a strip.")
-@click.option("--recordings", metavar="DIR", help="Draw the demonstrations that --demonstrate DIR has written.")
+@click.option(
+    "--recordings", metavar="DIR", shell_complete=complete.files,
+    help="Draw the demonstrations that --demonstrate DIR has written.",
+)  # fmt: skip
 @options.seed
 @click.option(
-    "-o", "--output", metavar="PATH", default="pictures", show_default=True,
+    "-o", "--output", metavar="PATH", default="pictures", show_default=True, shell_complete=complete.files,
     help="A file for one task, otherwise the folder for files named after the tasks' numbers.",
 )  # fmt: skip
 def render(
@@ -101,7 +99,7 @@ def render(
     with progress() as show:
         for done, number in enumerate(chosen):
             record = records[number - 1]
-            domain = replace(asked, name=asked.name or named_domain(record, Path(file).parent)).domain()
+            domain = asked.of(record, Path(file).parent).domain()
 
             def tell(share: float, done: int = done) -> None:
                 show("pictures", done + share, len(chosen))
@@ -256,10 +254,7 @@ def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]
             text = f"{plural(len(numbers), 'picture')} as {form} need a folder, or the number of one task"
             raise QueryError(f"--output {output}: {text}")
         return {numbers[0]: output}
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{output}: the folder cannot be made: {error.strerror}; choose another with -o") from None
+    make_folder(output)
     return {number: output / f"{number:06d}{suffix}" for number in numbers}
 
 

@@ -1,0 +1,72 @@
+"""``prag-asp check``: what a domain declares, if nothing is wrong with it."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import click
+
+from prag_asp.cli import options
+from prag_asp.cli.options import Asked, asks
+from prag_asp.errors import DomainError
+from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+
+
+@click.command()
+@asks((*options.DOMAIN, options.TRUST))
+def check(*, asked: Asked) -> None:
+    """Check a domain and say what it declares."""
+    domain = asked.domain()
+    if "own" in domain.settings.scene:
+        from prag_asp.dataset.filtering import scene_of
+
+        scene_of(domain)
+    _require_proofs(domain)
+    _warn_of_grips(domain)
+    facts = domain.facts
+    world = "closed" if facts.closed else "open"
+    scene = "with a scene" if domain.settings.scene else "no scene"
+    parts = [
+        f"{world} world",
+        plural(len(facts.entities), "entity", "entities"),
+        plural(len(facts.fluents), "fluent"),
+        plural(len(facts.actions), "action"),
+        *([plural(len(facts.composites), "composite")] if facts.composites else []),
+        *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
+        scene,
+    ]
+    click.echo(f"{domain.label}: ok; {', '.join(parts)}")
+
+
+def _require_proofs(domain: Domain) -> None:
+    """Check that physics still proves what a domain has learned.
+
+    Raises:
+        DomainError: it does not, for the scene has changed or the file was written by hand.
+    """
+    if not domain.learned or domain.folder is None:
+        return
+    from prag_asp.dataset.filtering import scene_of
+    from prag_asp.domain.load import LEARNED
+    from prag_asp.physics.proofs.learning import unproved
+
+    for fluents in islice(unproved(domain, scene_of(domain)), 1):
+        told = f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"
+        raise DomainError(
+            f"{domain.folder / LEARNED}:1: the scene does not prove that {told}; "
+            f"write the file again with prag-asp learn {domain.folder} --length N --write"
+        )
+
+
+def _warn_of_grips(domain: Domain) -> None:
+    """Say which bodies of a domain are held by no proof too wide, and yet never grasped."""
+    if domain.settings.scene:
+        from prag_asp.dataset.filtering import scene_of
+        from prag_asp.physics.proofs.grips import never_gripped
+
+        for warning in never_gripped(domain, scene_of(domain)):
+            click.echo(f"warning: {warning}", err=True)

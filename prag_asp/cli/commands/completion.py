@@ -1,0 +1,27 @@
+"""``prag-asp completion``: what lets a shell complete words."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+def completion(shell: str) -> None:
+    """Print the script that lets a shell complete commands, options, domains, rules, actions and more.
+
+    For bash, add this line to ~/.bashrc: eval "$(prag-asp completion bash)"
+
+    For zsh, add this line to ~/.zshrc, below compinit: eval "$(prag-asp completion zsh)"
+
+    For fish, write the script to ~/.config/fish/completions/prag-asp.fish
+    """
+    from click.shell_completion import get_completion_class
+
+    from prag_asp.cli.registry import COMPLETION, PROGRAM, cli
+    from prag_asp.cli.shells import add_shells
+
+    add_shells()
+    found = get_completion_class(shell)
+    assert found is not None, "click knows every shell that may be asked for"
+    click.echo(found(cli, {}, PROGRAM, COMPLETION).source(), nl=False)

@@ -1,0 +1,29 @@
+"""``prag-asp domains`` and ``prag-asp new``: what domains there are, and a new one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+def domains() -> None:
+    """List the shipped domains."""
+    from prag_asp.program.paths import shipped_domains
+    from prag_asp.program.settings import read_table
+
+    folders = shipped_domains()
+    width = max(map(len, folders), default=0)
+    for name, folder in folders.items():
+        click.echo(f"{name:<{width}}  {read_table(folder / 'domain.toml').get('description', '')}")
+
+
+@click.command()
+@click.argument("name", metavar="NAME")
+def new(name: str) -> None:
+    """Write a small commented domain into the new folder NAME, to start from."""
+    from prag_asp.domain.scaffold import write_new_domain
+
+    folder = write_new_domain(name, Path())
+    click.echo(f"wrote {folder}; try: prag-asp check {folder}", err=True)

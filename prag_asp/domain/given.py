@@ -1,0 +1,82 @@
+"""What a domain may be given as: a shipped name, a folder, files, standard input, or a text that a program wrote."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from prag_asp.errors import DomainError
+from prag_asp.program.paths import STANDARD_INPUT, domain_folder, is_file_name
+from prag_asp.program.sources import Source, decoded, read_sources
+
+
+@dataclass(frozen=True)
+class Given:
+    """A domain as it was given: its name, its folder where it has one, and what it is read from, in order."""
+
+    name: str
+    folder: Path | None
+    entries: tuple[Path | Source, ...]
+
+    def sources(self, encodings: Path) -> tuple[Source, ...]:
+        """Return all files of the domain, those that they include among them; each file includes from its own folder.
+
+        Raises:
+            DomainError: one cannot be read.
+        """
+        return tuple(source for entry in self.entries for source in read_sources(entry, encodings, own=self.folder))
+
+
+def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given:
+    """Return what a domain is given as: one name or folder, or any number of files and at most one text.
+
+    Raises:
+        DomainError: there is no such domain, or it is given in more than one way.
+    """
+    files = list(dict.fromkeys([*given, *([] if text is None else [text_source("text", text)])]))
+    if not files:
+        raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, or a text")
+    named = [str(each) for each in given if not isinstance(each, Source) and not is_file_name(each)]
+    if named and len(files) > 1:
+        told = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
+        raise DomainError(f"{told}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
+    if named:
+        folder = domain_folder(named[0])
+        return Given(folder.resolve().name, folder, (folder / "domain.lp",))
+    entries = tuple(_entry(each) for each in files)
+    first = entries[0].path if isinstance(entries[0], Source) else entries[0]
+    return Given(first.stem.strip("<>"), None, entries)
+
+
+def text_source(name: str, text: str) -> Source:
+    """Return a text as a file that messages call ``<name>``.
+
+    Raises:
+        DomainError: it cannot be written as UTF-8.
+    """
+    path = Path(f"<{name}>")
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise DomainError(f"{path}:{line}: half of a surrogate pair is no text; remove it") from None
+    return Source(path, text)
+
+
+def standard_input() -> Source:
+    """Return what comes from standard input, read to its end.
+
+    Raises:
+        DomainError: there is no standard input, or it is not UTF-8.
+    """
+    if sys.stdin is None:
+        raise DomainError(f"{STANDARD_INPUT}: standard input is closed; write `cat FILE | prag-asp ...`")
+    return Source(Path("<stdin>"), decoded(sys.stdin.buffer.read(), Path("<stdin>")))
+
+
+def _entry(given: str | Path | Source) -> Path | Source:
+    if isinstance(given, Source):
+        return given
+    return standard_input() if str(given) == STANDARD_INPUT else Path(given)

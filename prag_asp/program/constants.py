@@ -1,0 +1,91 @@
+"""The ``#const``s of a domain, set from outside as clingo's option ``-c`` does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import clingo
+from clingo.ast import ASTType
+
+from prag_asp.errors import DomainError
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.problem import raise_problems, suggestion
+from prag_asp.program.sources import Source
+from prag_asp.program.syntax import Statement
+from prag_asp.program.tokens import blanked
+
+Constant = int | str | clingo.Symbol
+"""A value: a whole number, a term or the text of one."""
+
+LONGEST = 1000
+"""Characters of a value; clingo does not survive terms that are nested too deep."""
+
+
+def parse_constants(given: Mapping[str, Constant]) -> dict[str, str]:
+    """Return the texts of the terms that constants get, in alphabetical order of their names.
+
+    Raises:
+        DomainError: a value is no term of clingo.
+    """
+    return {name: _term(name, given[name]) for name in sorted(given)}
+
+
+def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domain: str) -> tuple[Source, ...]:
+    """Return the files of a domain with other values in their ``#const`` statements; each line stays where it was.
+
+    So whatever reads the program, the linter, an engine or the cache, sees one value.
+
+    Raises:
+        DomainError: no file declares a constant, it may not be set, or a file cannot be parsed.
+    """
+    statements, problems = parse_sources((source, True) for source in sources)
+    raise_problems(problems)
+    declared: dict[str, list[Statement]] = {}
+    for statement in statements:
+        if statement.kind == ASTType.Definition:
+            declared.setdefault(statement.node.name, []).append(statement)
+    for name in constants:
+        if name not in declared:
+            there_are = f"there {'is' if len(declared) == 1 else 'are'} {', '.join(sorted(declared))}"
+            otherwise = there_are if declared else f"declare it there with #const {name} = ..."
+            raise DomainError(f"constant {name}: {domain} has no such #const; {suggestion(name, declared, otherwise)}")
+        raise_problems(
+            each.problem(f"#const {name} says [override], so it cannot be set; remove [override]")
+            for each in declared[name]
+            if not each.node.is_default
+        )
+    changed = [statement for name in constants for statement in declared[name]]
+    return tuple(
+        Source(source.path, _rewritten(source.text, [each for each in changed if each.path == source.path], constants))
+        for source in sources
+    )
+
+
+def _term(name: str, value: Constant) -> str:
+    """Return the text of a term as clingo writes it."""
+    text = str(value)
+    readable = len(text) <= LONGEST and "\0" not in text and blanked(text).isascii() and not isinstance(value, bool)
+    try:
+        if readable:
+            return str(clingo.parse_term(text, logger=lambda *_: None))
+    except RuntimeError:
+        pass
+    shown = text if len(text) <= 40 else f"{text[:40]}..."
+    raise DomainError(f"constant {name}: {shown!r} is no term; write a number such as 8, or a term such as f(a)")
+
+
+def _rewritten(text: str, statements: Iterable[Statement], constants: Mapping[str, str]) -> str:
+    """Return a text with other values in some of its definitions; clingo counts columns in bytes."""
+    lines = text.encode().split(b"\n")
+    for statement in sorted(statements, key=_begin, reverse=True):
+        (first, column), end = _begin(statement), statement.node.location.end
+        name, after = statement.node.name, lines[end.line - 1][end.column - 1 :]
+        lines[first - 1] = lines[first - 1][: column - 1] + f"#const {name} = {constants[name]}.".encode()
+        lines[first : end.line] = [b""] * (end.line - first)
+        lines[end.line - 1] += after
+    return b"\n".join(lines).decode()
+
+
+def _begin(statement: Statement) -> tuple[int, int]:
+    begin = statement.node.location.begin
+    return begin.line, begin.column

@@ -1,0 +1,59 @@
+"""Words of several lengths, drawn as one space: first the length by its exact share, then a word of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from itertools import accumulate
+from math import lcm
+
+from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.space.drawing.drawers import Drawer
+from prag_asp.space.drawing.draws import BATCH
+from prag_asp.space.drawing.table import exact_choice
+from prag_asp.space.engines.protocol import Draw, Letters
+
+
+@dataclass(frozen=True)
+class Source:
+    """The words of one length: how they are drawn, and what they weigh together, more than 0."""
+
+    length: int
+    weight: Fraction
+    drawer: Drawer
+
+
+def drawn_batches(sources: Sequence[Source], letters: Letters, seed: int) -> Iterator[list[Draw]]:
+    """Yield words with their probability among all sources, in batches that grow, without end.
+
+    The lengths and the words of each length have random bits of their own, so all draws are independent. A word depends
+    on the seed and on its place alone.
+    """
+    total = sum((source.weight for source in sources), start=Fraction(0))
+    scale = lcm(*(source.weight.denominator for source in sources))
+    running = list(accumulate(int(source.weight * scale) for source in sources))
+    chances = SeededBits(seed, " lengths")
+    bits = [SeededBits(seed, f" length {source.length}") for source in sources]
+    begun = [0] * len(sources)
+    first, size = 0, 1
+    while True:
+        words = chances.words(first, size, 1)[:, 0].tolist()
+        chosen = [
+            exact_choice(running, word, partial(chances.further, draw, 0)) for draw, word in enumerate(words, first)
+        ]
+        drawn: dict[int, Iterator[Draw]] = {}
+        for number in sorted(set(chosen)):
+            source, count = sources[number], chosen.count(number)
+            found = source.drawer.draw(bits[number], begun[number], count, tell=True)
+            begun[number] += count
+            share = source.weight / total
+            drawn[number] = iter(
+                [
+                    Draw(tuple([letters[letter] for letter in word]), share * probability)
+                    for word, probability in zip(found.letters.tolist(), found.probabilities, strict=True)
+                ]
+            )
+        yield [next(drawn[number]) for number in chosen]
+        first, size = first + size, min(2 * size, BATCH)
