@@ -183,10 +183,14 @@ def sample(
     checking.tries()
     with progress() as tell:
         space = asked.space(tell)
-        line = options.line_form(form, space.domain)
-        drawn = space.draw(seed=seed, by=by, over=over, **weighing.arguments(space.domain)) if wanted else iter(())
         if physics is None:
             physics = bool(space.domain.settings.scene)
+        if physics and space.domain.settings.scene:
+            from prag_asp.physics import require_physics
+
+            require_physics(f"the scene of {space.domain.name} needs physics (--no-physics draws without)")
+        line = options.line_form(form, space.domain)
+        drawn = space.draw(seed=seed, by=by, over=over, **weighing.arguments(space.domain)) if wanted else iter(())
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
             with writer(output) as write:
@@ -222,6 +226,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
     and --where that the tasks were made with.
     """
     from prag_asp.dataset.jsonl import read_lines
+    from prag_asp.physics import require_physics
 
     require_unrecorded(checking.demonstrate)
     checking.tries()
@@ -229,6 +234,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         raise QueryError(
             f"--budget {checking.budget} is for a search; --witness-only makes none, so leave one of them out"
         )
+    require_physics()
     with click.open_file(file, encoding="utf-8", errors="replace") as lines, progress() as tell:
         total = _tasks_in(lines)
         if total == 0:

@@ -39,11 +39,13 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     N, and how many of K uniformly drawn tasks pass physics. A learned.lp that is there already is left out.
     """
     from prag_asp.domain.load import LEARNED, with_learned
+    from prag_asp.physics import require_physics
     from prag_asp.physics.proofs.learning import proved
     from prag_asp.physics.proofs.schemas import rules, text_of
     from prag_asp.program.sources import Source
 
     checking.tries()
+    require_physics()
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
         domain, scene = before.domain, options.scene_of(before.domain)
