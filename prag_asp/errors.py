@@ -6,6 +6,9 @@ PragError
 ├── EngineError        an engine cannot express a domain, and says why
 │   └── LimitReached   a limit on memory or time ended the work; has what was found until then
 ├── SceneError         the scene or a body of it cannot be built
+├── MissingError       a package that is needed is not installed; the message says how to install it
+│   ├── PhysicsMissingError
+│   └── PicturesMissingError
 └── OutputError        a result could not be written
 """
 
@@ -38,6 +41,18 @@ class LimitReached(EngineError):
 
 class SceneError(PragError):
     """A scene cannot be built from its description."""
+
+
+class MissingError(PragError):
+    """A package that is needed is not installed."""
+
+
+class PhysicsMissingError(MissingError):
+    """Physics needs PyBullet, and the panda also frankik."""
+
+
+class PicturesMissingError(MissingError):
+    """Pictures need Pillow."""
 
 
 class OutputError(PragError):

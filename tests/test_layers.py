@@ -50,7 +50,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "task_spaces",
     ),
     "physics": (
-        "bullet", "fields", "robot", "witness", "situation", "predicates", "facts", "world", "proofs", "search",
+        "missing", "bullet", "fields", "robot", "witness", "situation", "predicates", "facts", "world", "proofs", "search",
         "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "pool",
     ),
 }  # fmt: skip

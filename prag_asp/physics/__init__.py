@@ -1,23 +1,33 @@
-"""Whether a robot can do a task: spatial predicates, witnesses, and the search for them in PyBullet."""
+"""Whether a robot can do a task: spatial predicates, witnesses, and the search for them in PyBullet.
+
+The names below are loaded when they are first used: those that compute no motion need neither PyBullet nor frankik. The
+others raise `PhysicsMissingError` where these are not installed.
+"""
 
 from __future__ import annotations
 
-from prag_asp.physics.cascade import open_cascade
-from prag_asp.physics.checks.check import check_witness, open_witness_check
-from prag_asp.physics.checks.settling import open_settling, settle
-from prag_asp.physics.demonstration.check import check_demonstration
-from prag_asp.physics.demonstration.demonstration import Demonstration
-from prag_asp.physics.demonstration.perform import demonstrate
-from prag_asp.physics.facts import physical_task
-from prag_asp.physics.motion.transit import travel
-from prag_asp.physics.pictures.camera import PicturesMissingError
-from prag_asp.physics.pictures.render import animate, film_strip, still
-from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
-from prag_asp.physics.predicates import PREDICATES, Predicate
-from prag_asp.physics.search.attempt import CAUSES
-from prag_asp.physics.validator import Validator, open_validator, validate_task
-from prag_asp.physics.verdict import TIERS, Budget, Verdict
-from prag_asp.physics.witness import Moment, Waypoint, Witness
+from typing import TYPE_CHECKING
+
+from prag_asp.lazy import names_from
+
+if TYPE_CHECKING:
+    from prag_asp.errors import PhysicsMissingError, PicturesMissingError
+    from prag_asp.physics.cascade import open_cascade
+    from prag_asp.physics.checks.check import check_witness, open_witness_check
+    from prag_asp.physics.checks.settling import open_settling, settle
+    from prag_asp.physics.demonstration.check import check_demonstration
+    from prag_asp.physics.demonstration.demonstration import Demonstration
+    from prag_asp.physics.demonstration.perform import demonstrate
+    from prag_asp.physics.facts import physical_task
+    from prag_asp.physics.missing import require_physics
+    from prag_asp.physics.motion.transit import travel
+    from prag_asp.physics.pictures.render import animate, film_strip, still
+    from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
+    from prag_asp.physics.predicates import PREDICATES, Predicate
+    from prag_asp.physics.search.attempt import CAUSES
+    from prag_asp.physics.validator import Validator, open_validator, validate_task
+    from prag_asp.physics.verdict import TIERS, Budget, Verdict
+    from prag_asp.physics.witness import Moment, Waypoint, Witness
 
 __all__ = [
     "CAUSES",
@@ -26,6 +36,7 @@ __all__ = [
     "Budget",
     "Demonstration",
     "Moment",
+    "PhysicsMissingError",
     "PicturesMissingError",
     "Predicate",
     "Validator",
@@ -43,6 +54,7 @@ __all__ = [
     "open_validator",
     "open_witness_check",
     "physical_task",
+    "require_physics",
     "settle",
     "still",
     "travel",
@@ -50,3 +62,29 @@ __all__ = [
     "validate_task",
     "validate_tasks",
 ]
+
+_HOMES = {
+    "prag_asp.errors": ("PhysicsMissingError", "PicturesMissingError"),
+    "prag_asp.physics.cascade": ("open_cascade",),
+    "prag_asp.physics.checks.check": ("check_witness", "open_witness_check"),
+    "prag_asp.physics.checks.settling": ("open_settling", "settle"),
+    "prag_asp.physics.demonstration.check": ("check_demonstration",),
+    "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
+    "prag_asp.physics.demonstration.perform": ("demonstrate",),
+    "prag_asp.physics.facts": ("physical_task",),
+    "prag_asp.physics.missing": ("require_physics",),
+    "prag_asp.physics.motion.transit": ("travel",),
+    "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
+    "prag_asp.physics.pool": ("WorkerError", "validate_numbered", "validate_tasks"),
+    "prag_asp.physics.predicates": ("PREDICATES", "Predicate"),
+    "prag_asp.physics.search.attempt": ("CAUSES",),
+    "prag_asp.physics.validator": ("Validator", "open_validator", "validate_task"),
+    "prag_asp.physics.verdict": ("TIERS", "Budget", "Verdict"),
+    "prag_asp.physics.witness": ("Moment", "Waypoint", "Witness"),
+}
+
+__getattr__ = names_from(__name__, _HOMES)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,4 +1,4 @@
-"""Keep what PyBullet's C++ prints off standard output, where results go."""
+"""PyBullet, loaded where it is first used; what its C++ prints is kept off standard output, where results go."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+from prag_asp.physics.missing import needed
 
 STDOUT, STDERR = 1, 2
 
@@ -43,7 +45,6 @@ def flush() -> None:
 
 
 with silenced(STDOUT, STDERR):
-    import pybullet
-    import pybullet_data
+    pybullet, pybullet_data = needed("pybullet"), needed("pybullet_data")
 
 __all__ = ["pybullet", "pybullet_data"]

@@ -42,11 +42,13 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     """
     from prag_asp.dataset.filtering import scene_of
     from prag_asp.domain.load import LEARNED, with_learned
+    from prag_asp.physics import require_physics
     from prag_asp.physics.proofs.learning import proved
     from prag_asp.physics.proofs.schemas import rules, text_of
     from prag_asp.program.sources import Source
 
     checking.tries()
+    require_physics()
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
         domain, scene = before.domain, scene_of(before.domain)

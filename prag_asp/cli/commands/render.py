@@ -82,11 +82,13 @@ def render(
     has what it did.
     """
     from prag_asp.dataset.jsonl import read_lines
+    from prag_asp.physics import require_physics
 
     _refuse_at_odds(form, state, speed)
     pixels = SIZES[form] if size is None else _pixels(size)
     drawing = _Drawing(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
     _refuse_file(Path(output), form)
+    require_physics()
     with click.open_file(file, encoding="utf-8", errors="replace") as lines:
         records = list(read_lines(lines, file))
     chosen = tuple(dict.fromkeys(numbers)) or range(1, len(records) + 1)

@@ -59,10 +59,14 @@ def sample(
     checking.tries()
     with progress() as tell:
         space = asked.spaces(tell)
-        line = options.line_form(form, space.domain)
-        drawing = {"by": by, "over": over, **weighing.arguments(space.domain)}
         if physics is None:
             physics = bool(space.domain.settings.scene)
+        if physics and space.domain.settings.scene:
+            from prag_asp.physics import require_physics
+
+            require_physics(f"the scene of {space.domain.name} needs physics (--no-physics draws without)")
+        line = options.line_form(form, space.domain)
+        drawing = {"by": by, "over": over, **weighing.arguments(space.domain)}
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = space.draw(seed=seed, **drawing) if wanted else iter(())

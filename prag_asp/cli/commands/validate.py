@@ -26,12 +26,15 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
     Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
     and --where that the tasks were made with.
     """
+    from prag_asp.physics import require_physics
+
     require_unrecorded(checking.demonstrate)
     checking.tries()
     if witness_only and checking.budget != options.BUDGET:
         raise QueryError(
             f"--budget {checking.budget} is for a search; --witness-only makes none, so leave one of them out"
         )
+    require_physics()
     with click.open_file(file, encoding="utf-8", errors="replace") as lines, progress() as tell:
         total = _tasks_in(lines)
         if total == 0:

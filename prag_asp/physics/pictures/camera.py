@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.errors import PragError
+from prag_asp.errors import PicturesMissingError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.simulator import Simulator
@@ -32,10 +32,6 @@ FITTINGS = 40
 LIGHT, LIGHT_DISTANCE = (-0.3, 0.8, 1.8), 3.0
 SKY, GROUND = (247, 249, 252), (214, 221, 230)
 OVERSAMPLING = 2
-
-
-class PicturesMissingError(PragError):
-    """Pictures need Pillow, which is not installed."""
 
 
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int]) -> Image.Image:

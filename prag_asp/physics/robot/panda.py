@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import cache
+from types import ModuleType
 
-import frankik
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.missing import needed
 from prag_asp.physics.robot.model import Joints, Robot
 from prag_asp.scene.geometry import Pose, wrap, yaw_of
 from prag_asp.scene.model import Solid
@@ -26,6 +28,12 @@ FINE = tuple(np.linspace(-2.8, 2.8, 49).tolist())
 NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
 
 
+@cache
+def _frankik() -> ModuleType:
+    """Return the package of the kinematics, which what only reads of the robot's sizes does not need."""
+    return needed("frankik")
+
+
 class PandaSolver:
     """The kinematics of the panda; the angle that is left to choose is that of joint 7."""
 
@@ -34,16 +42,16 @@ class PandaSolver:
 
     def forward(self, joints: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the pose of the tool as a homogeneous matrix."""
-        pose: NDArray[np.float64] = frankik.fk(np.asarray(joints))
+        pose: NDArray[np.float64] = _frankik().fk(np.asarray(joints))
         return pose
 
     def solutions(
         self, flange: NDArray[np.float64], near: Joints, angles: Sequence[float]
     ) -> Iterator[Sequence[float]]:
         """Yield joint angles that bring the flange to a pose; a branch without a solution is NaN."""
-        actual = np.array(near)
+        actual, ik_full = np.array(near), _frankik().ik_full
         for angle in angles:
-            yield from frankik.ik_full(flange, actual, angle).tolist()
+            yield from ik_full(flange, actual, angle).tolist()
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
         """Yield the angles of joint 7 to try, the most promising first."""

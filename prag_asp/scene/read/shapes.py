@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import Any
 
 from prag_asp.errors import SceneError
 from prag_asp.scene.kinds import KINDS
 from prag_asp.scene.model import Shape, Size
 from prag_asp.scene.read.report import MAX_LENGTH, SMALLEST, Report, is_number, suggest
+from prag_asp.wording import most_similar
 
 TRIPLE = 3
 SIZES = 8
@@ -29,8 +29,8 @@ def read_shapes(report: Report, table: Mapping[str, Any]) -> dict[str, tuple[Sha
     for name, value in table.items():
         if report.known_class(f"scene.shapes.{name}", name):
             by_class[name] = _shapes(report, f"scene.shapes.{name}", value)
-        else:
-            by_class |= dict.fromkeys(set(get_close_matches(name, report.classes, n=1)) - table.keys(), ())
+        elif (meant := most_similar(name, report.classes)) and meant not in table:
+            by_class[meant] = ()
     found = {}
     for entity in report.entities:
         shapes = next((by_class[name] for name in report.line(entity) if name in by_class), None)

@@ -1,30 +1,29 @@
 """A folder of computed arrays, each file under the key of what it was computed from.
 
-A file is a line of JSON (a table of its arrays, and texts), then the bytes of the arrays; a checksum covers both. What
-cannot be read, is cut short, was changed, or belongs to another key is taken as absent, and what cannot be written
-is not kept. Nothing in a file is ever run.
+A file is what `numpy.savez` writes, its key and texts as JSON in an array of bytes, and then a checksum of all that,
+for those of the archive cover the arrays, but not their names. What cannot be read, is cut short, was changed, or
+belongs to another key is taken as absent, and what cannot be written is not kept. Nothing in a file is ever run.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from hashlib import blake2b
+from io import BytesIO
 from itertools import accumulate
-from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-MAGIC = b"prag_asp cache 1\n"
-CHECKSUM = 32
+HEADER = "header"
+CHECKSUM = 4
 SUFFIX = ".arrays"
-DTYPES = ("bool", "int32", "int64")
 
 LARGEST_FILE, LARGEST_FOLDER = 200_000_000, 1_000_000_000
 """Bytes; the files read longest ago go first."""
@@ -44,7 +43,7 @@ def read_entry(folder: Path, key: str) -> Entry | None:
     try:
         content = path.read_bytes()
         entry = _parsed(content, key)
-    except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
+    except (OSError, EOFError, ValueError, KeyError, TypeError, OverflowError, RuntimeError):
         return None
     with suppress(OSError):
         os.utime(path)
@@ -52,40 +51,35 @@ def read_entry(folder: Path, key: str) -> Entry | None:
 
 
 def _parsed(content: bytes, key: str) -> Entry | None:
-    begin = len(MAGIC) + CHECKSUM
-    if not content.startswith(MAGIC) or _checksum(content[begin:]) != content[len(MAGIC) : begin]:
+    if _checksum(memoryview(content)[:-CHECKSUM]) != content[-CHECKSUM:]:
         return None
-    end = content.index(b"\n", begin)
-    header = json.loads(content[begin:end])
-    if header["key"] != key:
+    from zipfile import BadZipFile
+
+    try:
+        with np.load(BytesIO(content), allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except (BadZipFile, zlib.error):
         return None
-    place, arrays = end + 1, {}
-    for name, dtype, shape in header["arrays"]:
-        if dtype not in DTYPES:
-            return None
-        array = np.frombuffer(content, dtype=np.dtype(dtype).newbyteorder("<"), count=prod(shape), offset=place)
-        arrays[name] = array.astype(dtype, copy=False).reshape(shape)
-        place += array.nbytes
-    return Entry(header["texts"], arrays) if place == len(content) else None
+    header = json.loads(arrays.pop(HEADER).tobytes())
+    return Entry(header["texts"], arrays) if header["key"] == key else None
 
 
 def write_entry(folder: Path, key: str, entry: Entry) -> bool:
     """Keep something under a key, in one stroke; return whether that was possible."""
     from tempfile import NamedTemporaryFile
 
-    table = [[name, str(array.dtype), list(array.shape)] for name, array in entry.arrays.items()]
-    header = json.dumps({"key": key, "texts": entry.texts, "arrays": table})
-    parts = [
-        np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).tobytes() for array in entry.arrays.values()
-    ]
-    body = b"".join([header.encode(), b"\n", *parts])
-    if len(body) > LARGEST_FILE:
+    header = np.frombuffer(json.dumps({"key": key, "texts": entry.texts}).encode(), np.uint8)
+    arrays: dict[str, Any] = {HEADER: header, **entry.arrays}
+    buffer = BytesIO()
+    np.savez(buffer, **arrays)
+    if buffer.tell() > LARGEST_FILE:
         return False
+    buffer.write(_checksum(buffer.getvalue()))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=folder, prefix=".", suffix=SUFFIX, delete=False) as file:
             try:
-                file.write(MAGIC + _checksum(body) + body)
+                file.write(buffer.getbuffer())
                 file.close()
                 Path(file.name).replace(folder / f"{key}{SUFFIX}")
             except BaseException:
@@ -106,5 +100,5 @@ def _shrink(folder: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def _checksum(content: bytes) -> bytes:
-    return blake2b(content, digest_size=CHECKSUM).digest()
+def _checksum(content: bytes | memoryview) -> bytes:
+    return zlib.crc32(content).to_bytes(CHECKSUM, "little")

@@ -13,14 +13,15 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-import prag_asp
 from prag_asp.domain.load import Domain
-from prag_asp.logic.symmetry.patterns import read_patterns
+from prag_asp.program.paths import PACKAGE
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.explore import Renamings
-from prag_asp.space.automaton.merged import Merged
 from prag_asp.space.engines.cache import Entry, read_entry, write_entry
 from prag_asp.space.engines.reach import Reach
+
+ROOMS = ("program", "domain", "logic", "space")
+"""Whose code has a say in what is explored."""
 
 RENAMINGS = {"multiplicities": ("i", 1), "order_of": ("i", 1), "orders": ("i", 2), "twins": ("b", 2)}
 ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accepting": ("b", 1), **RENAMINGS}
@@ -77,9 +78,8 @@ def shelf_for(folder: Path, domain: Domain, level: str, merge: bool | None) -> S
 
 def _code() -> str:
     """Return what tells this version of the code from every other."""
-    package = Path(prag_asp.__file__).parent
-    files = sorted(path for layer in ("domain", "logic", "space") for path in (package / layer).rglob("*.py"))
-    return " ".join(f"{path.relative_to(package)}:{path.stat().st_size}:{path.stat().st_mtime_ns}" for path in files)
+    files = sorted([*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))])
+    return " ".join(f"{path.relative_to(PACKAGE)}:{path.stat().st_size}:{path.stat().st_mtime_ns}" for path in files)
 
 
 def _restored(entry: Entry) -> Reach | None:
@@ -97,6 +97,9 @@ def _restored(entry: Entry) -> Reach | None:
         return None
     if not merged:
         return Reach(letters, names, Completions(automaton))
+    from prag_asp.logic.symmetry.patterns import read_patterns
+    from prag_asp.space.automaton.merged import Merged
+
     groups = tuple(tuple(map(clingo.parse_term, group)) for group in texts["groups"])
     actions = read_patterns([clingo.parse_term(letter) for letter in letters], groups)
     renamings = Renamings(*(arrays[name] for name in RENAMINGS))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
+import zlib
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +61,29 @@ def test_every_single_damage_is_noticed(folder: Path) -> None:
     assert read_entry(folder, KEY) is None
     path.write_bytes(content)
     assert read_entry(folder, KEY) is not None
+
+
+def test_numpy_reads_the_file_without_pickle(folder: Path) -> None:
+    write_entry(folder, KEY, ENTRY)
+    with np.load(files(folder)[0], allow_pickle=False) as archive:
+        assert set(archive.files) == {*ENTRY.arrays, "header"}
+        assert np.array_equal(archive["flags"], ENTRY.arrays["flags"])
+
+
+@pytest.mark.parametrize("damage", ["pickle", "no archive", "no header", "the format of before"])
+def test_what_only_looks_like_an_entry_is_not_believed(folder: Path, damage: str) -> None:
+    folder.mkdir()
+    buffer = BytesIO()
+    if damage == "pickle":
+        header = np.frombuffer(json.dumps({"key": KEY, "texts": {}}).encode(), np.uint8)
+        np.savez(buffer, header=header, offsets=np.array([print], dtype=object))
+    elif damage == "no header":
+        np.savez(buffer, offsets=np.arange(3))
+    else:
+        buffer.write(b"PK\3\4 and nothing else" if damage == "no archive" else b"prag_asp cache 1\n" + bytes(60))
+    content = buffer.getvalue()
+    (folder / f"{KEY}.arrays").write_bytes(content + zlib.crc32(content).to_bytes(4, "little"))
+    assert read_entry(folder, KEY) is None
 
 
 def test_a_file_under_the_key_of_another_is_not_believed(folder: Path) -> None:
