@@ -13,10 +13,10 @@ from prag_asp.physics.proofs.demands import bodies
 from prag_asp.physics.proofs.differences import ORIGIN, ROUNDING, Gap, impossible_row, lowest
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation, fixed_pose
-from prag_asp.physics.world.solids import weight
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import IDENTITY, Pose, wrap
 from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.solids import weight
 
 AXES = ("x", "y", "z")
 NO_CONTAINER = (0.0, 0.0, 0.0)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from prag_asp.physics.predicates.inside import floor_height, hollow
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.world.solids import weight
 from prag_asp.scene.forms import rectangle
 from prag_asp.scene.geometry import (
     Outline,
@@ -22,6 +21,7 @@ from prag_asp.scene.geometry import (
     outline,
     yaw_of,
 )
+from prag_asp.scene.solids import weight
 
 CONTACT = 0.002
 BALANCE = 1e-6
