@@ -10,8 +10,9 @@ from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import SceneError
 from prag_asp.physics import PREDICATES
 from prag_asp.scene.load import parse_scene, scene_problems
-from prag_asp.scene.model import PREDICATE_ROLES, Shape
+from prag_asp.scene.model import Shape
 from prag_asp.scene.read.report import ancestors
+from prag_asp.scene.vocabulary import PREDICATE_ROLES
 from tests.physics.random_tasks import Rules, shipped_scene
 
 CLASSES = {"robot": (), "movable": (), "cube": ("movable",), "ball": ("movable",), "tray": ()}

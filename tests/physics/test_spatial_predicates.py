@@ -19,7 +19,8 @@ from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
-from prag_asp.scene.model import PREDICATE_ROLES, Box, Own, Scene, Shape
+from prag_asp.scene.model import Box, Own, Scene, Shape
+from prag_asp.scene.vocabulary import PREDICATE_ROLES
 
 SHAPES = {
     "panda": Shape("robot"),
