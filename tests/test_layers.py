@@ -43,15 +43,18 @@ ROOMS: Mapping[str, frozenset[str]] = {
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
 
 FLOORS: Mapping[str, tuple[str, ...]] = {
-    "scene": ("boxes", "forms", "kinds", "model", "geometry", "footprint", "furniture", "read", "load"),
+    "scene": (
+        "vocabulary", "boxes", "forms", "kinds", "model", "geometry", "footprint", "furniture", "solids", "read",
+        "load",
+    ),
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
         "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "drawing", "shared", "task_space",
         "task_spaces",
     ),
     "physics": (
-        "missing", "bullet", "fields", "robot", "witness", "situation", "predicates", "facts", "world", "proofs", "search",
-        "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "pool",
+        "missing", "bullet", "fields", "robot", "witness", "situation", "predicates", "facts", "world", "proofs",
+        "search", "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "pool",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -23,8 +23,8 @@ import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.scene.kinds import KINDS
-from prag_asp.scene.model import PREDICATE_ROLES
 from prag_asp.scene.read.table import SCENE_KEYS
+from prag_asp.scene.vocabulary import PREDICATE_ROLES
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"

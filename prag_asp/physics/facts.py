@@ -8,15 +8,11 @@ from typing import NamedTuple
 
 from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
-from prag_asp.physics.predicates import Predicate, predicate_of
+from prag_asp.physics.predicates import Gripper, Predicate, predicate_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.model import Scene
 from prag_asp.task import State, Task
 from prag_asp.wording import plural
-
-OPENING = ("is_open", "is_closed")
-SUPPORTING = ("on_top", "inside")
-BEARING = (*SUPPORTING, "located")
 
 
 class Fact(NamedTuple):
@@ -112,7 +108,8 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
     """
     known: dict[tuple[Atom, bool], Fact | None] = {}
     states = [_facts(scene, state, known) for state in (task.initial, *task.states)]
-    start = {robot: thing for robot in scene.mounts if (thing := _only(of_robot(scene, states[0], robot), "holding"))}
+    first = {robot: _only(of_robot(scene, states[0], robot), Gripper.HOLDS) for robot in scene.mounts}
+    start = {robot: thing for robot, thing in first.items() if thing}
     held, effects = dict(start), list[Effect]()
     for k, action in enumerate(task.actions):
         subgoal = _facts(scene, task.subgoals[k], known)
@@ -169,7 +166,7 @@ def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str:
     if not scene.robots:
         return ""
     grippers = [fact for fact in subgoal if fact.predicate.of_gripper]
-    ranked = sorted(grippers, key=lambda fact: (not fact.value, fact.predicate.name != "holding"))
+    ranked = sorted(grippers, key=lambda fact: (not fact.value, fact.predicate.gripper is not Gripper.HOLDS))
     return ranked[0].arguments[0] if ranked else ""
 
 
@@ -177,7 +174,7 @@ def _giver(subgoal: Iterable[Fact], robot: str, thing: str | None, all_held: Map
     """Return the other robot that lets a thing go that one takes, None where none does."""
     for fact in subgoal:
         other = fact.arguments[0]
-        lets_go = fact.predicate.name == "holding" and not fact.value and fact.arguments[1] == thing
+        lets_go = fact.predicate.gripper is Gripper.HOLDS and not fact.value and fact.arguments[1] == thing
         if lets_go and other != robot and all_held.get(other) == thing:
             return other
     return None
@@ -187,9 +184,9 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
     """Return what an action does, read off its whole subgoal and the states around it."""
     robot = _acting(scene, step.subgoal)
     held, subgoal = all_held.get(robot), of_robot(scene, step.subgoal, robot)
-    grasps = _only(subgoal, "holding")
-    releases = held if _known(subgoal, "holding", held) is False else None
-    visits = _only(subgoal, "at")
+    grasps = _only(subgoal, Gripper.HOLDS)
+    releases = held if _known(subgoal, Gripper.HOLDS, held) is False else None
+    visits = _only(subgoal, Gripper.AT)
     holds = held if grasps is None and releases is None else None
     moved = [_moved(fact, held) for fact in subgoal if fact.value and _moves(fact)]
     known_before = set(step.before)
@@ -200,16 +197,16 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
         releases=releases,
         holds=holds,
         visits=visits,
-        leaves=any(fact.predicate.name == "at" and not fact.value for fact in subgoal) and visits is None,
+        leaves=any(fact.predicate.gripper is Gripper.AT and not fact.value for fact in subgoal) and visits is None,
         lifts=grasps is not None
-        and any(f.predicate.name in SUPPORTING and not f.value and f.arguments[0] == grasps for f in subgoal),
-        stays=releases is not None and _known(of_robot(scene, step.after, robot), "at", releases) is True,
+        and any(f.predicate.supports and not f.value and f.arguments[0] == grasps for f in subgoal),
+        stays=releases is not None and _known(of_robot(scene, step.after, robot), Gripper.AT, releases) is True,
         moved=tuple(dict.fromkeys(moved)),
         turns=tuple(dict.fromkeys(fact.arguments[0] for fact in subgoal if _turns(fact, known_before))),
         closes=_closes(subgoal),
         after=step.after,
         fresh=tuple(fact for fact in step.after if fact not in known_before),
-        over=_only(subgoal, "over"),
+        over=_only(subgoal, Gripper.OVER),
         robot=robot,
         giver=_giver(step.subgoal, robot, grasps, all_held) if scene.robots else None,
     )
@@ -217,34 +214,34 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
 
 def _moves(fact: Fact) -> bool:
     """Tell whether an object is moved to make a fact true, not a gripper or a part of furniture."""
-    return not fact.predicate.of_gripper and fact.predicate.name not in OPENING
+    return not (fact.predicate.of_gripper or fact.predicate.of_joint)
 
 
 def _moved(fact: Fact, held: str | None) -> str:
     """Return the object that moves when a fact is made true: what the gripper holds, where it is one of two or more."""
-    if held in fact.arguments and fact.predicate.name not in BEARING:
+    if held in fact.arguments and not fact.predicate.places:
         return str(held)
     return fact.arguments[fact.predicate.subject]
 
 
 def _turns(fact: Fact, known: set[Fact]) -> bool:
     """Tell whether a fact says that furniture is open or closed, and is not known already."""
-    return fact.predicate.name in OPENING and fact not in known
+    return fact.predicate.of_joint and fact not in known
 
 
 def _closes(subgoal: Iterable[Fact]) -> bool:
     """Tell whether an action closes the gripper."""
-    return any(fact.predicate.name == "gripper_open" and not fact.value for fact in subgoal)
+    return any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in subgoal)
 
 
-def _only(state: Iterable[Fact], name: str) -> str | None:
-    """Return the object of which a gripper predicate is known to hold, None where there is none."""
-    return next((f.arguments[1] for f in state if f.predicate.name == name and f.value), None)
+def _only(state: Iterable[Fact], does: Gripper) -> str | None:
+    """Return the object with which a gripper is known to do something, None where there is none."""
+    return next((f.arguments[1] for f in state if f.predicate.gripper is does and f.value), None)
 
 
-def _known(state: Iterable[Fact], name: str, entity: str | None) -> bool | None:
-    """Return the known value of a gripper predicate of an object, None where it is unknown."""
-    matching = (f.value for f in state if f.predicate.name == name and f.arguments[1] == entity)
+def _known(state: Iterable[Fact], does: Gripper, entity: str | None) -> bool | None:
+    """Return whether a gripper is known to do something with an object or not to, None where it is unknown."""
+    matching = (f.value for f in state if f.predicate.gripper is does and f.arguments[1] == entity)
     return next(matching, None)
 
 

@@ -14,30 +14,7 @@ from typing import NamedTuple
 from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
 from prag_asp.scene.kinds import KINDS, Kind
-
-PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {
-    "on_top": ("object", "object"),
-    "inside": ("object", "object"),
-    "left_of": ("object", "object"),
-    "right_of": ("object", "object"),
-    "in_front_of": ("object", "object"),
-    "behind": ("object", "object"),
-    "reachable": ("robot", "object"),
-    "holding": ("robot", "object"),
-    "at": ("robot", "object"),
-    "gripper_open": ("robot",),
-    "over": ("robot", "object"),
-    "located": ("object", "object"),
-    "rotated": ("object", "rotation"),
-    "near": ("object", "object"),
-    "far": ("object", "object"),
-    "between": ("object", "object", "object"),
-    "aligned": ("object", "object"),
-    "upright": ("object",),
-    "is_open": ("furniture",),
-    "is_closed": ("furniture",),
-}
-"""The spatial predicates that every scene has, and what each of their arguments has to be."""
+from prag_asp.scene.vocabulary import PREDICATE_ROLES
 
 IGNORED = "none"
 """What ``scene.predicates`` maps a fluent to that means nothing to physics."""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from prag_asp.physics.checks.states import POSITION_TOLERANCE, near, situation_of
 from prag_asp.physics.facts import Fact, of_robot
+from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.search.grasping import LIFT
 from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
@@ -72,7 +73,7 @@ def _end(end: End, robot: str, simulator: Simulator) -> Stop:
     if held is not None:
         down = bool(contacts(own, held, end.moment.poses))
     else:
-        down = any(fact.value and fact.predicate.name == "at" for fact in of_robot(scene, end.facts, robot))
+        down = any(fact.value and fact.predicate.gripper is Gripper.AT for fact in of_robot(scene, end.facts, robot))
     return Stop(arms[robot].joints, own.tool, down)
 
 

@@ -12,10 +12,10 @@ from prag_asp.physics.situation import Situation, Standing, fixed_pose
 from prag_asp.physics.witness import ArmState, Moment
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
-from prag_asp.physics.world.solids import weight
 from prag_asp.physics.world.support import unsupported
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Pose, Quaternion, compose, rotate, turn_between, yaw_quaternion
+from prag_asp.scene.solids import weight
 
 POSITION_TOLERANCE = 1e-4
 TURN_TOLERANCE = 1e-3

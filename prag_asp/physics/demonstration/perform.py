@@ -10,6 +10,7 @@ from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.planning import Action
 from prag_asp.physics.demonstration.recording import Recorder
 from prag_asp.physics.facts import Fact, PhysicalTask, physical_task
+from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Witness
@@ -59,7 +60,7 @@ def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
         Stopped: one does not hold.
     """
     broken = [fact for fact in facts if not fact.satisfied(situation)]
-    lost = [fact for fact in broken if fact.predicate.name == "holding" and fact.value]
+    lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
     if broken:
         worst = (lost or broken)[0]
         raise Stopped(LOST if lost else NOT_REACHED, f"after {after} it does not hold that {worst.sentence()}")

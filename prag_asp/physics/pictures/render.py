@@ -38,27 +38,6 @@ LAST_PAUSE = 1500
 GIVE = 0.005
 """How far a joint or a finger that was measured may be pressed beyond its limit, in radians and metres."""
 
-TOLD_FIRST = (
-    "holding",
-    "over",
-    "on_top",
-    "inside",
-    "located",
-    "between",
-    "rotated",
-    "aligned",
-    "left_of",
-    "right_of",
-    "in_front_of",
-    "behind",
-    "near",
-    "far",
-    "upright",
-    "is_open",
-    "is_closed",
-    "at",
-)
-UNTOLD = ("reachable", "gripper_open")
 START_FACTS = 4
 """How many facts of a first state are told, of what the task's actions name."""
 
@@ -264,8 +243,7 @@ def _action_words(action: Atom, scene: Scene) -> str:
 
 def _told(made: Sequence[Fact], most: int = 2) -> str:
     """Return what is most worth telling of some facts; relations of the domain's own come first."""
-    order = {name: position for position, name in enumerate(TOLD_FIRST)}
-    worth = (fact for fact in made if fact.predicate.name not in UNTOLD)
-    known = sorted(worth, key=lambda fact: order.get(fact.predicate.name, -1))
+    worth = (fact for fact in made if fact.predicate.told < math.inf)
+    known = sorted(worth, key=lambda fact: fact.predicate.told)
     told = known[:most] or list(made[:1])
     return ", ".join(fact.sentence() for fact in told)

@@ -1,35 +1,35 @@
-"""The spatial predicates, each defined once, and those that a domain adds."""
+"""The spatial predicates, each defined once, and those that a domain adds.
+
+A file here defines one or a few that belong together as its `PREDICATES`, by their names, as a Python file of a domain
+does. A new one is a file and a row in `prag_asp.scene.vocabulary`, which names it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
+from importlib import import_module
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.predicates.aligned import ALIGNED
-from prag_asp.physics.predicates.beside import BESIDE
-from prag_asp.physics.predicates.between import BETWEEN
 from prag_asp.physics.predicates.boxes import composed
-from prag_asp.physics.predicates.gripper import AT, GRIPPER_OPEN, HOLDING, NAMED, OVER, REACHABLE
-from prag_asp.physics.predicates.inside import INSIDE, LOCATED
-from prag_asp.physics.predicates.near import FAR_FROM, NEAR_TO
-from prag_asp.physics.predicates.on_top import ON_TOP
-from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
-from prag_asp.physics.predicates.predicate import Predicate, states
+from prag_asp.physics.predicates.predicate import Direction, Gripper, Predicate, states
 from prag_asp.physics.predicates.python_file import defined
-from prag_asp.physics.predicates.rotated import ROTATED
-from prag_asp.physics.predicates.upright import UPRIGHT
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, Yaws
 from prag_asp.scene.model import Own, Scene
+from prag_asp.scene.vocabulary import VOCABULARY
 
 PREDICATES: Mapping[str, Predicate] = {
-    predicate.name: predicate
-    for predicate in (
-        ON_TOP, INSIDE, *BESIDE, REACHABLE, HOLDING, AT, GRIPPER_OPEN, OVER, LOCATED, ROTATED, NEAR_TO, FAR_FROM,
-        BETWEEN, ALIGNED, UPRIGHT, IS_OPEN, IS_CLOSED,
-    )
-}  # fmt: skip
+    name: import_module(f"{__name__}.{word.file}").PREDICATES[name] for name, word in VOCABULARY.items()
+}
 """Every spatial predicate that all scenes have, by its name."""
+
+NAMED: Mapping[str, Predicate] = {
+    name: replace(predicate, sentence=predicate.named)
+    for name, predicate in PREDICATES.items()
+    if predicate.named is not None
+}
+"""Those whose sentences say which gripper is meant, for scenes that have several."""
 
 
 def predicate_of(scene: Scene, name: str) -> Predicate:
@@ -68,4 +68,16 @@ def own_predicates(scene: Scene) -> Mapping[str, Predicate]:
     return {name: predicate_of(scene, name) for name in scene.own}
 
 
-__all__ = ["PREDICATES", "Predicate", "Ring", "Side", "Volume", "Yaws", "own_predicates", "predicate_of", "states"]
+__all__ = [
+    "PREDICATES",
+    "Direction",
+    "Gripper",
+    "Predicate",
+    "Ring",
+    "Side",
+    "Volume",
+    "Yaws",
+    "own_predicates",
+    "predicate_of",
+    "states",
+]

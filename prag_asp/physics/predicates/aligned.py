@@ -69,4 +69,9 @@ ALIGNED = Predicate(
     sentence=states("{0} {is} aligned with {1}"),
     inverse="aligned",
     turns=True,
+    apart=(GAP, math.inf),
+    seen_close=True,
+    told=80,
 )
+
+PREDICATES = {"aligned": ALIGNED}

@@ -12,18 +12,27 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.gaps import Demand, Gap, centre, thinnest
+from prag_asp.physics.predicates.predicate import Arguments, Direction, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, extents
+from prag_asp.scene.model import Scene
 
 GAP = 0.005
 MARGIN = 0.003
 SPREAD = 2.0
 SLANT = math.hypot(1.0, SPREAD)
 X, Y = 0, 1
-DIRECTIONS = {"left_of": (Y, 1.0), "right_of": (Y, -1.0), "in_front_of": (X, -1.0), "behind": (X, 1.0)}
+SIDES = {
+    "left_of": Direction(Y, 1.0),
+    "right_of": Direction(Y, -1.0),
+    "in_front_of": Direction(X, -1.0),
+    "behind": Direction(X, 1.0),
+}
+"""On which side of the other body the subject lies, to the robot."""
+
 INVERSES = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
 PHRASES = {
     "left_of": "to the left of",
@@ -31,17 +40,12 @@ PHRASES = {
     "in_front_of": "in front of",
     "behind": "behind",
 }
-
-
-def direction(name: str, frame: str) -> tuple[int, float]:
-    """Return the axis (0 is x, 1 is y) and the sign along which the subject lies from the other body."""
-    axis, sign = DIRECTIONS[name]
-    return axis, sign if frame == "robot" else -sign
+TOLD = {"left_of": 90, "right_of": 91, "in_front_of": 92, "behind": 93}
 
 
 def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the subject is outside the spread or short of the gap."""
-    axis, sign = direction(name, situation.scene.frame)
+    axis, sign = SIDES[name].seen(situation.scene.frame)
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
     at, other = one.centre, two.centre
     along = sign * (at[axis] - other[axis])
@@ -52,12 +56,13 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
 def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the wedge beyond the other body."""
     subject, other = arguments
-    return wedge(situation, name, other, extents(situation.shape(subject), quaternion), GAP + MARGIN)
+    side = SIDES[name].seen(situation.scene.frame)
+    return wedge(situation, side, other, extents(situation.shape(subject), quaternion), GAP + MARGIN)
 
 
-def wedge(situation: Situation, name: str, other: str, half: Vector, gap: float) -> Volume:
-    """Return the region in a direction from a body for the centre of a box with half sides; `gap` metres apart."""
-    axis, sign = direction(name, situation.scene.frame)
+def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
+    """Return the region on a side of a body for the centre of a box with half sides; `gap` metres apart."""
+    axis, sign = side
     at = situation.body(other).centre
     edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)
     low, high = [-math.inf] * 3, [math.inf] * 3
@@ -70,13 +75,25 @@ def wedge(situation: Situation, name: str, other: str, half: Vector, gap: float)
     return Volume((low[0], low[1], low[2]), (high[0], high[1], high[2]), sides=tuple(sides))
 
 
-BESIDE = tuple(
-    Predicate(
+def _demands(name: str, scene: Scene, arguments: Arguments) -> Iterator[Demand]:
+    """Yield how far apart the two bodies are at least along the axis."""
+    axis, sign = SIDES[name].seen(scene.frame)
+    low, high = arguments if sign < 0 else arguments[::-1]
+    yield axis, Gap(centre(low), centre(high), thinnest(low, axis, scene) + thinnest(high, axis, scene) + GAP)
+
+
+PREDICATES = {
+    name: Predicate(
         name=name,
         violations=partial(_violations, name),
         volume=partial(_volume, name),
         sentence=states(f"{{0}} {{is}} {PHRASES[name]} {{1}}"),
         inverse=INVERSES[name],
+        direction=side,
+        apart=(GAP, math.inf),
+        seen_close=True,
+        demands=partial(_demands, name),
+        told=TOLD[name],
     )
-    for name in DIRECTIONS
-)
+    for name, side in SIDES.items()
+}

@@ -83,4 +83,8 @@ BETWEEN = Predicate(
     violations=_violations,
     volume=_volume,
     sentence=states("{0} {is} between {1} and {2}"),
+    lies_between=True,
+    told=60,
 )
+
+PREDICATES = {"between": BETWEEN}

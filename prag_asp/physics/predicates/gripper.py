@@ -1,23 +1,28 @@
-"""``at``, ``holding``, ``gripper_open``, ``over`` and ``reachable``: how a robot's gripper stands to an object."""
+"""``at``, ``holding``, ``gripper_open`` and ``over``: what a robot's gripper does, and how it stands to an object.
+
+A gripper holds one object at a time, and is not open while it holds one.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterator
 
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.gaps import Demand, Gap, Z, along, between, bottom, centre, top
+from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
+from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, heading, rotate, to_local, width_along
+from prag_asp.scene.model import Scene
+from prag_asp.scene.solids import weight
 
 CENTRE_TOLERANCE = 0.015
 BELOW = 0.005
 MARGIN = 0.001
 OVER_MARGIN = 0.003
 EDGE = 0.01
-REACH_MARGIN = 0.003
 OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
 CLEARANCE = 0.006
@@ -108,25 +113,6 @@ def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
     return Volume(width=(opening - OPEN_TOLERANCE, opening))
 
 
-def _reachable_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres an object is too near, too far or too high for a grasp from above."""
-    robot = situation.robot(arguments[0])
-    x, y, z = situation.pose(arguments[1]).position
-    radius = math.hypot(x - robot.base.position[0], y - robot.base.position[1])
-    yield robot.reach[0] - radius
-    yield radius - robot.reach[1]
-    yield z - robot.reach_height
-
-
-def _reachable_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the ring that the gripper reaches from above."""
-    robot = situation.robot(arguments[0])
-    x, y, _ = robot.base.position
-    inner, outer = robot.reach[0] + REACH_MARGIN, robot.reach[1] - REACH_MARGIN
-    height = robot.reach_height - MARGIN
-    return Volume((x - outer, y - outer, -math.inf), (x + outer, y + outer, height), rings=(Ring(x, y, inner, outer),))
-
-
 def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the tool is below the top of a zone or an object, or beside it."""
     robot, entity = arguments
@@ -155,27 +141,84 @@ def _sides(situation: Situation, entity: str) -> Vector:
     return situation.half(entity) if situation.is_table(entity) else situation.shape(entity).half
 
 
+def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERANCE) -> Iterator[Demand]:
+    """Yield that the tool is at a body, `near` metres from its middle."""
+    robot, entity = arguments
+    for axis in (0, 1):
+        yield from along(axis, between(centre(entity), centre(robot), -near, near))
+    yield Z, Gap(bottom(entity), centre(robot), -BELOW)
+    yield Z, Gap(centre(robot), top(entity), 0.0)
+
+
+def _holding_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
+    """Yield that the tool is somewhere over a body, for a long one can be held at its end."""
+    half = scene.shapes[arguments[1]].half
+    return _at_demands(scene, arguments, max(CENTRE_TOLERANCE, math.hypot(half[0], half[1])))
+
+
+def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
+    """Yield that a body is too wide for the gripper, or too heavy."""
+    robot, entity = arguments
+    able, gripper = robot_of(scene, robot), _called(scene, robot)
+    # Bodies stand upright and are gripped from above, so that their height does not count.
+    narrowest, heavy = scene.shapes[entity].breadth(widest=False), weight(scene, entity)
+    if narrowest > able.opening:
+        yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {gripper} opens {able.opening * 1000:.0f} mm"
+    if heavy > able.payload:
+        yield f"{words(entity)} weighs {heavy:.3g} kg, {gripper} carries {able.payload:g} kg"
+
+
+def _holding_excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
+    """Return that the gripper would hold two things, or be open while it holds one."""
+    robot, entity = arguments
+    if others[0] != robot:
+        return None
+    if other.name == "holding" and others[1] != entity:
+        return f"{_called(scene, robot)} cannot hold {words(entity)} and {words(others[1])} at once"
+    if other.name == "gripper_open":
+        return f"{_called(scene, robot)} cannot be open while it holds {words(entity)}"
+    return None
+
+
+def _called(scene: Scene, robot: str) -> str:
+    """Return which gripper is meant, in words."""
+    return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
+
+
 AT = Predicate(
     name="at",
     violations=_at_violations,
     volume=_at_volume,
     sentence=states("the gripper {is} at {1}"),
+    named=states("the {0} gripper {is} at {1}"),
     of_gripper=True,
+    gripper=Gripper.AT,
+    demands=_at_demands,
+    told=180,
 )
 HOLDING = Predicate(
     name="holding",
     violations=_holding_violations,
     volume=_holding_volume,
     sentence=states("{1} {is} held by the gripper"),
+    named=states("{1} {is} held by the {0} gripper"),
     subject=1,
     of_gripper=True,
+    gripper=Gripper.HOLDS,
+    impossible=_holding_impossible,
+    demands=_holding_demands,
+    excludes=_holding_excludes,
+    told=10,
 )
 GRIPPER_OPEN = Predicate(
     name="gripper_open",
     violations=_open_violations,
     volume=_open_volume,
     sentence=states("the gripper {is} open"),
+    named=states("the {0} gripper {is} open"),
     of_gripper=True,
+    gripper=Gripper.OPEN,
+    told=math.inf,
 )
 OVER = Predicate(
     name="over",
@@ -183,22 +226,8 @@ OVER = Predicate(
     volume=_over_volume,
     sentence=states("the {0} gripper {is} over {1}"),
     of_gripper=True,
-)
-REACHABLE = Predicate(
-    name="reachable",
-    violations=_reachable_violations,
-    volume=_reachable_volume,
-    sentence=states("{1} {is} within reach"),
-    subject=1,
+    gripper=Gripper.OVER,
+    told=20,
 )
 
-NAMED: Mapping[str, Predicate] = {
-    predicate.name: replace(predicate, sentence=states(text))
-    for predicate, text in (
-        (AT, "the {0} gripper {is} at {1}"),
-        (HOLDING, "{1} {is} held by the {0} gripper"),
-        (GRIPPER_OPEN, "the {0} gripper {is} open"),
-        (REACHABLE, "{1} {is} within reach of the {0} gripper"),
-    )
-}
-"""Those whose sentences say which gripper is meant, for scenes that have several."""
+PREDICATES = {"at": AT, "holding": HOLDING, "gripper_open": GRIPPER_OPEN, "over": OVER}

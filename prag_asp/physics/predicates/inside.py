@@ -6,20 +6,24 @@ on it or held right above it, but not over anything hollow.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.gaps import Demand, Z, above, along, between, bottom
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
 from prag_asp.physics.predicates.volume import Volume, turned_box
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, Quaternion, extents, heading, inside_by, multiply, to_local, yaw_of
+from prag_asp.scene.model import Scene, Shape
 
 TOLERANCE = 0.002
 FLOOR_BAND = 0.01
 HOVER = 0.2
 MARGIN = 0.003
+NO_CAVITY = (0.0, 0.0, 0.0)
 
 
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
@@ -149,15 +153,75 @@ def _table_volume(situation: Situation, arguments: Arguments, quaternion: Quater
     )
 
 
+def _inside_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
+    """Yield that there is no container, or that its cavity is too small for the body however that is turned."""
+    entity, container = arguments
+    inner = cavity(scene.shapes[container])
+    if inner == NO_CAVITY:
+        yield f"{words(container)} is not a container, so {words(entity)} cannot be in it"
+    elif _too_large(scene.shapes[entity], inner[0], inner[1]):
+        yield f"{words(entity)} is larger than the cavity of {words(container)}"
+
+
+def _located_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
+    """Yield why a body fits no container; over the table there is room for all."""
+    if scene.shapes[arguments[1]].kind != "table":
+        yield from _inside_impossible(scene, arguments)
+
+
+def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
+    """Tell whether no shadow of a body fits a rectangle.
+
+    The width of a shadow is never less than that of the body, and the area of the shadow of a convex body
+    never less than that of its smallest shadow.
+    """
+    small, middle, _ = sorted(shape.size)
+    area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
+    return small > min(inner_x, inner_y) or area > inner_x * inner_y
+
+
+def _inside_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
+    """Yield that a body is in the cavity of another, on its floor."""
+    return _cavity_demands(scene, arguments, FLOOR_BAND)
+
+
+def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
+    """Yield that a body is in another or held above it; nothing for the table, over which it may be anywhere."""
+    if scene.shapes[arguments[1]].kind == "table":
+        return iter(())
+    return _cavity_demands(scene, arguments, cavity(scene.shapes[arguments[1]])[2] + HOVER)
+
+
+def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator[Demand]:
+    """Yield that a body is in the cavity of another or above it, up to `room` metres above its floor."""
+    entity, container = arguments
+    inner, own = cavity(scene.shapes[container]), min(scene.shapes[entity].half)
+    half = (max(0.0, inner[0] / 2 - own), max(0.0, inner[1] / 2 - own))
+    yield from above(scene, entity, container, half)
+    wall = scene.shapes[container].wall
+    yield from along(Z, between(bottom(entity), bottom(container), wall - TOLERANCE, wall + room))
+
+
 INSIDE = Predicate(
     name="inside",
     violations=_inside_violations,
     volume=_inside_volume,
     sentence=states("{0} {is} inside {1}"),
+    supports=True,
+    places=True,
+    impossible=_inside_impossible,
+    demands=_inside_demands,
+    told=40,
 )
 LOCATED = Predicate(
     name="located",
     violations=_located_violations,
     volume=_located_volume,
     sentence=states("{0} {is} in or above {1}"),
+    places=True,
+    impossible=_located_impossible,
+    demands=_located_demands,
+    told=50,
 )
+
+PREDICATES = {"inside": INSIDE, "located": LOCATED}

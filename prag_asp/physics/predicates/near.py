@@ -63,6 +63,8 @@ NEAR_TO = Predicate(
     volume=_near_volume,
     sentence=states("{0} {is} near {1}"),
     inverse="near",
+    apart=(0.0, NEAR),
+    told=130,
 )
 FAR_FROM = Predicate(
     name="far",
@@ -70,4 +72,8 @@ FAR_FROM = Predicate(
     volume=_far_volume,
     sentence=states("{0} {is} far from {1}"),
     inverse="far",
+    apart=(FAR, math.inf),
+    told=140,
 )
+
+PREDICATES = {"near": NEAR_TO, "far": FAR_FROM}

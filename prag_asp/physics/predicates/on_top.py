@@ -1,15 +1,17 @@
-"""``on_top``: a body stands on the top of another, its centre above that top."""
+"""``on_top``: a body stands on the top of another, its centre above that top; nothing rests on a ball."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.gaps import ORIGIN, Demand, Z, above, along, between, bottom, centre, top
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, extents, heading, to_local
+from prag_asp.scene.model import Scene
 
 TOLERANCE = 0.002
 MARGIN = 0.004
@@ -50,4 +52,38 @@ def _half(situation: Situation, support: str) -> Vector:
     return situation.half(support) if situation.is_table(support) else situation.shape(support).half
 
 
-ON_TOP = Predicate(name="on_top", violations=_violations, volume=_volume, sentence=states("{0} {is} on {1}"))
+def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
+    """Yield that the support is a ball."""
+    if not scene.shapes[arguments[1]].traits.flat:
+        yield f"nothing rests on {words(arguments[1])}, which is a ball"
+
+
+def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
+    """Yield that a body stands on another, its centre above it."""
+    entity, support = arguments
+    shape = scene.shapes[support]
+    if shape.kind == "zone":
+        return
+    if shape.kind == "table":
+        for axis in (0, 1):
+            middle, half = scene.table.centre[axis], scene.table.size[axis] / 2
+            yield from along(axis, between(centre(entity), ORIGIN, middle - half, middle + half))
+        yield from along(Z, between(bottom(entity), ORIGIN, -TOLERANCE, TOLERANCE))
+        return
+    yield from above(scene, entity, support, (shape.half[0], shape.half[1]))
+    yield from along(Z, between(bottom(entity), top(support), -TOLERANCE, TOLERANCE))
+
+
+ON_TOP = Predicate(
+    name="on_top",
+    violations=_violations,
+    volume=_volume,
+    sentence=states("{0} {is} on {1}"),
+    supports=True,
+    places=True,
+    impossible=_impossible,
+    demands=_demands,
+    told=30,
+)
+
+PREDICATES = {"on_top": ON_TOP}

@@ -43,7 +43,23 @@ def _closed_volume(situation: Situation, arguments: Arguments, quaternion: Quate
     return Volume(opening=(0.0, (CLOSED - CLOSED_MARGIN) * limit(situation, arguments[0])))
 
 
-IS_OPEN = Predicate(name="is_open", violations=_open_violations, volume=_open_volume, sentence=states("{0} {is} open"))
-IS_CLOSED = Predicate(
-    name="is_closed", violations=_closed_violations, volume=_closed_volume, sentence=states("{0} {is} closed")
+IS_OPEN = Predicate(
+    name="is_open",
+    violations=_open_violations,
+    volume=_open_volume,
+    sentence=states("{0} {is} open"),
+    of_joint=True,
+    otherwise=_closed_volume,
+    told=160,
 )
+IS_CLOSED = Predicate(
+    name="is_closed",
+    violations=_closed_violations,
+    volume=_closed_volume,
+    sentence=states("{0} {is} closed"),
+    of_joint=True,
+    otherwise=_open_volume,
+    told=170,
+)
+
+PREDICATES = {"is_open": IS_OPEN, "is_closed": IS_CLOSED}

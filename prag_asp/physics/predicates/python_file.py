@@ -9,19 +9,19 @@ from __future__ import annotations
 import math
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, partial, wraps
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import unwrap
 from numbers import Real
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from prag_asp.errors import PragError, SceneError
-from prag_asp.physics.predicates.predicate import Arguments, Predicate
+from prag_asp.physics.predicates.gaps import Gap
+from prag_asp.physics.predicates.predicate import Predicate
 from prag_asp.physics.predicates.volume import Volume
-from prag_asp.physics.situation import Situation
 from prag_asp.scene.model import Own
 from prag_asp.wording import plural
 
@@ -46,16 +46,13 @@ def defined(own: Own) -> Predicate:
         raise SceneError(
             f"{own.file}:1: {own.name} has the subject {predicate.subject}, but {count}; count them from 0"
         )
-    for part in ("violations", "volume", "sentence"):
-        if not callable(getattr(predicate, part)):
-            raise SceneError(f"{own.file}:1: {own.name}: its {part} is no function; got {getattr(predicate, part)!r}")
-    return replace(
-        predicate,
-        violations=_guarded_violations(own, predicate.violations),
-        volume=_guarded(own, "volume", predicate.volume),
-        sentence=_guarded(own, "sentence", predicate.sentence),
-        looks_around=True,
-    )
+    given = {part: getattr(predicate, part) for part in RESULTS}
+    functions = {part: function for part, function in given.items() if function is not None or part in NEEDED}
+    for part, function in functions.items():
+        if not callable(function):
+            raise SceneError(f"{own.file}:1: {own.name}: its {part} is no function; got {function!r}")
+    guarded: dict[str, Any] = {part: _guarded(own, part, function) for part, function in functions.items()}
+    return replace(predicate, **guarded, looks_around=True)
 
 
 @cache
@@ -94,14 +91,14 @@ def _told(error: BaseException) -> str:
 
 def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
     """Return the function of a file for a part of a predicate; its errors and wrong results are errors of the scene."""
-    fine, needed = FINE[part]
+    fine, needed, yielded = RESULTS[part]
     place = _defined_at(own.file, function)
 
     @wraps(function)
     def guarded(*arguments: Any, **options: Any) -> Any:
         try:
             result = function(*arguments, **options)
-            if part == "violations":
+            if yielded:
                 result = list(result)
         except PragError:
             raise
@@ -109,21 +106,10 @@ def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[...,
             raise SceneError(f"{_place(own.file, error)}: {own.name}: {_told(error)}; mend the file") from error
         if not fine(result):
             got = " ".join(repr(result).split())
-            raise SceneError(f"{place}: the {part} of {own.name} {needed}; got {got}; mend the function")
-        return result
+            raise SceneError(f"{place}: {needed.format(own.name)}; got {got}; mend the function")
+        return iter(result) if yielded else result
 
     return guarded
-
-
-def _guarded_violations(own: Own, function: Callable[..., Any]) -> Callable[..., Iterator[float]]:
-    """Return violations of a file, each checked to be a number: one that is none would hold everywhere."""
-    listed = _guarded(own, "violations", function)
-
-    @wraps(function)
-    def checked(situation: Situation, arguments: Arguments) -> Iterator[float]:
-        return iter(listed(situation, arguments))
-
-    return checked
 
 
 def _defined_at(file: str, function: Callable[..., Any]) -> str:
@@ -141,13 +127,46 @@ def _is_volume(result: object) -> bool:
 
 
 def _are_numbers(result: list[Any]) -> bool:
-    """Tell whether all of at least one value are numbers."""
+    """Tell whether all of at least one value are numbers: a violation that is none would hold everywhere."""
     return bool(result) and all(isinstance(value, Real) and not math.isnan(value) for value in result)
 
 
-FINE: Mapping[str, tuple[Callable[[Any], bool], str]] = {
-    "violations": (_are_numbers, "have to be numbers, at least one"),
-    "volume": (_is_volume, "has to be a Volume, with numbers as its bounds"),
-    "sentence": (lambda text: isinstance(text, str), "has to be a string"),
+def _are_demands(result: list[Any]) -> bool:
+    """Tell whether all values are pairs of an axis and a gap."""
+    return all(
+        isinstance(value, tuple) and len(value) == 2 and value[0] in range(3) and isinstance(value[1], Gap)
+        for value in result
+    )
+
+
+def _is_text(result: object) -> bool:
+    """Tell whether a value is a string."""
+    return isinstance(result, str)
+
+
+class Result(NamedTuple):
+    """What a function of a predicate has to return: whether a result is fine, what is needed, whether it is yielded."""
+
+    fine: Callable[[Any], bool]
+    needed: str
+    yielded: bool = False
+
+
+RESULTS: Mapping[str, Result] = {
+    "violations": Result(_are_numbers, "the violations of {} have to be numbers, at least one", yielded=True),
+    "volume": Result(_is_volume, "the volume of {} has to be a Volume, with numbers as its bounds"),
+    "sentence": Result(_is_text, "the sentence of {} has to be a string"),
+    "named": Result(_is_text, "the sentence of {} that names its gripper has to be a string"),
+    "otherwise": Result(_is_volume, "the volume where {} does not hold has to be a Volume, with numbers as its bounds"),
+    "impossible": Result(
+        lambda found: all(map(_is_text, found)), "why {} is impossible has to be told in strings", yielded=True
+    ),
+    "demands": Result(_are_demands, "the demands of {} have to be pairs of an axis (0 to 2) and a Gap", yielded=True),
+    "excludes": Result(
+        lambda found: found is None or _is_text(found), "why {} excludes another has to be told in a string, or None"
+    ),
+    "nowhere": Result(lambda found: isinstance(found, bool), "whether {} is so nowhere has to be True or False"),
 }
-"""For each function of a predicate, whether a result is fine, and what is needed of it."""
+"""What the functions of a predicate have to return, by their names."""
+
+NEEDED = ("violations", "volume", "sentence")

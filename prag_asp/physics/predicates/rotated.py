@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterator
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
 from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
+from prag_asp.scene.model import Scene
 
 TOLERANCE = math.radians(10)
 MARGIN = math.radians(0.5)
@@ -38,10 +39,25 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     return Volume(yaws=(Yaws(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN),))
 
 
+def _excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
+    """Return that the body would be turned in two ways."""
+    if other.name != "rotated" or others[0] != arguments[0]:
+        return None
+    entity, one, two = *arguments, others[1]
+    if abs(wrap(scene.rotations[two] - scene.rotations[one])) <= 2 * TOLERANCE:
+        return None
+    return f"{words(entity)} cannot be turned {words(one)} and {words(two)} at once"
+
+
 ROTATED = Predicate(
     name="rotated",
     violations=_violations,
     volume=_volume,
     sentence=states("{0} {is} turned {1}"),
     turns=True,
+    on_the_spot=True,
+    excludes=_excludes,
+    told=70,
 )
+
+PREDICATES = {"rotated": ROTATED}

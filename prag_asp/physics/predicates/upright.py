@@ -27,4 +27,13 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     return Volume()
 
 
-UPRIGHT = Predicate(name="upright", violations=_violations, volume=_volume, sentence=states("{0} {is} upright"))
+UPRIGHT = Predicate(
+    name="upright",
+    violations=_violations,
+    volume=_volume,
+    sentence=states("{0} {is} upright"),
+    on_the_spot=True,
+    told=150,
+)
+
+PREDICATES = {"upright": UPRIGHT}

@@ -7,29 +7,8 @@ nothing: a cycle of positive length, found by Bellman and Ford's algorithm.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
 
-ROUNDING = 1e-9
-"""What two lengths have to differ by to be told apart, in metres."""
-
-Node = tuple[str, str]
-"""A body (or a robot, for its tool; or the origin) and the part of it whose coordinate is meant."""
-
-ORIGIN: Node = ("", "centre")
-"""The origin of the world."""
-
-
-class Gap(NamedTuple):
-    """The coordinate of `high` is at least `least` metres more than that of `low`; `least` may be negative."""
-
-    low: Node
-    high: Node
-    least: float
-
-
-def between(node: Node, other: Node, least: float, most: float) -> tuple[Gap, Gap]:
-    """Return that a coordinate is `least` to `most` metres more than another."""
-    return Gap(other, node, least), Gap(node, other, -most)
+from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Gap, Node
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from prag_asp.atom import parse_atom
 from prag_asp.domain.load import Domain
+from prag_asp.physics.predicates import PREDICATES, Gripper
 from prag_asp.physics.predicates.gripper import CLEARANCE
 from prag_asp.physics.robot import robot_of
 from prag_asp.scene.model import Scene
@@ -20,7 +21,8 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
     """
     found: dict[tuple[str, float, float], list[str]] = {}
     for fluent in map(parse_atom, map(str, domain.facts.fluents)):
-        if scene.meaning(fluent) != "holding":
+        meaning = PREDICATES.get(scene.meaning(fluent) or "")
+        if meaning is None or meaning.gripper is not Gripper.HOLDS:
             continue
         robot, entity = fluent.arguments
         opening = robot_of(scene, robot).opening

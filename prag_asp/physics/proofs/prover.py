@@ -15,16 +15,15 @@ from itertools import product
 
 from prag_asp.atom import Atom
 from prag_asp.physics.facts import Fact, PhysicalTask
-from prag_asp.physics.proofs.demands import Demand, all_demands, bodies
-from prag_asp.physics.proofs.differences import Gap, Node
+from prag_asp.physics.predicates.gaps import Demand, Gap, Node
+from prag_asp.physics.proofs.demands import all_demands, bodies
 from prag_asp.physics.proofs.reasons import (
     AXES,
+    exclusions,
     gap_reasons,
-    gripper_reasons,
     own_reasons,
     reach_reasons,
     room_reasons,
-    turn_reasons,
 )
 from prag_asp.scene.model import Scene
 
@@ -96,8 +95,7 @@ class Prover:
             return
         true = [fact for fact in facts if fact.value]
         yield from gap_reasons(true)
-        yield from gripper_reasons(true, self._scene)
-        yield from turn_reasons(true, self._scene)
+        yield from exclusions(true, self._scene)
         for group in self._groups(true):
             if not group.isdisjoint(new):
                 reason = self._together(group)

@@ -16,8 +16,8 @@ from prag_asp.physics.search.handling import turn
 from prag_asp.physics.search.meeting import move_over, take_over
 from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
 from prag_asp.physics.witness import Waypoint
-from prag_asp.physics.world.solids import weight
 from prag_asp.scene.geometry import compose, invert
+from prag_asp.scene.solids import weight
 
 Outcome = tuple[Snapshot, tuple[Waypoint, ...]]
 

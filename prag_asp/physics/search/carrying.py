@@ -29,8 +29,6 @@ from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, yaw_of, yaw_quaternion
 
 OVER_RIM = 0.03
-ON_THE_SPOT = {"rotated", "upright"}
-"""Relations that say how an object is turned, and nothing of where it is."""
 
 
 def release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
@@ -93,8 +91,8 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypo
     situation = snapshot.situation
     others = {other: pose for other, pose in situation.poses.items() if other != entity}
     around = situation.with_poses(others)
-    moves = {fact.predicate.name for fact in effect.fresh if fact.value and fact.arguments[0] == entity}
-    if moves and moves <= ON_THE_SPOT:
+    wanted_of_it = [fact for fact in effect.fresh if fact.value and fact.arguments[0] == entity]
+    if wanted_of_it and all(fact.predicate.on_the_spot for fact in wanted_of_it):
         pose = _turned(search, situation, entity, effect)
     else:
         support = known_support(around, entity, effect.after) or TABLE

@@ -8,16 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from prag_asp.physics.facts import SUPPORTING, Effect, Fact, PhysicalTask
-from prag_asp.physics.predicates import Volume
-from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, INVERSES, MARGIN, direction
+from prag_asp.physics.facts import Effect, Fact, PhysicalTask
+from prag_asp.physics.predicates import Direction, Volume
+from prag_asp.physics.predicates.beside import GAP, MARGIN
 from prag_asp.scene.model import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
 """For a state and an object that comes to its place in it: where all of it leaves ample room, then just enough."""
 
-Side = tuple[int, float]
-Rooms = dict[Side, float]
+Rooms = dict[Direction, float]
 
 
 def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
@@ -36,52 +35,53 @@ def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
 
 def _named(facts: Iterable[Fact]) -> set[str]:
     """Return the objects that facts put beside others, or beside which they put others."""
-    return {entity for fact in facts if fact.value and fact.predicate.name in DIRECTIONS for entity in fact.arguments}
+    return {entity for fact in facts if fact.value and fact.predicate.direction for entity in fact.arguments}
 
 
 def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool, depth: int = 0) -> Rooms:
     """Return how many metres there should be between an object put down in state `k` and each side."""
     rooms: Rooms = {}
-    for j, fact in _later(physical, scene, k, entity):
-        name, (subject, other) = fact.predicate.name, fact.arguments
-        comer, side = (subject, name) if other == entity else (other, INVERSES[name])
+    for j, comer, direction in _later(physical, scene, k, entity):
         if comer in scene.fixed or depth > len(physical.effects):
             continue
-        axis, sign = direction(side, scene.frame)
+        side = direction.seen(scene.frame)
         radius = scene.shapes[comer].breadth(wide) / 2
-        beyond = _rooms(physical, scene, j, comer, wide, depth + 1).get((axis, sign)) if j > k else None
+        beyond = _rooms(physical, scene, j, comer, wide, depth + 1).get(side) if j > k else None
         room = GAP + 2 * MARGIN + radius + (0.0 if beyond is None else radius + beyond)
-        rooms[axis, sign] = max(room, rooms.get((axis, sign), 0.0))
+        rooms[side] = max(room, rooms.get(side, 0.0))
     return rooms
 
 
-def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, Fact]]:
-    """Yield the relations of other objects to one that rests since state `k`, with the state that begins each."""
+def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
+    """Yield what is put beside an object that rests since state `k`: in which state, what, and in which direction."""
     if k == 0:
-        yield from ((0, fact) for fact in physical.initial if _beside(fact, entity))
+        yield from ((0, *beside) for beside in _beside(physical.initial, entity))
     for j in range(k, len(physical.effects)):
         effect = physical.effects[j]
         if entity in (*effect.moved, effect.grasps, effect.releases):
             return
-        for fact in effect.fresh:
-            if _beside(fact, entity) and _comes_to_table(scene, effect, fact, entity):
-                yield j + 1, fact
+        for comer, direction in _beside(effect.fresh, entity):
+            if _comes_to_table(scene, effect, comer):
+                yield j + 1, comer, direction
 
 
-def _beside(fact: Fact, entity: str) -> bool:
-    """Tell whether a fact puts another object beside one."""
-    return fact.value and fact.predicate.name in DIRECTIONS and entity in fact.arguments
+def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction]]:
+    """Yield the objects that facts put beside one, and in which direction from it each lies, to the robot."""
+    for fact in facts:
+        direction = fact.predicate.direction
+        if fact.value and direction is not None and entity in fact.arguments:
+            subject, other = fact.arguments
+            yield (subject, direction) if other == entity else (other, direction.opposite)
 
 
-def _comes_to_table(scene: Scene, effect: Effect, fact: Fact, entity: str) -> bool:
-    """Tell whether the other object of a fact is moved by an action, and not onto or into another object."""
-    other = fact.arguments[0] if fact.arguments[1] == entity else fact.arguments[1]
+def _comes_to_table(scene: Scene, effect: Effect, comer: str) -> bool:
+    """Tell whether an object is moved by an action, and not onto or into another object."""
     supports = [
-        each.arguments[1]
-        for each in effect.after
-        if each.value and each.predicate.name in SUPPORTING and each.arguments[0] == other
+        fact.arguments[-1]
+        for fact in effect.after
+        if fact.value and fact.predicate.supports and fact.arguments[0] == comer
     ]
-    return other in effect.moved and all(scene.shapes[support].traits.surface for support in supports)
+    return comer in effect.moved and all(scene.shapes[support].traits.surface for support in supports)
 
 
 def _volume(scene: Scene, rooms: Rooms) -> Volume:

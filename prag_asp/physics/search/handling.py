@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from prag_asp.physics.facts import OPENING, Fact
-from prag_asp.physics.predicates import PREDICATES, Volume
+from prag_asp.physics.facts import Fact
+from prag_asp.physics.predicates import Volume
+from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import (
@@ -35,7 +36,8 @@ SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
 """How far furniture moves between two checks, in metres or radians."""
 
 POST_WIDTH = 2 * POST
-OPPOSITE = {"is_open": "is_closed", "is_closed": "is_open"}
+ENDS = (IS_OPEN, IS_CLOSED)
+"""How furniture is found of which nothing is known."""
 
 
 class Pull(NamedTuple):
@@ -59,14 +61,15 @@ def draw_opening(search: Search, situation: Situation, furniture: str, facts: It
     Raises:
         Failure: the facts leave nothing.
     """
-    names = [
-        fact.predicate.name if fact.value else OPPOSITE[fact.predicate.name]
+    volumes = [
+        fact.predicate.volume if fact.value else fact.predicate.otherwise
         for fact in facts
-        if fact.predicate.name in OPENING and fact.arguments[0] == furniture
+        if fact.predicate.of_joint and fact.arguments[0] == furniture
     ]
     wanted = Volume()
-    for name in names or [str(search.rng.choice(OPENING))]:
-        wanted = wanted.meet(PREDICATES[name].volume(situation, (furniture,), IDENTITY))
+    for volume in volumes or [ENDS[int(search.rng.integers(len(ENDS)))].volume]:
+        if volume is not None:
+            wanted = wanted.meet(volume(situation, (furniture,), IDENTITY))
     if wanted.empty:
         raise Failure(EMPTY_VOLUME)
     return search.uniform(*wanted.opening)

@@ -7,9 +7,11 @@ from collections.abc import Iterable, Iterator
 from itertools import repeat
 from typing import NamedTuple
 
-from prag_asp.physics.facts import BEARING, SUPPORTING, Fact
-from prag_asp.physics.predicates import PREDICATES, Ring, Volume
-from prag_asp.physics.predicates.beside import DIRECTIONS
+from prag_asp.physics.facts import Fact
+from prag_asp.physics.predicates import Gripper, Ring, Volume
+from prag_asp.physics.predicates.inside import INSIDE
+from prag_asp.physics.predicates.on_top import ON_TOP
+from prag_asp.physics.predicates.reachable import REACHABLE
 from prag_asp.physics.predicates.volume import Floor
 from prag_asp.physics.search.allowed import all_satisfied, allowed, draw_yaws, relevant, shapes_volume, yaw_ranges
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
@@ -29,8 +31,6 @@ TABLE_ROOM = 0.1
 NEAR = 0.15
 JITTER = 0.05
 EDGE = 0.02
-SEEN_CLOSE = (*DIRECTIONS, "aligned")
-"""Relations that are seen at a glance only where the two objects are close to each other."""
 
 Neighbour = tuple[float, float, float, float]
 """The centre of a body seen from above, and how far from it along x and y another touches it; metres."""
@@ -53,8 +53,8 @@ class Wanted(NamedTuple):
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
     """Return what an object stands on or in by the facts, `TABLE` for the table, None where unknown."""
     for fact in facts:
-        if fact.value and fact.predicate.name in BEARING and fact.arguments[0] == entity:
-            support = fact.arguments[1]
+        if fact.value and fact.predicate.places and fact.arguments[0] == entity:
+            support = fact.arguments[-1]
             return TABLE if situation.is_surface(support) else support
     return None
 
@@ -69,9 +69,9 @@ def any_support(search: Search, situation: Situation, entity: str, facts: Iterab
     """
     facts = list(facts)
     ruled_out = {
-        fact.arguments[1]
+        fact.arguments[-1]
         for fact in facts
-        if not fact.value and fact.predicate.name in SUPPORTING and fact.arguments[0] == entity
+        if not fact.value and fact.predicate.supports and fact.arguments[0] == entity
     }
     possible = [other for other in situation.poses if other not in ruled_out and situation.shape(other).traits.flat]
     if any(situation.is_table(support) for support in ruled_out):
@@ -116,8 +116,9 @@ def draw_pose(
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
-    below = _neighbours(situation, support, half, volume.low[2] - height)
-    beside = _neighbours(situation, support, half, volume.low[2]) if height > 0.0 else below
+    others = _others(situation, about)
+    below = _neighbours(situation, others, support, half, volume.low[2] - height)
+    beside = _neighbours(situation, others, support, half, volume.low[2]) if height > 0.0 else below
     cause = RELATION
     for floor, spacing in _tries(favourite, everything, support):
         at = volume.draw(floor, search.uniform)
@@ -200,15 +201,15 @@ def _volume(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> Vol
     What is put on the table has to be within reach, unless it is known not to be or there are several robots.
     """
     entity, support, about, height, *_ = wanted
-    out_of_reach = any(fact.predicate.name == "reachable" and not fact.value for fact in about)
+    out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     volume = _surface(situation, entity, support, quaternion, out_of_reach)
     if height > 0.0:
         (ax, ay, az), (bx, by, bz) = volume.low, volume.high
         volume = volume._replace(low=(ax, ay, az + height), high=(bx, by, bz + height))
     if support == TABLE and not out_of_reach and not situation.others:
-        volume = volume.meet(PREDICATES["reachable"].volume(situation, ("", entity), quaternion))
+        volume = volume.meet(REACHABLE.volume(situation, ("", entity), quaternion))
     for fact in about:
-        on_it = fact.arguments == (entity, support) and fact.predicate.name in SUPPORTING
+        on_it = fact.arguments == (entity, support) and fact.predicate.supports
         if not on_it and shapes_volume(fact, entity):
             volume = volume.meet(allowed(situation, fact, entity, quaternion))
     return volume
@@ -217,7 +218,7 @@ def _volume(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> Vol
 def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
     """Return the part of a volume around what an object is beside: there the relation is seen at a glance."""
     for fact in about:
-        if fact.value and fact.predicate.name in SEEN_CLOSE:
+        if fact.value and fact.predicate.seen_close:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
             x, y, _ = situation.body(other).centre
             half_x, half_y, _ = situation.half(other)
@@ -229,8 +230,8 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 def _surface(situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool) -> Volume:
     """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
     if support != TABLE:
-        name = "inside" if situation.shape(support).traits.hollow else "on_top"
-        return PREDICATES[name].volume(situation, (entity, support), quaternion)
+        rests = INSIDE if situation.shape(support).traits.hollow else ON_TOP
+        return rests.volume(situation, (entity, support), quaternion)
     half_x, half_y, z = extents(situation.shape(entity), quaternion)
     low_x, high_x, low_y, high_y = situation.scene.workspace
     if out_of_reach:
@@ -240,10 +241,17 @@ def _surface(situation: Situation, entity: str, support: str, quaternion: Quater
     return Volume((low_x, low_y, z), (high_x, high_y, z))
 
 
-def _neighbours(situation: Situation, support: str, half: Vector, z: float) -> list[Neighbour]:
-    """Return what the bounding box of an object at a height can meet, but for a container that it is put into."""
+def _others(situation: Situation, about: Iterable[Fact]) -> list[str]:
+    """Return what an object is kept `SPACING` apart from: not what facts want closer, for they say how close."""
+    close = (fact for fact in about if fact.value and fact.predicate.apart[1] < SPACING)
+    touched = {entity for fact in close for entity in fact.arguments[:2]}
+    return [entity for entity in situation.poses if entity not in touched]
+
+
+def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
+    """Return which others the bounding box of an object at a height can meet, but for containers it is put into."""
     found, shapes = [], situation.scene.shapes
-    for other in situation.poses:
+    for other in others:
         traits = shapes[other].traits
         if traits.hollow and support != TABLE:
             continue

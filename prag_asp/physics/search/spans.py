@@ -32,7 +32,7 @@ Spans = Mapping[tuple[int, str], tuple[Span, ...]]
 def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
     """Return how far apart the objects of a task should be for what comes between them."""
     known = [*physical.initial, *(fact for effect in physical.effects for fact in effect.fresh)]
-    if not any(fact.value and fact.predicate.name == "between" for fact in known):
+    if not any(fact.value and fact.predicate.lies_between for fact in known):
         return {}
     found: dict[tuple[int, str], tuple[Span, ...]] = {}
     for k in range(len(physical.states)):
@@ -77,4 +77,4 @@ def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[
 
 def _parts(fact: Fact, pair: tuple[str, str]) -> bool:
     """Tell whether a fact puts something between two objects."""
-    return fact.value and fact.predicate.name == "between" and {*fact.arguments[1:]} == {*pair}
+    return fact.value and fact.predicate.lies_between and {*fact.arguments[1:]} == {*pair}

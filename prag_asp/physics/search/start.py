@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.facts import BEARING, SUPPORTING, Fact, PhysicalTask, of_robot
-from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.facts import Fact, PhysicalTask, of_robot
+from prag_asp.physics.predicates import Gripper
+from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.actions import take_place
@@ -68,14 +69,14 @@ def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[F
     if holder is None or not (situation.others or _in_the_air(physical, entity)):
         return physical.initial
     own = of_robot(situation.scene, physical.initial, holder)
-    below = [fact.arguments[1] for fact in own if fact.value and fact.predicate.name == "over"]
-    lies = [Fact(PREDICATES["on_top"], (entity, place), True) for place in below if situation.is_surface(place)]
+    below = [fact.arguments[1] for fact in own if fact.value and fact.predicate.gripper is Gripper.OVER]
+    lies = [Fact(ON_TOP, (entity, place), True) for place in below if situation.is_surface(place)]
     return (*(fact for fact in physical.initial if entity not in fact.arguments), *lies)
 
 
 def _in_the_air(physical: PhysicalTask, entity: str) -> bool:
     """Tell whether a held object is known not to stand on or in something, and to stand on or in nothing."""
-    known = [fact for fact in physical.initial if fact.predicate.name in SUPPORTING and fact.arguments[0] == entity]
+    known = [fact for fact in physical.initial if fact.predicate.supports and fact.arguments[0] == entity]
     return bool(known) and not any(fact.value for fact in known)
 
 
@@ -87,8 +88,8 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
     """
     situation = snapshot.situation
     own = of_robot(search.scene, physical.initial, situation.acting)
-    held, over = physical.held.get(situation.acting), _place(own, "over")
-    place = held or _place(own, "at")
+    held, over = physical.held.get(situation.acting), _place(own, Gripper.OVER)
+    place = held or _place(own, Gripper.AT)
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=held is not None)
         lifted = held is not None and (situation.others or _in_the_air(physical, held))
@@ -97,7 +98,7 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
         snapshot = move_over(search, snapshot, over, 0, [])
     elif collide(search, snapshot.joints, Configuration(situation, situation.width, None)) is not None:
         raise Failure(ARM_COLLIDES)
-    if any(fact.predicate.name == "gripper_open" and not fact.value for fact in own):
+    if any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in own):
         return replace(snapshot, situation=snapshot.situation.with_tool(snapshot.situation.tool, 0.0))
     return snapshot
 
@@ -162,7 +163,7 @@ def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
             continue
         others = (below.keys() & set(fact.arguments)) - {subject}
         before[subject] |= others
-        if predicate.name in BEARING:
+        if predicate.places:
             below[subject] |= others
     ordered: list[str] = []
     waiting = sorted(physical.objects, key=lambda entity: -scene.shapes[entity].size[0] * scene.shapes[entity].size[1])
@@ -174,6 +175,6 @@ def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
     return ordered
 
 
-def _place(facts: Iterable[Fact], name: str) -> str | None:
+def _place(facts: Iterable[Fact], does: Gripper) -> str | None:
     """Return what the gripper is known to be at or over."""
-    return next((fact.arguments[1] for fact in facts if fact.value and fact.predicate.name == name), None)
+    return next((fact.arguments[1] for fact in facts if fact.value and fact.predicate.gripper is does), None)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.world.primitives import make_shapes
-from prag_asp.physics.world.solids import boxes, volume
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.furniture import mechanism
 from prag_asp.scene.model import Material, Shape
+from prag_asp.scene.solids import boxes, volume
 
 JOINT = 0
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

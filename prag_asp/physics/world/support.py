@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from prag_asp.physics.predicates.inside import floor_height, hollow
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.world.solids import weight
 from prag_asp.scene.forms import Outline, Point, rectangle
 from prag_asp.scene.geometry import hull, inside_by, intersection, outline, yaw_of
+from prag_asp.scene.solids import weight
 
 CONTACT = 0.002
 BALANCE = 1e-6

@@ -18,8 +18,9 @@ from collections.abc import Mapping
 from string import Formatter
 from typing import Any
 
-from prag_asp.scene.model import IGNORED, PREDICATE_ROLES, Bounds, Own
+from prag_asp.scene.model import IGNORED, Bounds, Own
 from prag_asp.scene.read.report import Report, suggest
+from prag_asp.scene.vocabulary import PREDICATE_ROLES
 
 ROLES = tuple(dict.fromkeys(role for roles in PREDICATE_ROLES.values() for role in roles))
 """What an argument of a spatial predicate can be."""

@@ -11,8 +11,9 @@ import pytest
 
 from prag_asp.physics import PREDICATES
 from prag_asp.physics.facts import Fact, physical_task
+from prag_asp.physics.predicates.gaps import ORIGIN, Gap
 from prag_asp.physics.predicates.gripper import grip_width
-from prag_asp.physics.proofs.differences import ORIGIN, Gap, impossible_row, lowest
+from prag_asp.physics.proofs.differences import impossible_row, lowest
 from prag_asp.physics.proofs.prover import Prover, impossibility
 from prag_asp.physics.proofs.reasons import own_reasons
 from prag_asp.physics.situation import Situation

@@ -8,7 +8,7 @@ import pytest
 
 from prag_asp.physics.facts import Fact, physical_task
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.beside import DIRECTIONS, GAP, MARGIN, direction
+from prag_asp.physics.predicates.beside import GAP, MARGIN, SIDES
 from prag_asp.physics.search.attempt import Failure, Search
 from prag_asp.physics.search.chains import chains, kept_apart
 from prag_asp.physics.search.foresight import foresee
@@ -44,7 +44,7 @@ def _clear(situation: Situation, name: str, one: str, two: str) -> bool:
     """Tell whether a relation holds with the room to spare that placement leaves."""
     if not PREDICATES[name].holds(situation, (one, two)):
         return False
-    axis, sign = direction(name, situation.scene.frame)
+    axis, sign = SIDES[name].seen(situation.scene.frame)
     along = sign * (situation.pose(one).position[axis] - situation.pose(two).position[axis])
     across = abs(situation.pose(one).position[1 - axis] - situation.pose(two).position[1 - axis])
     sides = situation.half(one)[axis] + situation.half(two)[axis]
@@ -59,7 +59,7 @@ def test_no_arrangement_in_which_the_relations_hold_is_left_out(frame):
         true = [
             Fact(PREDICATES[name], pair, True)
             for pair in permutations(NAMES, 2)
-            for name in DIRECTIONS
+            for name in SIDES
             if _clear(situation, name, *pair)
         ]
         facts = rng.sample(true, min(len(true), 6))
@@ -79,7 +79,7 @@ def test_the_room_for_a_chain_is_what_stands_in_it():
     facts = [Fact(PREDICATES["right_of"], ("can_1", "cube_1"), True)]
     facts.append(Fact(PREDICATES["left_of"], ("can_1", "brick_1"), True))
     wide, narrow = chains(situation, "brick_1", facts)
-    assert [(chain.end, chain.name) for chain in narrow] == [("cube_1", "right_of")]
+    assert [(chain.end, chain.side) for chain in narrow] == [("cube_1", SIDES["right_of"])]
     assert narrow[0].between == wide[0].between == pytest.approx(0.066 + GAP + 2 * MARGIN)
     volume = kept_apart(situation, "brick_1", IDENTITY, narrow)
     assert volume.high[1] == pytest.approx(0.3 - 0.025 - 0.06 - 0.066 - 2 * GAP - 3 * MARGIN)

@@ -8,9 +8,8 @@ import pytest
 
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import SceneError
-from prag_asp.physics import PREDICATES
 from prag_asp.scene.load import parse_scene, scene_problems
-from prag_asp.scene.model import PREDICATE_ROLES, Shape
+from prag_asp.scene.model import Shape
 from prag_asp.scene.read.report import ancestors
 from tests.physics.random_tasks import Rules, shipped_scene
 
@@ -166,10 +165,6 @@ def test_the_shipped_scenes_have_everything_that_their_fluents_speak_about(name)
     from tests.physics.random_tasks import scene_table
 
     assert scene_problems(scene_table(name), rules.classes, rules.entities, rules.fluents) == []
-
-
-def test_the_light_list_of_predicates_names_those_that_exist():
-    assert set(PREDICATE_ROLES) == set(PREDICATES)
 
 
 def test_reading_a_scene_loads_no_simulator():

@@ -150,3 +150,50 @@ def test_a_wrong_result_is_told_with_the_line_of_what_gave_it_however_it_is_wrap
         predicate.volume(nowhere, ("cup_1", "cup_2"), (0.0, 0.0, 0.0, 1.0))
     with pytest.raises(SceneError, match=r"own\.py:19: the sentence of odd has to be a string; got None"):
         predicate.sentence(("cup_1", "cup_2"))
+
+
+FUNCTIONS = """
+from prag_asp.physics.predicates import Predicate, Volume, states
+
+def violations(situation, arguments):
+    yield 0.0
+
+def volume(situation, arguments, quaternion):
+    return Volume()
+
+def own(*arguments):
+    return {result}
+
+PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} odd"), {part}=own)}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("part", "result", "message"),
+    [
+        ("impossible", "[3]", r"own\.py:10: why odd is impossible has to be told in strings; got \[3\]; mend the func"),
+        ("impossible", "1 / 0", r"own\.py:11: odd: ZeroDivisionError: division by zero; mend the file"),
+        (
+            "demands",
+            "[(0, 'far')]",
+            r"own\.py:10: the demands of odd have to be pairs of an axis .*; got \[\(0, 'far'\)",
+        ),
+        ("demands", "[(3, None)]", r"own\.py:10: the demands of odd have to be pairs of an axis \(0 to 2\) and a Gap"),
+        ("excludes", "True", r"own\.py:10: why odd excludes another has to be told in a string, or None; got True"),
+        ("nowhere", "None", r"own\.py:10: whether odd is so nowhere has to be True or False; got None"),
+        ("otherwise", "None", r"own\.py:10: the volume where odd does not hold has to be a Volume, .*; got None"),
+        ("named", "None", r"own\.py:10: the sentence of odd that names its gripper has to be a string; got None"),
+    ],
+)
+def test_what_goes_wrong_in_a_function_for_proofs_is_told_with_its_line(
+    part: str, result: str, message: str, tmp_path: Path
+) -> None:
+    predicate = predicate_of(written(tmp_path, FUNCTIONS.format(part=part, result=result)), "odd")
+    with pytest.raises(SceneError, match=message):
+        getattr(predicate, part)(None, ("cup_1", "cup_2"))
+
+
+def test_a_function_for_proofs_that_is_none_is_told(tmp_path: Path) -> None:
+    text = FUNCTIONS.format(part="demands", result="()").replace("demands=own", "demands=3")
+    with pytest.raises(SceneError, match=r"own\.py:1: odd: its demands is no function; got 3"):
+        predicate_of(written(tmp_path, text), "odd")

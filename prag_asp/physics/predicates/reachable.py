@@ -1,0 +1,72 @@
+"""``reachable``: a robot can grasp a body where it is, from above: its centre is in the ring of the gripper's reach."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Demand, Gap, Z, along, between, bottom, centre
+from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states
+from prag_asp.physics.predicates.volume import Ring, Volume
+from prag_asp.physics.robot import robot_of
+from prag_asp.physics.situation import Situation
+from prag_asp.scene.forms import Point
+from prag_asp.scene.geometry import Quaternion
+from prag_asp.scene.model import Scene
+
+MARGIN, HEIGHT_MARGIN = 0.003, 0.001
+
+
+def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres an object is too near, too far or too high for a grasp from above."""
+    robot = situation.robot(arguments[0])
+    x, y, z = situation.pose(arguments[1]).position
+    radius = math.hypot(x - robot.base.position[0], y - robot.base.position[1])
+    yield robot.reach[0] - radius
+    yield radius - robot.reach[1]
+    yield z - robot.reach_height
+
+
+def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return the ring that the gripper reaches from above."""
+    robot = situation.robot(arguments[0])
+    x, y, _ = robot.base.position
+    inner, outer = robot.reach[0] + MARGIN, robot.reach[1] - MARGIN
+    height = robot.reach_height - HEIGHT_MARGIN
+    return Volume((x - outer, y - outer, -math.inf), (x + outer, y + outer, height), rings=(Ring(x, y, inner, outer),))
+
+
+def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
+    """Yield that a body is within the square around the ring of the gripper's reach, and not too high."""
+    robot, entity = robot_of(scene, arguments[0]), arguments[1]
+    for axis in (0, 1):
+        base, reach = robot.base.position[axis], robot.reach[1]
+        yield from along(axis, between(centre(entity), ORIGIN, base - reach, base + reach))
+    yield Z, Gap(bottom(entity), ORIGIN, min(scene.shapes[entity].half) - robot.reach_height)
+
+
+def _nowhere(scene: Scene, arguments: Arguments, low: Point, high: Point) -> bool:
+    """Tell whether all of a rectangle is too near or too far for the gripper."""
+    robot = robot_of(scene, arguments[0])
+    nearest, farthest = robot.reach
+    base = robot.base.position
+    sides = [(low[axis] - base[axis], high[axis] - base[axis]) for axis in (0, 1)]
+    near = math.hypot(*(max(low, -high, 0.0) for low, high in sides))
+    far = math.hypot(*(max(-low, high) for low, high in sides))
+    return near > farthest + ROUNDING or far < nearest - ROUNDING
+
+
+REACHABLE = Predicate(
+    name="reachable",
+    violations=_violations,
+    volume=_volume,
+    sentence=states("{1} {is} within reach"),
+    named=states("{1} {is} within reach of the {0} gripper"),
+    subject=1,
+    gripper=Gripper.REACHES,
+    demands=_demands,
+    nowhere=_nowhere,
+    told=math.inf,
+)
+
+PREDICATES = {"reachable": REACHABLE}
