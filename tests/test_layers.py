@@ -10,7 +10,7 @@ from pathlib import Path
 import prag_asp
 
 PACKAGE = Path(prag_asp.__file__).parent
-LAYERS = ("errors", "domain", "logic", "space", "physics", "dataset", "rl", "analysis", "cli")
+LAYERS = ("errors", "children", "domain", "logic", "space", "physics", "dataset", "rl", "analysis", "cli")
 PUBLIC = {
     "Atom", "Condition", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "Scene",
     "SceneError", "Task", "TaskSpace", "load_domain", "load_scene", "parse_atom",
