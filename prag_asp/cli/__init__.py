@@ -19,7 +19,7 @@ def main() -> None:
     try:
         code = _command().main()
     except KeyboardInterrupt:
-        sys.stderr.write("interrupted\n")
+        sys.stderr.write("\ninterrupted\n")
         code = 130
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.
     sys.exit(code)
