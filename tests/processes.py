@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -44,9 +45,25 @@ def terminate(process: subprocess.Popen[str]) -> str:
 
 
 def children(of: int | str = "self") -> list[int]:
-    """Return the processes that a process has started, and that still run."""
-    return [
-        int(pid)
-        for task in Path(f"/proc/{of}/task").iterdir()
-        for pid in (task / "children").read_text().split()
-    ]  # fmt: skip
+    """Return the processes that a process has started and not seen end."""
+    found: list[int] = []
+    for thread in Path(f"/proc/{of}/task").iterdir():
+        with suppress(FileNotFoundError, ProcessLookupError):  # Threads end meanwhile.
+            found += map(int, (thread / "children").read_text().split())
+    return found
+
+
+def gone(processes: Iterable[int], seconds: float = 15) -> bool:
+    """Wait until processes have ended, for so long at most, and tell whether they have."""
+    until = time.monotonic() + seconds
+    while (left := any(map(_runs, processes))) and time.monotonic() < until:
+        time.sleep(0.02)
+    return not left
+
+
+def _runs(process: int) -> bool:
+    """Tell whether a process does anything still; one that nobody has seen end is a zombie, and does not."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False

@@ -17,13 +17,14 @@ import prag_asp
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output"])
+GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children"])
 """What every room may stand on."""
 
 ROOMS: Mapping[str, frozenset[str]] = {
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
+    "children": frozenset(["errors"]),
     "output": frozenset(["errors"]),
     "wording": frozenset(["errors"]),
     "atom": frozenset(["errors"]),
@@ -54,7 +55,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "physics": (
         "missing", "bullet", "fields", "robot", "witness", "situation", "predicates", "facts", "world", "proofs",
-        "search", "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "pool",
+        "search", "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "worker", "pool",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -2,13 +2,38 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+from typing import TYPE_CHECKING
 
-from prag_asp.cli.registry import cli
+if TYPE_CHECKING:
+    from prag_asp.cli.terminal import Command
+
+    cli: Command
 
 __all__ = ["cli", "main"]
 
 
 def main() -> None:
-    """Run the command and exit."""
-    sys.exit(cli.main())
+    """Run the command and exit; while it is being loaded, an interruption ends it as quietly as later."""
+    try:
+        code = _command().main()
+    except KeyboardInterrupt:
+        sys.stderr.write("\ninterrupted\n")
+        code = 130
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.
+    sys.exit(code)
+
+
+def _command() -> Command:
+    """Load the command."""
+    from prag_asp.cli import explain, export  # noqa: F401 - they add their commands
+    from prag_asp.cli.registry import cli
+
+    return cli
+
+
+def __getattr__(name: str) -> Command:
+    if name == "cli":
+        return _command()
+    raise AttributeError(f"module 'prag_asp.cli' has no attribute {name!r}")

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TextIO
 
 import click
 
@@ -28,6 +28,9 @@ COLLECT = (100_000, 50, 100)
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
 
+LATER = 0.01
+"""Seconds after which an interruption that was dropped comes again."""
+
 
 class Terminated(KeyboardInterrupt):
     """Another process has asked this one to end, which it does as after Ctrl-C."""
@@ -42,7 +45,8 @@ class Command(click.Group):
             sys.set_int_max_str_digits(0)
         gc.set_threshold(*COLLECT)
         try:
-            return super().main(*args, **{**kwargs, "standalone_mode": False}) or 0
+            with _insisting():
+                return super().main(*args, **{**kwargs, "standalone_mode": False}) or 0
         except click.exceptions.Exit as stop:
             return stop.exit_code
         except click.ClickException as error:
@@ -50,6 +54,33 @@ class Command(click.Group):
             return error.exit_code
         except (click.Abort, KeyboardInterrupt, PragError, OSError) as error:
             return _end(error)
+        except RuntimeError as error:
+            if isinstance(error.__cause__, KeyboardInterrupt):  # So Python wraps what interrupts the making of a class.
+                return _end(error.__cause__)
+            raise
+
+
+@contextmanager
+def _insisting() -> Iterator[None]:
+    """Have an interruption that Python drops, since it comes while a value is being freed, come again after that."""
+    usual = sys.unraisablehook
+
+    def again(dropped: sys.UnraisableHookArgs) -> None:
+        error, to = dropped.exc_value, threading.main_thread().ident
+        if not isinstance(error, KeyboardInterrupt) or to is None:
+            usual(dropped)
+            return
+        number = signal.SIGINT
+        if isinstance(error, Terminated):
+            number = signal.SIGTERM
+            signal.signal(number, _terminate)
+        threading.Timer(LATER, signal.pthread_kill, (to, number)).start()
+
+    sys.unraisablehook = again
+    try:
+        yield
+    finally:
+        sys.unraisablehook = usual
 
 
 def _end(error: BaseException) -> int:
@@ -86,15 +117,16 @@ def whole_lines() -> Iterator[None]:
         yield
         return
 
-    def end(number: int, frame: FrameType | None) -> None:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        raise Terminated
-
-    signal.signal(signal.SIGTERM, end)
+    signal.signal(signal.SIGTERM, _terminate)
     try:
         yield
     finally:
         signal.signal(signal.SIGTERM, usual)
+
+
+def _terminate(number: int, frame: FrameType | None) -> NoReturn:
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    raise Terminated
 
 
 def require_writable(output: str | None) -> None:

@@ -1,45 +1,38 @@
 """Validate many tasks, in order, in one process or in several: the verdicts are the same.
 
-Each task has its own generator of random numbers, seeded from the seed and its index. Workers are spawned,
-because PyBullet does not survive a fork; each keeps one simulator for all its tasks.
+Each task has its own generator of random numbers, seeded from the seed and its index. Workers are not forked,
+because PyBullet does not survive that; each keeps one simulator for all its tasks.
 """
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
-from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
 
-from prag_asp.errors import PragError, QueryError, SceneError
-from prag_asp.physics.bullet import STDOUT, silence
-from prag_asp.physics.validator import Validator, open_validator
+from prag_asp.children import Child, Children, Ended, answered
+from prag_asp.errors import PragError, QueryError
+from prag_asp.physics.validator import open_validator
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.scene.model import Scene
 from prag_asp.task import Task
 
 CHUNK = 4
 CHUNKS_AHEAD = 3
+"""For each worker; of these it has been handed at most `HANDED`: the one it does, and one that it need not wait for."""
+
+HANDED = 2
 REPLACEMENTS = 5
 
 
 class WorkerError(PragError):
-    """The processes that validate tasks died again and again."""
+    """The processes that validate tasks died again and again, or could not be started."""
 
 
 Numbered = tuple[int, Task]
 """The index of a task, and the task."""
-
-Chunk = tuple[Numbered, ...]
-"""Tasks that go to a worker together."""
 
 
 def validate_tasks(
@@ -52,13 +45,13 @@ def validate_tasks(
 ) -> Generator[Verdict, None, None]:
     """Yield the verdict on each task, in the order of the tasks, which may be endless; they are numbered from 0.
 
-    One worker runs in this process, more are spawned; the verdicts do not depend on it. Tasks of a worker
-    that was killed are done again in a new pool. Closing the iterator ends the workers at once.
+    One worker runs in this process, more in processes of their own; the verdicts do not depend on it. Tasks of a
+    worker that was killed are done again by a new one. Closing the iterator ends the workers at once.
 
     Raises:
         QueryError: the number of workers is not positive.
         SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
-        WorkerError: workers died more than `REPLACEMENTS` times in a row.
+        WorkerError: workers died more than `REPLACEMENTS` times over the same tasks, or cannot be started.
     """
     return validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget)
 
@@ -94,125 +87,108 @@ def _in_process(tasks: Iterable[Numbered], scene: Scene, seed: int, budget: Budg
 def _in_pool(
     tasks: Iterable[Numbered], scene: Scene, seed: int, workers: int, budget: Budget
 ) -> Generator[Verdict, None, None]:
-    """Yield verdicts found in spawned processes, a bounded number of tasks ahead."""
-    waiting: deque[tuple[Chunk, Future[list[Verdict]] | None]] = deque()
+    """Yield verdicts found in other processes, a bounded number of tasks ahead."""
+    waiting: deque[_Chunk] = deque()
     chunks = _chunks(tasks)
-    pool = _Pool(scene, workers, seed, budget)
-    failures = 0
-    try:
+    with Children("prag_asp.physics.worker") as children:
+        pool = _Pool(children, workers, (scene, seed, budget))
         while True:
-            for chunk in islice(chunks, workers * CHUNKS_AHEAD - len(waiting)):
-                waiting.append((chunk, None))
+            waiting.extend(islice(chunks, workers * CHUNKS_AHEAD - len(waiting)))
             if not waiting:
                 return
-            try:
-                for i, (chunk, future) in enumerate(waiting):
-                    if future is None:
-                        waiting[i] = (chunk, pool.submit(chunk))
-                first = waiting[0][1]
-                assert first is not None
-                verdicts = first.result()
-            except BrokenProcessPool as error:
-                failures += 1
-                if failures > REPLACEMENTS:
-                    index = waiting[0][0][0][0]
-                    raise WorkerError(
-                        f"workers died {failures} times in a row around task {index}; "
-                        "is there enough memory? Try fewer workers"
-                    ) from error
-                pool.kill()
-                pool = _Pool(scene, workers, seed, budget)
-                waiting = deque((chunk, future if _done(future) else None) for chunk, future in waiting)
-                continue
-            failures = 0
-            waiting.popleft()
-            yield from verdicts
-    finally:
-        pool.kill()
+            pool.work(waiting)
+            if waiting[0].verdicts is not None:
+                yield from waiting.popleft().verdicts or ()
 
 
-def _chunks(tasks: Iterable[Numbered]) -> Iterator[Chunk]:
-    """Yield the tasks in groups, so that fewer messages go between processes."""
+@dataclass(eq=False)
+class _Chunk:
+    """Tasks that go to a worker together, so that fewer messages are sent, and what has become of them."""
+
+    tasks: tuple[Numbered, ...]
+    handed: bool = False
+    deaths: int = 0
+    verdicts: list[Verdict] | None = None
+
+
+def _chunks(tasks: Iterable[Numbered]) -> Iterator[_Chunk]:
+    """Yield the tasks in groups."""
     iterator = iter(tasks)
     while group := tuple(islice(iterator, CHUNK)):
-        yield group
-
-
-def _done(future: Future[list[Verdict]] | None) -> bool:
-    """Tell whether a chunk has its verdicts."""
-    return future is not None and future.done() and not future.cancelled() and future.exception() is None
+        yield _Chunk(group)
 
 
 class _Pool:
-    """Spawned processes, each with a validator."""
+    """Workers, started as they are needed, each with the chunks that it has been handed, in order."""
 
-    def __init__(self, scene: Scene, workers: int, seed: int, budget: Budget):
-        self._settings = (seed, budget)
-        context = get_context("spawn")
-        lifeline, self._held = context.Pipe(duplex=False)
-        self._executor = ProcessPoolExecutor(
-            workers, mp_context=context, initializer=_start_worker, initargs=(scene, lifeline)
-        )
+    def __init__(self, children: Children, workers: int, settings: tuple[Scene, int, Budget]):
+        self._children, self._workers, self._settings = children, workers, settings
+        self._handed: dict[Child, deque[_Chunk]] = {}
 
-    def submit(self, chunk: Chunk) -> Future[list[Verdict]]:
-        """Hand a chunk to a worker; one that is started for it never sees Ctrl-C, which is for its parent to answer."""
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            return self._executor.submit(_validate_chunk, chunk, *self._settings)
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    def work(self, waiting: Sequence[_Chunk]) -> None:
+        """Hand out chunks and take in verdicts; wait for some where the first chunk has none yet.
 
-    def kill(self) -> None:
-        """End the workers in the middle of what they do, and wait until they are gone.
-
-        Leaving the executor in peace would finish the chunks that it has already handed out.
+        Raises:
+            SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
+            WorkerError: workers died more than `REPLACEMENTS` times over the same chunk, or cannot be started.
         """
-        self._held.close()
-        self._executor.shutdown(wait=True, cancel_futures=True)
+        for chunk in waiting:
+            if not chunk.handed and (worker := self._free()) is not None:
+                self._hand(chunk, worker)
+        first = waiting[0]
+        for worker in answered(self._handed, None if first.handed and first.verdicts is None else 0):
+            self._take_in(worker)
 
+    def _free(self) -> Child | None:
+        """Return the worker with the least to do, a new one rather than a busy one, None where all have enough."""
+        idle = [worker for worker, chunks in self._handed.items() if not chunks]
+        if idle:
+            return idle[0]
+        if len(self._handed) < self._workers:
+            return self._started()
+        least = min(self._handed, key=lambda worker: len(self._handed[worker]))
+        return least if len(self._handed[least]) < HANDED else None
 
-@dataclass
-class _Worker:
-    """What a spawned process keeps between its tasks: a validator, or why there is none."""
+    def _started(self) -> Child:
+        """Start a worker."""
+        try:
+            worker = self._children.start()
+        except Ended as ended:
+            raise WorkerError(f"a worker ended {ended}; is there enough memory? Try fewer workers") from None
+        self._handed[worker] = deque()
+        with suppress(Ended):  # which it will be at the first chunk, too
+            worker.send(self._settings)
+        return worker
 
-    validator: Validator | None
-    resources: ExitStack
-    error: PragError | None = None
+    def _hand(self, chunk: _Chunk, worker: Child) -> None:
+        """Give a worker one more chunk to do."""
+        chunk.handed = True
+        self._handed[worker].append(chunk)
+        try:
+            worker.send(chunk.tasks)
+        except Ended as ended:
+            self._replace(worker, ended)
 
+    def _take_in(self, worker: Child) -> None:
+        """Take the verdicts on the chunk that a worker has done."""
+        try:
+            verdicts: list[Verdict] = worker.receive()
+        except Ended as ended:
+            self._replace(worker, ended)
+        else:
+            self._handed[worker].popleft().verdicts = verdicts
 
-_worker: list[_Worker] = []
-
-
-def _end_with(lifeline: Connection) -> None:
-    """End this process when the other end of a pipe is closed: by its parent, or because that has been killed."""
-    wait([lifeline])
-    os._exit(1)
-
-
-def _start_worker(scene: Scene, lifeline: Connection) -> None:
-    """Prepare a spawned process: no output, an end when its parent ends, one validator.
-
-    An error is kept for the first chunk to raise: raised here it would only break the pool.
-    """
-    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
-    silence(STDOUT)
-    resources = ExitStack()
-    try:
-        _worker.append(_Worker(resources.enter_context(open_validator(scene)), resources))
-    except PragError as error:
-        _worker.append(_Worker(None, resources, error))
-    except Exception as error:
-        what = f"{type(error).__name__}: {error}"
-        _worker.append(_Worker(None, resources, SceneError(f"the scene cannot be built: {what}")))
-
-
-def _validate_chunk(chunk: Chunk, seed: int, budget: Budget) -> list[Verdict]:
-    """Return the verdicts on some tasks, in a spawned process.
-
-    Raises:
-        SceneError: the scene of this process could not be built.
-    """
-    validator, error = _worker[0].validator, _worker[0].error
-    if validator is None:
-        raise error or SceneError("the scene cannot be built")
-    return [validator.validate(task, seed=seed, index=index, budget=budget) for index, task in chunk]
+    def _replace(self, worker: Child, ended: Ended) -> None:
+        """Let others do what a worker that has died leaves behind."""
+        self._children.end(worker)
+        left = self._handed.pop(worker)
+        for chunk in left:
+            chunk.handed = False
+        if left:
+            left[0].deaths += 1
+            if left[0].deaths > REPLACEMENTS:
+                times, index = left[0].deaths, left[0].tasks[0][0]
+                raise WorkerError(
+                    f"workers died {times} times in a row around task {index}, the last {ended}; "
+                    "is there enough memory? Try fewer workers"
+                )

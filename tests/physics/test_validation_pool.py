@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
 import os
 import random
 import signal
@@ -16,17 +15,13 @@ import pytest
 
 from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.errors import PragError, QueryError, SceneError
-from prag_asp.physics import Budget, WorkerError, validate_tasks
+from prag_asp.physics import Budget, WorkerError, pool, validate_tasks
 from prag_asp.scene.model import Shape
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
-from tests.processes import interrupt, interruptible
+from tests.processes import children, interrupt, interruptible
 
 ROOT = Path(__file__).parents[2]
-
-
-def _workers() -> list[int]:
-    return [child.pid for child in multiprocessing.active_children() if child.pid is not None]
 
 
 def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tabletop):
@@ -36,7 +31,7 @@ def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tab
     assert _lines(tasks, alone) == _lines(tasks, together)
     assert [v.index for v in alone] == list(range(24))
     assert sum(v.feasible for v in alone) > 20
-    assert not _workers()
+    assert not children()
 
 
 def _lines(tasks, verdicts):
@@ -70,7 +65,7 @@ def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop):
         assert len(list(islice(verdicts, 6))) == 6
         verdicts.close()
     assert next(read) < 60
-    assert not _workers()
+    assert not children()
 
 
 def test_a_killed_worker_costs_nothing_but_time(tabletop):
@@ -78,21 +73,30 @@ def test_a_killed_worker_costs_nothing_but_time(tabletop):
     expected = _lines(tasks, validate_tasks(tasks, tabletop, seed=2))
     verdicts = validate_tasks(tasks, tabletop, seed=2, workers=2)
     found = [next(verdicts)]
-    os.kill(_workers()[0], signal.SIGKILL)
+    os.kill(children()[0], signal.SIGKILL)
     found += islice(verdicts, 14)
-    os.kill(_workers()[-1], signal.SIGKILL)
+    os.kill(children()[-1], signal.SIGKILL)
     found += verdicts
     assert _lines(tasks, found) == expected
 
 
-def test_workers_that_always_die_end_in_a_clear_error(tabletop, monkeypatch):
-    from prag_asp.physics import pool
-
-    monkeypatch.setattr(pool, "_start_worker", os._exit)
+@pytest.mark.parametrize(("last", "how"), [("exit 3", "with code 3"), ("kill -9 $$", "by SIGKILL")])
+def test_workers_that_always_die_end_in_a_clear_error(tabletop, monkeypatch, tmp_path, last, how):
+    dying = tmp_path / "python"
+    dying.write_text(f"#!/bin/sh\n{last}\n")
+    dying.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(dying))
     monkeypatch.setattr(pool, "REPLACEMENTS", 1)
-    with pytest.raises(WorkerError, match="workers died 2 times in a row around task 0"):
+    with pytest.raises(WorkerError, match=f"workers died 2 times in a row around task 0, the last {how}; is there"):
         list(validate_tasks([stacking()], tabletop, seed=0, workers=2))
     assert issubclass(WorkerError, PragError)
+    assert not children()
+
+
+def test_a_worker_that_cannot_be_started_is_a_clear_error(tabletop, monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/no/such/python")
+    with pytest.raises(WorkerError, match="a worker ended before it began: No such file or directory; is there"):
+        list(validate_tasks([stacking()], tabletop, seed=0, workers=2))
 
 
 def test_an_error_of_a_task_reaches_the_caller_from_a_worker(tabletop):
@@ -109,13 +113,12 @@ def test_no_workers_are_refused(tabletop):
 
 def test_nothing_of_the_simulator_reaches_standard_output():
     code = """
-if __name__ == "__main__":
-    from prag_asp.physics import validate_tasks
-    from tests.physics.random_tasks import shipped_scene
-    from tests.physics.scenarios import stacking
-    for workers in (1, 2):
-        verdicts = validate_tasks([stacking()] * 5, shipped_scene("tabletop"), seed=0, workers=workers)
-        assert all(verdict.feasible for verdict in verdicts)
+from prag_asp.physics import validate_tasks
+from tests.physics.random_tasks import shipped_scene
+from tests.physics.scenarios import stacking
+for workers in (1, 2):
+    verdicts = validate_tasks([stacking()] * 5, shipped_scene("tabletop"), seed=0, workers=workers)
+    assert all(verdict.feasible for verdict in verdicts)
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, check=True)
     assert done.stdout == b""
@@ -130,10 +133,9 @@ def test_an_interrupt_ends_all_processes_and_so_does_killing_the_first(killed, t
         "from prag_asp.physics import validate_tasks\n"
         "from tests.physics.random_tasks import shipped_scene\n"
         "from tests.physics.scenarios import stacking\n"
-        "if __name__ == '__main__':\n"
-        "    scene = shipped_scene('tabletop')\n"
-        "    for verdict in validate_tasks(itertools.repeat(stacking()), scene, seed=0, workers=2):\n"
-        "        print(verdict.index, flush=True)\n"
+        "scene = shipped_scene('tabletop')\n"
+        "for verdict in validate_tasks(itertools.repeat(stacking()), scene, seed=0, workers=2):\n"
+        "    print(verdict.index, flush=True)\n"
     )
     with interruptible([sys.executable, str(script)], tmp_path) as running:
         assert running.stdout is not None
@@ -168,14 +170,14 @@ def test_a_scene_that_cannot_be_built_is_one_clear_error_however_many_workers(ta
         with pytest.raises(SceneError) as caught:
             list(validate_tasks([stacking()] * 20, broken, seed=0, workers=workers))
         assert "cube_1" in str(caught.value) and "\n" not in str(caught.value)
-    assert not _workers()
+    assert not children()
 
 
 def test_what_breaks_a_worker_at_its_start_is_told_and_not_tried_again(tabletop):
     unknown = replace(tabletop, robot="no_such_robot")
     with pytest.raises(SceneError, match=r"the scene cannot be built: KeyError: 'no_such_robot'"):
         list(validate_tasks([stacking()], unknown, seed=0, workers=2))
-    assert not _workers()
+    assert not children()
 
 
 def _hopeless():
@@ -190,7 +192,7 @@ def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way):
     endless = chain([stacking()] * 4, repeat(_hopeless()))
     verdicts = validate_tasks(endless, tabletop, seed=0, workers=2, budget=Budget(100_000, 100))
     next(verdicts)
-    assert _workers()
+    assert children()
     begun = time.monotonic()
     if way == "close":
         verdicts.close()
@@ -201,7 +203,7 @@ def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way):
             _consume(validate_tasks(endless, tabletop, seed=0, workers=2, budget=Budget(100_000, 100)))
         verdicts.close()
     assert time.monotonic() - begun < 5
-    assert not _workers()
+    assert not children()
 
 
 def _consume(verdicts):

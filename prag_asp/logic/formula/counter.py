@@ -5,22 +5,19 @@ Ganak is native code that hears neither Ctrl-C nor a time limit, and that ends t
 
 from __future__ import annotations
 
-import ctypes
-import signal
-import subprocess
-import sys
 from collections.abc import Iterable, Sequence
 from importlib.util import find_spec
 from itertools import chain
+from tempfile import TemporaryFile
+from typing import IO
 
+from prag_asp.children import Children, Ended
 from prag_asp.errors import EngineError
 from prag_asp.logic.formula.clauses import Literal
 from prag_asp.logic.formula.cnf import Cnf
 
 LARGEST = 2**24
 """Variables that Ganak is given at most: beyond, it takes memory without bound, or aborts."""
-
-ANSWER = "count "
 
 
 def require_ganak() -> None:
@@ -42,26 +39,25 @@ def count_models(cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float |
     require_ganak()
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
     refuse_what_ganak_cannot_take(cnf.variables, clauses, cnf.shown)
-    text = "\n".join(" ".join(map(str, row)) for row in ((cnf.variables,), cnf.shown, *clauses))
-    # The path is handed over, and the folder that the user stands in, which Python would add, left out.
-    code = f"import sys; sys.path[:] = {sys.path!r}; from prag_asp.logic.formula.counter import main; main()"
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    try:
-        printed, complaint = process.communicate(text, timeout=seconds)
-    except subprocess.TimeoutExpired:
-        raise EngineError(
-            f"engine sharp: no count after {seconds:g} s; allow more, or choose a smaller length"
-        ) from None
-    finally:
-        process.kill()
-        process.communicate()
-    answers = [line for line in printed.splitlines() if line.startswith(ANSWER)]
-    if process.returncode or len(answers) != 1:
-        said = (complaint.strip().splitlines() or ["nothing said"])[-1]
-        raise EngineError(f"engine sharp: Ganak ended with code {process.returncode} ({said}); choose another engine")
-    return int(answers[0].removeprefix(ANSWER))
+    with TemporaryFile() as complaints, Children("prag_asp.logic.formula.ganak", complaints.fileno()) as children:
+        try:
+            ganak = children.start()
+            ganak.send((cnf.variables, cnf.shown, clauses))
+            return int(ganak.receive(seconds))
+        except TimeoutError:
+            raise EngineError(
+                f"engine sharp: no count after {seconds:g} s; allow more, or choose a smaller length"
+            ) from None
+        except Ended as ended:
+            said = _last_line(complaints)
+            raise EngineError(f"engine sharp: Ganak ended {ended} ({said}); choose another engine") from None
+
+
+def _last_line(complaints: IO[bytes]) -> str:
+    """Return what was complained about last."""
+    complaints.seek(0)
+    lines = complaints.read().decode(errors="replace").strip().splitlines()
+    return lines[-1] if lines else "nothing said"
 
 
 def refuse_what_ganak_cannot_take(
@@ -80,22 +76,3 @@ def refuse_what_ganak_cannot_take(
     for literal in chain(shown, *clauses):
         if not 0 < abs(literal) <= variables:
             raise EngineError(f"engine sharp: the literal {literal} is none of the {variables:,} variables")
-
-
-def main() -> None:
-    """Count the formula on stdin: the number of variables, those shown, then a clause a line."""
-    import pyganak  # noqa: PLC0415
-
-    _end_with_parent()
-    (variables,), shown, *clauses = ([int(word) for word in line.split()] for line in sys.stdin)
-    counter = pyganak.Counter()
-    counter.new_vars(variables)
-    counter.add_clauses(clauses)
-    counter.set_sampling_set(shown)
-    sys.stdout.write(f"\n{ANSWER}{counter.count()}\n")
-
-
-def _end_with_parent() -> None:
-    """Have this process end where the one that asked is killed and cannot do it."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG

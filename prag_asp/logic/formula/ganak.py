@@ -1,0 +1,29 @@
+"""What a process that counts models does: hand formulas to Ganak, native code that may end the process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from prag_asp.errors import EngineError
+
+
+def answers(messages: Iterator[Any]) -> Iterator[int]:
+    """Yield the number of models of each formula: the number of its variables, those shown, and its clauses.
+
+    Raises:
+        EngineError: Ganak fails.
+    """
+    for variables, shown, clauses in messages:
+        try:
+            import pyganak  # noqa: PLC0415
+
+            counter = pyganak.Counter()
+            counter.new_vars(variables)
+            counter.add_clauses(clauses)
+            counter.set_sampling_set(shown)
+            counted = int(counter.count())
+        except Exception as error:
+            what = f"{type(error).__name__}: {error}"
+            raise EngineError(f"engine sharp: Ganak failed ({what}); choose another engine") from error
+        yield counted
