@@ -27,7 +27,6 @@ def main() -> None:
 
 def _command() -> Command:
     """Load the command."""
-    from prag_asp.cli import explain, export  # noqa: F401 - they add their commands
     from prag_asp.cli.registry import cli
 
     return cli
