@@ -74,6 +74,8 @@ class Asked:
     def _load(self, recorded: Mapping[str, str]) -> Domain:
         from prag_asp.domain.load import load_domain
 
+        if self.settings is None:
+            _note_unread(self.names)
         return load_domain(
             *map(_given, self.names),
             constants={**recorded, **parse_constant_options(self.constants)},
@@ -121,6 +123,16 @@ class Asked:
             raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
         memory = parse_memory(self.memory) if self.memory else None
         return Limits(memory, parse_time(self.time) if self.time else None, self.cached)
+
+
+def _note_unread(names: Sequence[str]) -> None:
+    """Say once that a folder's settings stay unread where its domain.lp is given as a file."""
+    said: dict[str, Any] = click.get_current_context().meta
+    for name in names:
+        settings = Path(name).parent / "domain.toml"
+        if name not in said and Path(name).name == "domain.lp" and settings.is_file():
+            said[name] = True
+            click.echo(f"note: {settings} is not read with a file; give its folder, or --settings {settings}", err=True)
 
 
 def _given(name: str) -> str | Source:
