@@ -9,7 +9,8 @@ from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from prag_asp.cli.options import Asked, Checking, scene_of
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import Checking, scene_of
 from prag_asp.dataset.feasible import Recordings
 from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.origin import foreign, index_of, read_witness, told_with_place

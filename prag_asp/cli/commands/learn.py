@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, Checking, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress, require_writable, writer
 from prag_asp.errors import QueryError
