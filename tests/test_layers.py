@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 
 import prag_asp
+from prag_asp.cli import cli
+from prag_asp.cli.registry import COMMANDS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
@@ -201,6 +203,21 @@ def test_counting_loads_only_those_of_our_own_modules_that_count() -> None:
 
 def test_asking_for_help_loads_no_solver() -> None:
     assert not loaded_by("--help") & {"clingo", "numpy", "pybullet"}
+
+
+def test_a_command_loads_no_other_command() -> None:
+    for command in ("count", "sample", "stats"):
+        own = [name for name in loaded_by(command, "--help") if name.startswith("prag_asp.cli.commands.")]
+        assert own == [f"prag_asp.cli.commands.{command}"]
+
+
+def test_every_file_of_a_command_is_registered_and_every_entry_has_its_command() -> None:
+    files = {path.stem for path in (PACKAGE / "cli" / "commands").glob("*.py")} - {"__init__"}
+    assert set(COMMANDS.values()) == files
+    context = cli.make_context("prag-asp", ["domains"])
+    for name in cli.list_commands(context):
+        command = cli.get_command(context, name)
+        assert command is not None and command.name == name and command.help
 
 
 def test_the_public_names_are_these_and_all_exist() -> None:

@@ -130,7 +130,7 @@ def _domains(given: Sequence[str]) -> Offer:
 
 def _domain(context: click.Context) -> Domain:
     """Load the domain that the command line gives so far; an option without its value leaves it unparsed."""
-    from prag_asp.cli.options import parse_constant_options
+    from prag_asp.cli.asked import parse_constant_options
     from prag_asp.domain.load import load_domain
 
     given, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)

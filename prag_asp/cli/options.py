@@ -3,145 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import wraps
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from prag_asp.cli import complete
+from prag_asp.cli.asked import Asked
 from prag_asp.cli.words import one_length, one_or_more_lengths
-from prag_asp.errors import DomainError, QueryError
-from prag_asp.program.paths import STANDARD_INPUT
+from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget
-    from prag_asp.program.sources import Source
-    from prag_asp.space.limits import Limits
-    from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
 
 Function = Callable[..., Any]
-
-
-@dataclass(frozen=True)
-class Asked:
-    """The domain and the task space that a command line asks for.
-
-    `recorded` is a task of a file, made with constants of the domain; those of the command line go before its own.
-    """
-
-    names: tuple[str, ...] = ()
-    constants: tuple[str, ...] = ()
-    settings: str | None = None
-    rules: tuple[str, ...] = ()
-    encodings: str | None = None
-    flat: bool = False
-    learned: bool = True
-    length: int | range = 0
-    engine: str = "auto"
-    where: tuple[str, ...] = ()
-    memory: str | None = None
-    time: str | None = None
-    cached: bool = True
-    trust: bool = False
-    recorded: Record | None = None
-
-    def of(self, record: Record, folder: Path) -> Asked:
-        """Return the same for the task of a file in a folder: its domain where none is asked for, and its constants."""
-        from prag_asp.dataset.origin import named_domain
-
-        recorded = record if record.task.constants else None
-        return replace(self, names=self.names or (named_domain(record, folder),), recorded=recorded)
-
-    def domain(self) -> Domain:
-        """Load the domain.
-
-        Raises:
-            DomainError: something is wrong with it, or with the constants that a task of a file names.
-        """
-        if self.recorded is None:
-            return self._load({})
-        try:
-            return self._load(self.recorded.task.constants)
-        except DomainError as error:
-            raise DomainError(f"{self.recorded.place}: {error}") from None
-
-    def _load(self, recorded: Mapping[str, str]) -> Domain:
-        from prag_asp.domain.load import load_domain
-
-        return load_domain(
-            *map(_given, self.names),
-            constants={**recorded, **parse_constant_options(self.constants)},
-            settings=self.settings,
-            rules=self.rules,
-            encodings=self.encodings,
-            flat=self.flat,
-            trust=self.trust,
-            learned=self.learned,
-        )
-
-    def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
-        """Return the task space of the domain, or of another one, which tells its progress to `tell`."""
-        from prag_asp.space.task_space import TaskSpace
-
-        limits = self._limits()
-        space = TaskSpace(domain or self.domain(), self.one_length, engine=self.engine, progress=tell, limits=limits)
-        return space.where(*self.where)
-
-    def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace | TaskSpaces:
-        """Return the task space of the length, or the task spaces of a range of lengths as one."""
-        if isinstance(self.length, int):
-            return self.space(tell)
-        from prag_asp.space.task_spaces import TaskSpaces
-
-        limits = self._limits()
-        spaces = TaskSpaces(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
-        return spaces.where(*self.where)
-
-    def conditions(self) -> tuple[str, ...]:
-        """Return the conditions asked for.
-
-        Raises:
-            QueryError: one is empty.
-        """
-        if not all(map(str.strip, self.where)):
-            raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
-        return self.where
-
-    @property
-    def one_length(self) -> int:
-        """The length, where a command takes no range."""
-        assert isinstance(self.length, int), "a range is refused where the option is read"
-        return self.length
-
-    def _limits(self) -> Limits:
-        """Return the limits; what is asked is checked on the way, before anything is loaded.
-
-        Raises:
-            QueryError: a limit is none, or a condition is empty.
-        """
-        from prag_asp.space.limits import Limits, parse_memory, parse_time
-
-        self.conditions()
-        memory = parse_memory(self.memory) if self.memory else None
-        return Limits(memory, parse_time(self.time) if self.time else None, self.cached)
-
-
-def _given(name: str) -> str | Source:
-    """Return what a domain is given as; standard input is read once, however often its domain is loaded."""
-    if name != STANDARD_INPUT:
-        return name
-    from prag_asp.domain.given import standard_input
-
-    kept: dict[str, Any] = click.get_current_context().meta
-    if STANDARD_INPUT not in kept:
-        kept[STANDARD_INPUT] = standard_input()
-    source: Source = kept[STANDARD_INPUT]
-    return source
 
 
 PROGRAM = (
@@ -368,21 +246,6 @@ def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
         if not equals or not key:
             raise QueryError(f"--weight {option}: write KEY=WEIGHT, such as grasp=2 or 'grasp>move=0.5'")
         found[key.strip()] = weight.strip()
-    return found
-
-
-def parse_constant_options(options: Sequence[str]) -> dict[str, str]:
-    """Return the constants that options of the form NAME=VALUE set.
-
-    Raises:
-        QueryError: an option is of another form.
-    """
-    found = {}
-    for option in options:
-        name, equals, value = option.partition("=")
-        if not equals or not name.strip():
-            raise QueryError(f"--const {option}: write NAME=VALUE, such as discs=4")
-        found[name.strip()] = value.strip()
     return found
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import asks
 from prag_asp.errors import DomainError
 from prag_asp.wording import plural
 

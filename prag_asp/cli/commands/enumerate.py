@@ -9,7 +9,8 @@ import click
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, require_writable, writer
 from prag_asp.errors import QueryError
 

@@ -7,7 +7,8 @@ from typing import Any
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import require_writable, writer
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, Checking, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress, require_writable, writer
 from prag_asp.errors import QueryError
@@ -109,8 +110,7 @@ def _tally(
     space: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking, tell: Callable[[str], None]
 ) -> Tally:
     """Return how many of some uniformly drawn tasks pass physics."""
-    from prag_asp.cli.tally import tally_line
-    from prag_asp.dataset.tally import Tally
+    from prag_asp.dataset.tally import Tally, tally_line
     from prag_asp.physics import validate_tasks
 
     tally = Tally()

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import complete, options
-from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, require_writable
 from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import OutputError, QueryError

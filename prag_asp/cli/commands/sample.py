@@ -9,7 +9,8 @@ from typing import Any
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.options import Asked, Checking, Weighing, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import Checking, Weighing, asks
 from prag_asp.cli.terminal import progress, require_unrecorded, require_writable, writer
 from prag_asp.errors import OutputError
 from prag_asp.wording import plural

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import complete, options
-from prag_asp.cli.options import Asked, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, writer
 from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError

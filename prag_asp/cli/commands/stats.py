@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli import complete, options
-from prag_asp.cli.options import Asked, Weighing, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import Weighing, asks
 from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress, writer
 

@@ -9,7 +9,8 @@ from typing import IO
 import click
 
 from prag_asp.cli import complete, options
-from prag_asp.cli.options import Asked, Checking, asks
+from prag_asp.cli.asked import Asked
+from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.terminal import FAILED, progress, require_unrecorded, whole_lines
 from prag_asp.errors import QueryError
 
