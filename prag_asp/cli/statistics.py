@@ -35,7 +35,7 @@ WIDEST = 40
     show_default=True,
     help="Tables with decimals, or JSON with exact fractions.",
 )
-@click.option("--plot", metavar="FILE", help="Draw counts per length up to N into FILE.html or FILE.png.")
+@click.option("--plot", metavar="FILE", help="Draw counts per length up to N into FILE, a .html, .png, .svg or .pdf.")
 @options.output
 def stats(*, asked: Asked, by: Any, weighing: Weighing, form: str, plot: str | None, output: str | None) -> None:
     """Print what a random task of length N is like, exactly: entropy, expected numbers, and probabilities."""
