@@ -7,16 +7,37 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from decimal import MAX_EMAX, Context, Decimal, localcontext
+from html import escape
+from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import OutputError, QueryError
+from prag_asp.errors import OutputError, PicturesMissingError, QueryError
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
+    from matplotlib.figure import Figure
 
-KINDS = (".html", ".png")
+DATES = {".png": "Creation Time", ".svg": "Date", ".pdf": "CreationDate"}
+"""What each kind of picture calls its date, which is left out."""
+
+KINDS = (".html", *DATES)
+
+SIZE, DOTS = (8.0, 5.5), 200
+"""Inches of a picture, and pixels an inch."""
+
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#777777")
+"""Colours that colour-blind readers tell apart (Okabe and Ito 2008)."""
+
+MARKED = 60
+"""Lengths up to which each has a mark of its own."""
+
+STYLE = (
+    "body{font:16px sans-serif;max-width:60em;margin:auto;padding:1em}svg{max-width:100%;height:auto}"
+    "div{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}"
+    "th,td{padding:.2em .8em;text-align:right}tr+tr{border-top:1px solid #e0e0e0}"
+)
 
 
 @dataclass(frozen=True)
@@ -26,10 +47,16 @@ class Series:
     name: str
     counts: tuple[int, ...]
 
+    def points(self) -> tuple[tuple[int, ...], tuple[float, ...]]:
+        """Return the lengths of which there are any, and the decimal logarithms of their counts."""
+        heights = enumerate(logarithms(self.counts), 1)
+        found = [(length, height) for length, height in heights if height is not None]
+        return tuple(length for length, _ in found), tuple(height for _, height in found)
+
 
 @dataclass(frozen=True)
 class Curve:
-    """The lines for one domain."""
+    """The lines for one domain; the last one is drawn with dashes."""
 
     title: str
     series: tuple[Series, ...]
@@ -54,62 +81,86 @@ def counts_by_length(space: TaskSpace) -> Curve:
 
 
 def check_file(file: str) -> None:
-    """Refuse a file that no picture is written to.
+    """Refuse a file that no curve can be written to, before anything is counted.
 
     Raises:
-        QueryError: it ends in neither .html nor .png.
+        QueryError: its ending is none of those known.
+        PicturesMissingError: matplotlib is not installed.
     """
     if Path(file).suffix.lower() not in KINDS:
-        raise QueryError(f"{file}: a curve is written to a file that ends in {' or '.join(KINDS)}")
+        raise QueryError(f"{file}: a curve is written to a file that ends in {', '.join(KINDS[:-1])} or {KINDS[-1]}")
+    if find_spec("matplotlib") is None:
+        raise PicturesMissingError("a curve needs matplotlib: pip install 'prag_asp[pictures]'")
 
 
 def draw_curve(curve: Curve, file: str) -> None:
-    """Write the curve as a web page that needs no network, or as a picture.
+    """Write the curve as a picture, or as a web page with the picture and the counts, which needs no network.
 
     Raises:
-        QueryError: the file's ending is unknown, or the package that draws is not installed.
+        QueryError: the file's ending is unknown.
+        PicturesMissingError: matplotlib is not installed.
         OutputError: the file cannot be written.
     """
     check_file(file)
+    kind = Path(file).suffix.lower()
     try:
-        if Path(file).suffix.lower() == ".html":
-            figure(curve).write_html(file, include_plotlyjs=True)
+        if kind == ".html":
+            Path(file).write_text(page(curve), encoding="utf-8")
         else:
-            from prag_asp.analysis.chart import draw_chart  # noqa: PLC0415 - it imports this file
-
-            draw_chart(curve, file)
-    except ImportError as error:
-        raise QueryError(f"{error.name} is missing; install it with: pip install 'prag_asp[pictures]'") from None
+            Path(file).write_bytes(saved(figure(curve), kind))
     except OSError as error:
         raise OutputError(f"{file}: cannot be written: {error.strerror or error}; choose another file") from None
 
 
 def figure(curve: Curve) -> Figure:
-    """Return the curve as a figure of plotly, with the exact counts where the pointer is."""
-    from plotly import graph_objects  # noqa: PLC0415 - heavy
+    """Return the curve as a figure of matplotlib."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - heavy
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - heavy
 
-    result = graph_objects.Figure()
-    for place, series in enumerate(curve.series):
-        heights = logarithms(series.counts)
-        dash = "dash" if place == len(curve.series) - 1 else "solid"
-        points = [(length, height) for length, height in enumerate(heights, 1) if height is not None]
-        result.add_scatter(
-            x=[length for length, _ in points],
-            y=[height for _, height in points],
-            name=series.name,
-            mode="lines+markers" if len(heights) <= 60 else "lines",
-            line={"dash": dash},
-            text=[shown(series.counts[length - 1]) for length, _ in points],
-            hovertemplate="n = %{x}: %{text}<extra>%{fullData.name}</extra>",
-        )
-    result.update_layout(
-        template="simple_white",
-        title=curve.title,
-        xaxis_title="length n",
-        yaxis={"title": "number", "tickprefix": "10<sup>", "ticksuffix": "</sup>", "tickformat": "d"},
-        legend={"x": 0.02, "y": 0.98},
+    drawn = Figure(figsize=SIZE, dpi=DOTS, layout="constrained")
+    axes = drawn.add_subplot(xlabel="length n", ylabel="number")
+    axes.set_title(curve.title, parse_math=False)
+    for series, color in zip(curve.series, COLORS, strict=True):
+        line = "--" if series is curve.series[-1] else "o-" if len(series.counts) <= MARKED else "-"
+        axes.plot(*series.points(), line, color=color, linewidth=2, label=series.name, clip_on=False)
+    axes.set_ylim(bottom=0.0)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    axes.yaxis.set_major_formatter("$10^{{{x:.0f}}}$")
+    axes.grid(axis="y", color="#e0e0e0")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, loc="upper left")
+    return drawn
+
+
+def saved(drawn: Figure, kind: str) -> bytes:
+    """Return a figure as a picture of some kind; the same figure gives the same bytes."""
+    from matplotlib import rc_context  # noqa: PLC0415 - heavy
+
+    buffer = BytesIO()
+    with rc_context({"svg.hashsalt": "prag_asp"}):
+        drawn.savefig(buffer, format=kind.removeprefix("."), metadata={DATES[kind]: None})
+    return buffer.getvalue()
+
+
+def page(curve: Curve) -> str:
+    """Return the curve as a web page: the picture, and a table of the counts."""
+    picture = saved(figure(curve), ".svg").decode()
+    names = "".join(f"<th>{escape(series.name)}" for series in curve.series)
+    rows = [
+        f"<tr><th>{length}{''.join(f'<td>{shown(count)}' for count in counts)}"
+        for length, counts in enumerate(zip(*(series.counts for series in curve.series), strict=True), 1)
+    ]
+    return "\n".join(
+        [
+            f"<!doctype html><html lang=en><meta charset=utf-8><title>{escape(curve.title)}</title>",
+            f"<meta name=viewport content='width=device-width'><style>{STYLE}</style>",
+            picture[picture.index("<svg") :],
+            f"<div><table><thead><tr><th>n{names}<tbody>",
+            *rows,
+            "</table></div>\n",
+        ]
     )
-    return result
 
 
 def logarithms(counts: tuple[int, ...]) -> list[float | None]:

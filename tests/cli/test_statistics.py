@@ -44,7 +44,7 @@ def test_a_count_of_hundreds_of_digits_is_shown_short() -> None:
 
 
 def test_the_curve_is_written_beside_the_figures(tmp_path: Path) -> None:
-    for name in ("curve.html", "curve.png"):
+    for name in ("curve.html", "curve.png", "curve.svg", "curve.pdf"):
         ok("stats", "prag", "-n", "3", "--plot", str(tmp_path / name))
         assert (tmp_path / name).stat().st_size > 10_000
 
@@ -59,7 +59,7 @@ def test_sample_draws_at_a_temperature_and_over_goals(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["stats", "prag", "-n", "3", "--plot", "curve.pdf"], "ends in .html or .png"),
+        (["stats", "prag", "-n", "3", "--plot", "curve.txt"], "ends in .html, .png, .svg or .pdf"),
         (["stats", "prag", "-n", "3", "--temperature", "0"], "above 0"),
         (["stats", "prag", "-n", "3", "--by", "skeleton", "--weight", "grasp=2"], "skeletons have no weights"),
         (["stats", "prag", "-n", "3", "--weight", "panda=0"], "all 2092 weigh 0"),

@@ -110,7 +110,8 @@ def _tally(
     space: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking, tell: Callable[[str], None]
 ) -> Tally:
     """Return how many of some uniformly drawn tasks pass physics."""
-    from prag_asp.dataset.tally import Tally, tally_line
+    from prag_asp.cli.tally import tally_line
+    from prag_asp.dataset.tally import Tally
     from prag_asp.physics import validate_tasks
 
     tally = Tally()

@@ -39,7 +39,7 @@ WIDEST = 40
 )
 @click.option(
     "--plot", metavar="FILE", shell_complete=complete.files,
-    help="Draw counts per length up to N into FILE.html or FILE.png.",
+    help="Draw counts per length up to N into FILE, a .html, .png, .svg or .pdf.",
 )  # fmt: skip
 @options.output
 def stats(*, asked: Asked, by: Any, weighing: Weighing, form: str, plot: str | None, output: str | None) -> None:
