@@ -28,12 +28,17 @@ def object_of(witness: dict[str, Any]) -> str:
     return next(iter(witness["moments"][0]["poses"]))
 
 
+def arm(witness: dict[str, Any], k: int) -> dict[str, Any]:
+    """Return the arm in a state."""
+    return witness["moments"][k]["arms"]["panda"]
+
+
 MALFORMED: dict[str, Change] = {
     "witness.moments: is missing": lambda w: w.clear(),
-    "witness.moments[2].joints: needs 7 numbers; got 'x'": lambda w: w["moments"][2].update(joints="x"),
-    "witness.moments[2].joints: needs 7 numbers; got a list of 6": lambda w: w["moments"][2]["joints"].pop(),
-    "witness.moments[1].joints[3]: needs a finite number; got nan": (
-        lambda w: w["moments"][1]["joints"].__setitem__(3, float("nan"))
+    "witness.moments[2].arms.panda.joints: needs 7 numbers; got 'x'": lambda w: arm(w, 2).update(joints="x"),
+    "witness.moments[2].arms.panda.joints: needs 7 numbers; got a list of 6": lambda w: arm(w, 2)["joints"].pop(),
+    "witness.moments[1].arms.panda.joints[3]: needs a finite number; got nan": (
+        lambda w: arm(w, 1)["joints"].__setitem__(3, float("nan"))
     ),
     "witness.moments[1].poses: is missing": lambda w: w["moments"][1].pop("poses"),
     "witness.motions[0][0].held: needs a string; got 3": lambda w: w["motions"][0][0].update(held=3),
@@ -45,7 +50,9 @@ INCONSISTENT: dict[str, Change] = {
         lambda w: w["moments"][1]["poses"].update(ghost=[[0.5, 0, 0.1], [0, 0, 0, 1]])
     ),
     "has no pose": lambda w: w["moments"][1]["poses"].pop(object_of(w)),
-    "state 2: it has the arms left; the scene has one without a name": (lambda w: w["moments"][2].update(robot="left")),
+    "state 2: it has the arms of left; the scene has those of panda": (
+        lambda w: w["moments"][2].update(arms={"left": arm(w, 2)})
+    ),
 }
 
 
@@ -72,7 +79,11 @@ def test_each_malformed_witness_is_told_by_its_field_and_the_others_are_still_ch
 
 
 @pytest.mark.parametrize(
-    "text", ["witness.moments[2].joints: needs 7 numbers; got 'x'", "witness.motions[0][0].held: needs a string; got 3"]
+    "text",
+    [
+        "witness.moments[2].arms.panda.joints: needs 7 numbers; got 'x'",
+        "witness.motions[0][0].held: needs a string; got 3",
+    ],
 )
 def test_a_malformed_witness_is_not_drawn(tmp_path: Path, whole: dict[str, Any], text: str) -> None:
     file = written(tmp_path, whole, {text: MALFORMED[text]})

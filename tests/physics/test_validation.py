@@ -21,7 +21,7 @@ from tests.physics.scenarios import carrying, stacking, state, task
 def test_a_cube_can_be_stacked_on_a_brick(tabletop, tabletop_validator):
     verdict = tabletop_validator.validate(stacking(), seed=1)
     assert verdict.feasible
-    assert verdict.witness.moments[1].held == "cube_1"
+    assert verdict.witness.moments[1].held == {"cube_1"}
     names = [[waypoint.name for waypoint in motion] for motion in verdict.witness.motions]
     assert names == [["approach", "at", "at", "lift"], ["approach", "at", "at", "retreat"]]
     assert check_witness(stacking(), verdict.witness, tabletop) == []
@@ -49,7 +49,7 @@ def test_a_held_object_at_the_start_is_in_the_gripper(prag, prag_validator):
         ("drop(panda,can_1)", state("-holding(panda,can_1)", "open(panda)")),
     )
     verdict = prag_validator.validate(dropping, seed=1)
-    assert verdict.feasible and verdict.witness.moments[0].held == "can_1"
+    assert verdict.feasible and verdict.witness.moments[0].held == {"can_1"}
     assert verdict.witness.moments[0].poses == verdict.witness.moments[1].poses
     assert check_witness(dropping, verdict.witness, prag) == []
 

@@ -15,7 +15,7 @@ from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.world.solids import weight
 from prag_asp.scene.furniture import cavity
-from prag_asp.scene.geometry import IDENTITY, Pose, wrap
+from prag_asp.scene.geometry import wrap
 from prag_asp.scene.model import Scene, Shape
 
 AXES = ("x", "y", "z")
@@ -151,7 +151,7 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 
 def _gripper(robot: str, scene: Scene) -> str:
     """Return which gripper is meant, in words."""
-    return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
+    return f"the {words(robot)} gripper" if scene.shared else "the gripper"
 
 
 def _never_together(facts: Iterable[Fact]) -> str:
@@ -167,4 +167,4 @@ def _still(scene: Scene) -> Situation:
         for entity in scene.fixed
         if scene.shapes[entity].traits.body and not scene.shapes[entity].traits.furniture
     }
-    return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)
+    return Situation(scene, poses)
