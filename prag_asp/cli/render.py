@@ -183,7 +183,7 @@ class _Drawing:
                 raise QueryError(f"{self.recordings / name} does not show this task: {fault}; {RECORD}")
             return recorded
         if record.witness is not None:
-            witness = read_witness(record)
+            witness = read_witness(record, scene)
             for fault in check_witness(record.task, witness, scene)[:1]:
                 raise QueryError(f"its witness fails: {fault}; {MEND}")
             return witness

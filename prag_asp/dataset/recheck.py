@@ -146,7 +146,7 @@ def _witnesses(told: Iterator[Told], scene: Scene, checking: Checking) -> Iterat
                 continue
             try:
                 with told_with_place(record):
-                    witness = read_witness(record)
+                    witness = read_witness(record, scene)
             except QueryError as error:
                 yield Outcome("witness_fails", str(error))
                 continue

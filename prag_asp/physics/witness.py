@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from prag_asp.physics.fields import Field
 from prag_asp.physics.robot import Joints
+from prag_asp.physics.written import VERSION, ArmForm, PoseForm, witness_form
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Size
 
-JOINTS = 7
-"""Joint angles of every robot."""
 TRANSIT = "transit"
 """The name of waypoints between those where something happens."""
 
@@ -104,6 +102,7 @@ class Witness:
     def to_json(self) -> dict[str, Any]:
         """Return the witness as JSON-able data, without `sizes` where none was drawn."""
         data: dict[str, Any] = {
+            "version": VERSION,
             "moments": [moment.to_json() for moment in self.moments],
             "motions": [[waypoint.to_json() for waypoint in motion] for motion in self.motions],
         }
@@ -112,13 +111,13 @@ class Witness:
         return data
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Witness:
-        """Return the witness that `to_json` wrote.
+    def from_json(cls, data: Mapping[str, Any], robot: str = "panda") -> Witness:
+        """Return the witness that `to_json` wrote, now or in the form before, in which a single `robot` had no name.
 
         Raises:
             QueryError: the data are of another form; the message names the field by its path.
         """
-        return witness_of(Field(data, "witness"))
+        return witness_of(data, "witness", robot)
 
 
 def _pose_json(pose: Pose) -> list[list[float]]:
@@ -132,61 +131,34 @@ def _arm_json(arm: Arm) -> dict[str, Any]:
     return {"joints": list(arm.joints), "width": arm.width, "held": arm.held, "grasp": grasp}
 
 
-def witness_of(data: Field) -> Witness:
-    """Return the witness that `Witness.to_json` wrote."""
-    sizes = data.optional("sizes")
-    return Witness(
-        tuple(_moment(moment) for moment in data.field("moments").entries("a list of moments")),
-        tuple(
-            tuple(_waypoint(waypoint) for waypoint in motion.entries("a list of waypoints"))
-            for motion in data.field("motions").entries("a list with a list of waypoints for each action")
-        ),
-        {} if sizes is None else {entity: _vector(size) for entity, size in sizes.items()},
+def witness_of(data: object, name: str, robot: str) -> Witness:
+    """Return the witness that `Witness.to_json` wrote; `name` begins the paths of fields in messages.
+
+    Raises:
+        QueryError: the data are of another form.
+    """
+    form = witness_form(data, name, robot)
+    moments = (
+        Moment(
+            {entity: _pose(pose) for entity, pose in each.poses.items()},
+            {name: _arm(arm) for name, arm in each.arms.items()},
+            each.openings or {},
+        )
+        for each in form.moments
     )
+    motions = (
+        tuple(Waypoint(at.name, at.robot, at.joints, at.width, at.held, at.opening) for at in motion)
+        for motion in form.motions
+    )
+    return Witness(tuple(moments), tuple(motions), form.sizes or {})
 
 
-def _pose(data: Field) -> Pose:
+def _pose(form: PoseForm) -> Pose:
     """Return the pose that `_pose_json` wrote."""
-    position, quaternion = data.entries("a position [x, y, z] and a quaternion [x, y, z, w]", 2)
-    x, y, z, w = quaternion.numbers(4)
-    return Pose(_vector(position), (x, y, z, w))
+    position, quaternion = form
+    return Pose(position, quaternion)
 
 
-def _vector(data: Field) -> Size:
-    """Return three numbers."""
-    x, y, z = data.numbers(3)
-    return (x, y, z)
-
-
-def _moment(data: Field) -> Moment:
-    """Return the moment that `Moment.to_json` wrote."""
-    openings = data.optional("openings")
-    return Moment(
-        {entity: _pose(pose) for entity, pose in data.field("poses").items()},
-        {name: _arm(arm) for name, arm in data.field("arms").items()},
-        {} if openings is None else {entity: opening.number() for entity, opening in openings.items()},
-    )
-
-
-def _arm(data: Field) -> Arm:
+def _arm(form: ArmForm) -> Arm:
     """Return the arm that `_arm_json` wrote."""
-    held, grasp = data.known("held"), data.known("grasp")
-    return Arm(
-        data.field("joints").numbers(JOINTS),
-        data.field("width").number(),
-        None if held is None else held.text(),
-        None if grasp is None else _pose(grasp),
-    )
-
-
-def _waypoint(data: Field) -> Waypoint:
-    """Return the waypoint that `Waypoint.to_json` wrote."""
-    held, opening = data.known("held"), data.optional("opening")
-    return Waypoint(
-        data.field("name").text(),
-        data.field("robot").text(),
-        data.field("joints").numbers(JOINTS),
-        data.field("width").number(),
-        None if held is None else held.text(),
-        None if opening is None else opening.number(),
-    )
+    return Arm(form.joints, form.width, form.held, None if form.grasp is None else _pose(form.grasp))
