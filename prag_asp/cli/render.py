@@ -176,7 +176,7 @@ class _Drawing:
             if not isinstance(name, str):
                 raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
             try:
-                recorded = Demonstration.load(self.recordings / name)
+                recorded = Demonstration.load(self.recordings / name, robot=next(iter(scene.robots)))
             except QueryError as error:
                 raise QueryError(f"{error}; {RECORD}") from None
             for fault in check_demonstration(record.task, recorded, scene)[:1]:

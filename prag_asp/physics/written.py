@@ -10,11 +10,14 @@ from prag_asp.errors import QueryError
 from prag_asp.fields import Number, read, shown
 
 VERSION = 2
-"""The form in which witnesses are written; the one before has no number.
+"""The form in which witnesses and recordings are written; the one before has no number.
 
-There a single robot has no name, and a moment holds the fields of the arm that has acted, the name of its `robot` and
-the `others` beside them.
+There a single robot has no name. A moment of a witness holds the fields of the arm that has acted, the name of its
+`robot` and the `others` beside them. In a recording a single robot has no axis.
 """
+
+PARTS = ("arm", "left finger", "right finger")
+"""What a recording tells of the touch of robots: each of them `of` a robot."""
 
 Triple = tuple[Number, Number, Number]
 PoseForm = tuple[Triple, tuple[Number, Number, Number, Number]]

@@ -6,13 +6,14 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from prag_asp import load_domain, load_scene
 from prag_asp.dataset.jsonl import Record, read_lines
 from prag_asp.dataset.origin import read_witness
 from prag_asp.errors import QueryError
-from prag_asp.physics import Witness, check_witness
+from prag_asp.physics import Demonstration, Witness, check_demonstration, check_witness
 from prag_asp.scene.model import Mount, Scene
 
 FOLDER = Path(__file__).parent / "old_form"
@@ -61,6 +62,7 @@ def test_a_single_robot_gets_the_name_that_the_scene_has_for_it() -> None:
     called = Scene(scene.shapes, robots={"arm_7": Mount("panda")})
     assert list(read_witness(record, called).moments[0].arms) == ["arm_7"]
     assert read_witness(record, called).motions[0][0].robot == "arm_7"
+    assert Demonstration.load(FOLDER / "one_robot.npz", robot="arm_7").robots == ("arm_7",)
 
 
 @pytest.mark.parametrize(
@@ -90,3 +92,38 @@ def test_what_is_no_finite_number_is_refused_in_both_forms(number: object) -> No
         data["moments"][0]["poses"]["cube_1"][0][2] = number
         with pytest.raises(QueryError, match=r"^witness\.moments\[0\]\.poses\.cube_1\[0\]\[2\]: needs a finite number"):
             Witness.from_json(data)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_recording_of_the_form_before_shows_its_task_and_is_written_in_that_of_today(
+    name: str, tmp_path: Path
+) -> None:
+    record, scene = records(name)[0]
+    shown = Demonstration.load(FOLDER / f"{name}.npz")
+    assert check_demonstration(record.task, shown, scene) == []
+    robots, frames = len(ROBOTS[name]), len(shown.times)
+    assert shown.robots == ROBOTS[name]
+    assert (shown.joints.shape, shown.widths.shape) == ((frames, robots, 7), (frames, robots))
+    assert shown.commands.shape == (frames, robots, 8)
+    assert shown.bodies[:3] == tuple(f"{part} of {ROBOTS[name][0]}" for part in ("arm", "left finger", "right finger"))
+    shown.save(tmp_path / "new.npz")
+    assert Demonstration.load(tmp_path / "new.npz", robot="nobody") == shown
+    with np.load(FOLDER / f"{name}.npz") as before, np.load(tmp_path / "new.npz") as today:
+        assert today["version"] == 2 and today["robots"].tolist() == list(ROBOTS[name])
+        for each in set(before.files) - {"bodies"}:
+            assert np.array_equal(today[each].ravel(), before[each].ravel()), each
+
+
+def test_a_recording_of_another_version_or_without_an_axis_is_refused(tmp_path: Path) -> None:
+    shown = Demonstration.load(FOLDER / "one_robot.npz")
+    shown.save(tmp_path / "it.npz")
+    with np.load(tmp_path / "it.npz") as content:
+        whole = dict(content)
+    for change, message in (
+        ({"version": np.array(3)}, "a recording of the version 3; this program reads 2"),
+        ({"version": np.array([2])}, r"a recording of the version \[2\]; this program reads 2"),
+        ({"joints": whole["joints"][:, 0]}, r"joints has the shape \(\d+, 7\) in place of \(\d+, 1, 7\)"),
+    ):
+        np.savez(tmp_path / "it.npz", **{**whole, **change})
+        with pytest.raises(QueryError, match=message):
+            Demonstration.load(tmp_path / "it.npz")

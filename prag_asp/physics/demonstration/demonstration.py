@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import OutputError, QueryError
+from prag_asp.fields import shown
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
+from prag_asp.physics.written import PARTS, VERSION
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
 
@@ -20,6 +22,9 @@ Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
 ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
 TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
+
+OF_ROBOTS = ("joints", "widths", "commands")
+"""The arrays that have an axis of robots."""
 
 FRAMES_A_SECOND = 20
 
@@ -95,12 +100,13 @@ class Demonstration:
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
     def save(self, path: Path) -> None:
-        """Write the recording as a compressed .npz file, the same bytes for the same recording.
+        """Write the recording as a compressed .npz file with its `version`, the same bytes for the same recording.
 
         Raises:
             OutputError: the file cannot be written.
         """
-        content: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
+        content: dict[str, Any] = {"version": np.array(VERSION)}
+        content |= {name: getattr(self, name) for name in ARRAYS}
         content |= {name: np.array(getattr(self, name)) for name in TEXTS}
         try:
             with path.open("wb") as file:
@@ -109,8 +115,8 @@ class Demonstration:
             raise OutputError(f"{path}: the demonstration cannot be written: {error}") from error
 
     @classmethod
-    def load(cls, path: Path) -> Demonstration:
-        """Return the recording that `save` wrote.
+    def load(cls, path: Path, robot: str = "panda") -> Demonstration:
+        """Return the recording that `save` wrote, now or in the form before, in which a single `robot` had no name.
 
         Raises:
             QueryError: the file cannot be read, or holds something else.
@@ -119,6 +125,11 @@ class Demonstration:
             content = _arrays(path)
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
+        if "version" not in content:
+            content = _upgraded(content, robot)
+        elif content["version"].shape != () or content["version"] != VERSION:
+            version = shown(content["version"].tolist())
+            raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
         missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
         if missing:
             raise QueryError(f"{path}: this is not a demonstration: it has no {missing[0]}")
@@ -145,6 +156,18 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
         except Exception:  # a foreign or broken file makes NumPy raise errors of many kinds
             pass
     raise QueryError(f"{path}: this is not a demonstration: it is another file than a .npz, or was cut off")
+
+
+def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:
+    """Return the arrays of the form before in that of today: a single robot gets its axis, and its name."""
+    if "robots" in content:
+        return dict(content)
+    found = {**content, "robots": np.array([robot])}
+    found |= {name: content[name][:, None] for name in OF_ROBOTS if name in content and content[name].ndim > 0}
+    if "bodies" in content:
+        names = content["bodies"].ravel().tolist()
+        found["bodies"] = np.array([f"{name} of {robot}" if name in PARTS else name for name in names])
+    return found
 
 
 def situation_of(

@@ -18,6 +18,7 @@ from prag_asp.physics.world.bodies import make_body, make_table
 from prag_asp.physics.world.furniture import JOINT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
+from prag_asp.physics.written import PARTS
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
 
@@ -161,7 +162,7 @@ class Dynamics:
     @property
     def parts(self) -> tuple[str, ...]:
         """The names of the bodies and links that contacts are told of, before those of the objects."""
-        grippers = [f"{part} of {name}" for name in self._files for part in ("arm", "left finger", "right finger")]
+        grippers = [f"{part} of {name}" for name in self._files for part in PARTS]
         return (*grippers, "table")
 
     def contacts(self) -> Mapping[tuple[int, int], float]:
