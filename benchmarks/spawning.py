@@ -44,7 +44,7 @@ from prag_asp.physics.pictures.render import picture
 from prag_asp.physics.search.attempt import Search
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import Moment
+from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.model import Scene, Shape
 
@@ -186,10 +186,10 @@ def _short(value: float) -> str:
 def _pictures(scene: Scene, shown: Sequence[tuple[Situation, PhysicalTask]], file: Path) -> None:
     """Write pictures of scenes with their relations under them."""
     with open_simulator(scene, visual=True) as simulator:
-        home = simulator.robot.home
+        home = {name: Arm(arm.robot.home, arm.robot.opening) for name, arm in simulator.arms.items()}
         images, captions = [], []
         for situation, wanted in shown:
-            moment = Moment(situation.poses, home, simulator.robot.opening)
+            moment = Moment(situation.poses, home)
             images.append(picture(simulator, moment, (560, 470)))
             beside = [fact for fact in wanted.initial if fact.predicate.name in DIRECTIONS]
             captions.append([fact.sentence() for fact in beside])

@@ -81,8 +81,8 @@ def _boxes_meet(situation: Situation, one: str, two: str) -> bool:
 
 
 def _empty(scene: Scene) -> Situation:
-    """Return a table with nothing on it, the arm far above."""
-    return Situation(scene, {}, Pose((0.3, 0.0, 1.0)), 0.08)
+    """Return a table with nothing on it."""
+    return Situation(scene, {})
 
 
 def _anywhere(scene: Scene, rng: np.random.Generator, name: str) -> Pose:

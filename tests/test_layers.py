@@ -66,7 +66,7 @@ PUBLIC = {
     "Atom", "Condition", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "Scene",
     "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "load_domain", "load_scene", "parse_atom",
 }  # fmt: skip
-HEAVY = {"pybullet", "frankik", "rich", "PIL", "matplotlib", "plotly", "multiprocessing", "pysat", "pyganak"}
+HEAVY = {"pybullet", "frankik", "msgspec", "rich", "PIL", "matplotlib", "plotly", "multiprocessing", "pysat", "pyganak"}
 """What counting does not need."""
 
 

@@ -9,8 +9,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
+from prag_asp.fields import Number, decoded, read
 from prag_asp.task import FrozenDict, Task
 
 
@@ -83,6 +86,22 @@ def read_tasks(file: str | Path) -> Iterator[Record]:
         yield from read_lines(lines, str(file))
 
 
+class _Line(msgspec.Struct):
+    """A line of a file: what each of its fields has to be."""
+
+    domain: str
+    actions: list[str]
+    entities: dict[str, str]
+    initial: dict[str, bool]
+    subgoals: list[dict[str, bool]]
+    states: list[dict[str, bool]]
+    goal: dict[str, bool]
+    log_probability: Number | None = None
+    verdict: dict[str, Any] | None = None
+    witness: dict[str, Any] | None = None
+    constants: dict[str, str] = {}
+
+
 def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
     """Yield the records of lines of JSON; `name` is how errors call the file.
 
@@ -92,95 +111,29 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
     for number, line in enumerate(lines, 1):
         if line.strip():
             try:
-                yield replace(_record(json.loads(line)), place=f"{name}:{number}")
-            except json.JSONDecodeError as error:
-                what = f"it is not JSON: {error.msg} at column {error.colno}"
-            except RecursionError:
-                what = "its values are nested too deeply"
-            except (ValueError, QueryError) as error:
-                what = str(error)
-            else:
-                continue
-            raise QueryError(f"{name}:{number}: not a task: {what}; write tasks with --format jsonl") from None
+                record = _record(read(decoded(line), _Line, ""))
+            except QueryError as error:
+                what = f"not a task: {error}; write tasks with --format jsonl"
+                raise QueryError(f"{name}:{number}: {what}") from None
+            yield replace(record, place=f"{name}:{number}")
 
 
-def _record(values: Any) -> Record:
-    if not isinstance(values, dict):
-        raise QueryError(f"the line is {_kind(values)}, not an object")
-    log_probability = _field(values, "log_probability", (int, float, type(None)), None)
+def _record(line: _Line) -> Record:
     task = Task(
-        domain=_field(values, "domain", str),
-        actions=tuple(map(parse_atom, _items(values, "actions", str))),
-        entities=FrozenDict(_strings(values, "entities")),
-        initial=_known("initial", _field(values, "initial", dict)),
-        states=tuple(_known("states", state) for state in _items(values, "states", dict)),
-        subgoals=tuple(_known("subgoals", state) for state in _items(values, "subgoals", dict)),
-        goal=_known("goal", _field(values, "goal", dict)),
-        log_probability=log_probability,
-        constants=FrozenDict(_strings(values, "constants", {})),
+        domain=line.domain,
+        actions=tuple(map(parse_atom, line.actions)),
+        entities=FrozenDict(line.entities),
+        initial=_known(line.initial),
+        states=tuple(map(_known, line.states)),
+        subgoals=tuple(map(_known, line.subgoals)),
+        goal=_known(line.goal),
+        log_probability=line.log_probability,
+        constants=FrozenDict(line.constants),
     )
     if not len(task.actions) == len(task.states) == len(task.subgoals):
         raise QueryError("it needs one state and one subgoal for each action")
-    verdict, witness = (_field(values, key, (dict, type(None)), None) for key in ("verdict", "witness"))
-    return Record(task, verdict, witness)
+    return Record(task, line.verdict, line.witness)
 
 
-_NEEDED = object()
-
-
-def _field(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], default: Any = _NEEDED) -> Any:
-    """Return a field of one of some types.
-
-    Raises:
-        QueryError: it is missing and has no default, or has another type.
-    """
-    value = values.get(key, default)
-    if value is _NEEDED:
-        raise QueryError(f"it has no field {key!r}")
-    kinds = kind if isinstance(kind, tuple) else (kind,)
-    if not isinstance(value, kinds) or (isinstance(value, bool) and bool not in kinds):
-        raise QueryError(f"{key!r} is {_kind(value)}, not {' or '.join(dict.fromkeys(map(_KINDS.__getitem__, kinds)))}")
-    return value
-
-
-def _items(values: Mapping[str, Any], key: str, kind: type) -> list[Any]:
-    """Return the items of a list, all of one type.
-
-    Raises:
-        QueryError: it is missing or no list, or an item has another type.
-    """
-    items: list[Any] = _field(values, key, list)
-    for place, item in enumerate(items, 1):
-        if not isinstance(item, kind):
-            raise QueryError(f"item {place} of {key!r} is {_kind(item)}, not {_KINDS[kind]}")
-    return items
-
-
-def _strings(values: Mapping[str, Any], key: str, default: Any = _NEEDED) -> dict[str, str]:
-    found: dict[str, str] = _field(values, key, dict, default)
-    for name, value in found.items():
-        if not isinstance(value, str):
-            raise QueryError(f"{name!r} in {key!r} is {_kind(value)}, not a string")
-    return found
-
-
-def _known(key: str, values: Mapping[str, Any]) -> FrozenDict[Atom, bool]:
-    for fluent, value in values.items():
-        if not isinstance(value, bool):
-            raise QueryError(f"{fluent!r} in {key!r} is {_kind(value)}; a fluent is true or false")
+def _known(values: Mapping[str, bool]) -> FrozenDict[Atom, bool]:
     return FrozenDict({parse_atom(fluent): value for fluent, value in values.items()})
-
-
-_KINDS: Mapping[type, str] = {
-    dict: "an object",
-    list: "a list",
-    str: "a string",
-    bool: "true or false",
-    int: "a number",
-    float: "a number",
-    type(None): "null",
-}
-
-
-def _kind(value: object) -> str:
-    return _KINDS[type(value)]

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Witness
+    from prag_asp.scene.model import Scene
 
 INDEX_BYTES = 6
 """So many bytes make a number that every reader of JSON keeps exactly."""
@@ -47,8 +48,8 @@ def foreign(record: Record, domain: Domain) -> str:
     )
 
 
-def read_witness(record: Record) -> Witness:
-    """Return the witness of a record that has one.
+def read_witness(record: Record, scene: Scene) -> Witness:
+    """Return the witness of a record that has one, of a task in a scene.
 
     Raises:
         QueryError: it is of another form; the message names the field, but not the place of the record.
@@ -56,7 +57,7 @@ def read_witness(record: Record) -> Witness:
     from prag_asp.physics import Witness
 
     try:
-        return Witness.from_json(record.witness or {})
+        return Witness.from_json(record.witness or {}, robot=next(iter(scene.robots)))
     except QueryError as error:
         raise QueryError(f"{error}; {MEND}") from None
 

@@ -166,7 +166,7 @@ def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[
                 continue
             try:
                 with told_with_place(record):
-                    witness = read_witness(record)
+                    witness = read_witness(record, scene)
             except QueryError as error:
                 yield Outcome(record, "witness_fails", str(error))
                 continue

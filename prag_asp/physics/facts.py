@@ -46,8 +46,8 @@ class Effect:
     """What one action does to the bodies.
 
     `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to, `over` what it
-    moves to be over. `holds` is the object held before and after. Where there are several robots the gripper is that
-    of `robot`, and `giver` the one that lets a grasped object go. `leaves` is set where the gripper goes away from its
+    moves to be over. `holds` is the object held before and after. The gripper is that of `robot`, and `giver` the
+    other one that lets a grasped object go. `leaves` is set where the gripper goes away from its
     object, `lifts` where a grasped object leaves what it stands on, `stays` where the gripper remains at a released
     object. `moved` are objects that the action makes the subject of a relation, `turns` the furniture that it opens or
     closes. `after` are the facts of the state
@@ -69,7 +69,7 @@ class Effect:
     after: tuple[Fact, ...]
     fresh: tuple[Fact, ...]
     over: str | None = None
-    robot: str = ""
+    robot: str | None = None
     giver: str | None = None
 
 
@@ -77,7 +77,7 @@ class Effect:
 class PhysicalTask:
     """A task as physics sees it: the bodies that take part, the facts of the first state, the effects.
 
-    `held` says what each robot that holds something holds in the first state; a single robot has no name.
+    `held` says what each robot that holds something holds in the first state.
     """
 
     objects: tuple[str, ...]
@@ -108,17 +108,17 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
     """
     known: dict[tuple[Atom, bool], Fact | None] = {}
     states = [_facts(scene, state, known) for state in (task.initial, *task.states)]
-    first = {robot: _only(of_robot(scene, states[0], robot), Gripper.HOLDS) for robot in scene.mounts}
+    first = {robot: _only(of_robot(states[0], robot), Gripper.HOLDS) for robot in scene.robots}
     start = {robot: thing for robot, thing in first.items() if thing}
     held, effects = dict(start), list[Effect]()
     for k, action in enumerate(task.actions):
         subgoal = _facts(scene, task.subgoals[k], known)
         effect = _effect(scene, Step(action, k + 1, subgoal, states[k], states[k + 1]), held)
-        if effect.releases is not None:
+        if effect.robot is not None and effect.releases is not None:
             held.pop(effect.robot, None)
         if effect.giver is not None:
             held.pop(effect.giver, None)
-        if effect.grasps is not None:
+        if effect.robot is not None and effect.grasps is not None:
             held[effect.robot] = effect.grasps
         effects.append(effect)
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
@@ -156,21 +156,23 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
     return Fact(predicate_of(scene, name), (*atom.arguments, *around), value)
 
 
-def of_robot(scene: Scene, state: Iterable[Fact], robot: str) -> list[Fact]:
+def of_robot(state: Iterable[Fact], robot: str | None) -> list[Fact]:
     """Return what a state says of a robot's gripper, and what it says of no gripper."""
-    return [fact for fact in state if not scene.robots or not fact.predicate.of_gripper or fact.arguments[0] == robot]
+    return [fact for fact in state if not fact.predicate.of_gripper or fact.arguments[0] == robot]
 
 
-def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str:
-    """Return the robot that an action moves: the one that gets hold of something, or else whose gripper does most."""
-    if not scene.robots:
-        return ""
+def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
+    """Return the robot that an action moves: the one that gets hold of something, or else whose gripper does most.
+
+    None where the subgoal speaks of no gripper, and any of several may be meant.
+    """
     grippers = [fact for fact in subgoal if fact.predicate.of_gripper]
     ranked = sorted(grippers, key=lambda fact: (not fact.value, fact.predicate.gripper is not Gripper.HOLDS))
-    return ranked[0].arguments[0] if ranked else ""
+    possible = [fact.arguments[0] for fact in ranked[:1]] or list(scene.robots)
+    return possible[0] if len(possible) == 1 else None
 
 
-def _giver(subgoal: Iterable[Fact], robot: str, thing: str | None, all_held: Mapping[str, str]) -> str | None:
+def _giver(subgoal: Iterable[Fact], robot: str | None, thing: str | None, all_held: Mapping[str, str]) -> str | None:
     """Return the other robot that lets a thing go that one takes, None where none does."""
     for fact in subgoal:
         other = fact.arguments[0]
@@ -183,7 +185,8 @@ def _giver(subgoal: Iterable[Fact], robot: str, thing: str | None, all_held: Map
 def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
     """Return what an action does, read off its whole subgoal and the states around it."""
     robot = _acting(scene, step.subgoal)
-    held, subgoal = all_held.get(robot), of_robot(scene, step.subgoal, robot)
+    held = None if robot is None else all_held.get(robot)
+    subgoal = of_robot(step.subgoal, robot)
     grasps = _only(subgoal, Gripper.HOLDS)
     releases = held if _known(subgoal, Gripper.HOLDS, held) is False else None
     visits = _only(subgoal, Gripper.AT)
@@ -200,7 +203,7 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
         leaves=any(fact.predicate.gripper is Gripper.AT and not fact.value for fact in subgoal) and visits is None,
         lifts=grasps is not None
         and any(f.predicate.supports and not f.value and f.arguments[0] == grasps for f in subgoal),
-        stays=releases is not None and _known(of_robot(scene, step.after, robot), Gripper.AT, releases) is True,
+        stays=releases is not None and _known(of_robot(step.after, robot), Gripper.AT, releases) is True,
         moved=tuple(dict.fromkeys(moved)),
         turns=tuple(dict.fromkeys(fact.arguments[0] for fact in subgoal if _turns(fact, known_before))),
         closes=_closes(subgoal),
@@ -208,7 +211,7 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
         fresh=tuple(fact for fact in step.after if fact not in known_before),
         over=_only(subgoal, Gripper.OVER),
         robot=robot,
-        giver=_giver(step.subgoal, robot, grasps, all_held) if scene.robots else None,
+        giver=_giver(step.subgoal, robot, grasps, all_held),
     )
 
 

@@ -1,4 +1,4 @@
-"""What a spatial predicate can see of one moment: where everything is, and what the gripper does."""
+"""What a spatial predicate can see of one moment: where everything is, and what the grippers do."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.robot import Joints, Robot, robot_of
+from prag_asp.physics.robot import Robot, robot_of
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.boxes import Corners, Vector, box_of, corners_of
 from prag_asp.scene.furniture import bounds, cavity_pose, part_pose
 from prag_asp.scene.geometry import Pose, extents, finite, raised, yaw_quaternion
@@ -27,48 +29,49 @@ class Body(NamedTuple):
     centre: Vector
 
 
-class Standing(NamedTuple):
-    """An arm that stands still while another one acts: its joints, its tool, how far it is open, what it holds.
-
-    `grasp` is the pose of the `held` object in the frame of the tool, `above` the configuration straight above the
-    gripper's place, kept while the gripper is down at an object.
-    """
-
-    joints: Joints
-    tool: Pose
-    width: float
-    held: str | None = None
-    grasp: Pose | None = None
-    above: Joints | None = None
-
-
 @dataclass(frozen=True)
 class Situation:
-    """The poses of the objects, the pose of the point between the finger tips, the opening of the gripper in metres.
+    """The poses of the objects, and the arms by the names of their robots.
 
-    `openings` say how far furniture is open, in metres or radians, where it is.
+    `openings` say how far furniture is open, in metres or radians, where it is. `tools` are the poses of the points
+    between the finger tips as a simulator has them; those that it leaves out follow from the joint angles.
 
-    `measured` remembers the boxes of poses already seen; situations made from one another share it. Where there are
-    several robots the tool and the opening are those of the `acting` one, and the `others` stand still.
+    `measured` remembers the boxes of poses already seen; situations made from one another share it.
     """
 
     scene: Scene
     poses: Mapping[str, Pose]
-    tool: Pose
-    width: float
-    measured: dict[str, Body] = field(default_factory=dict, repr=False, compare=False)
+    arms: Mapping[str, Arm] = field(default_factory=dict)
     openings: Mapping[str, float] = field(default_factory=dict)
-    acting: str = ""
-    others: Mapping[str, Standing] = field(default_factory=dict)
+    tools: Mapping[str, Pose] = field(default_factory=dict)
+    measured: dict[str, Body] = field(default_factory=dict, repr=False, compare=False)
 
-    def hand(self, robot: str) -> tuple[Pose, float]:
-        """Return the tool and the opening of a robot; those of the acting one where no other has that name."""
-        other = self.others.get(robot)
-        return (self.tool, self.width) if other is None else (other.tool, other.width)
+    def arm(self, robot: str) -> Arm:
+        """Return the arm of a robot.
+
+        Raises:
+            SceneError: there is none here.
+        """
+        arm = self.arms.get(robot)
+        if arm is None:
+            raise SceneError(f"there is no arm of {robot} here; there are those of {', '.join(self.arms) or 'none'}")
+        return arm
+
+    def tool(self, robot: str) -> Pose:
+        """Return the pose of the point between the finger tips of a robot.
+
+        Raises:
+            SceneError: its arm is not here.
+        """
+        return self.tools.get(robot) or tool_pose(self.robot(robot), self.arm(robot).joints)
 
     def robot(self, name: str) -> Robot:
-        """Return a robot by its name, the acting one where there is none of that name."""
-        return robot_of(self.scene, name if name in self.others else self.acting)
+        """Return a robot by its name.
+
+        Raises:
+            SceneError: the scene has none of that name.
+        """
+        return robot_of(self.scene, name)
 
     def shape(self, entity: str) -> Shape:
         """Return the shape of an entity.
@@ -169,19 +172,18 @@ class Situation:
 
     def with_poses(self, poses: Mapping[str, Pose]) -> Situation:
         """Return the situation with other poses of the objects."""
-        return Situation(
-            self.scene, poses, self.tool, self.width, self.measured, self.openings, self.acting, self.others
-        )
+        return Situation(self.scene, poses, self.arms, self.openings, self.tools, self.measured)
 
-    def with_tool(self, tool: Pose, width: float) -> Situation:
-        """Return the situation with the gripper elsewhere or open otherwise."""
-        return Situation(self.scene, self.poses, tool, width, self.measured, self.openings, self.acting, self.others)
+    def with_arm(self, robot: str, arm: Arm) -> Situation:
+        """Return the situation with an arm elsewhere, its gripper open otherwise, or holding something else."""
+        tools = {name: tool for name, tool in self.tools.items() if name != robot}
+        return Situation(self.scene, self.poses, {**self.arms, robot: arm}, self.openings, tools, self.measured)
 
     def with_opening(self, entity: str, opening: float) -> Situation:
         """Return the situation with furniture open otherwise; what is in it stays where it is."""
         measured = {other: body for other, body in self.measured.items() if other != entity}
         openings = {**self.openings, entity: opening}
-        return Situation(self.scene, self.poses, self.tool, self.width, measured, openings, self.acting, self.others)
+        return Situation(self.scene, self.poses, self.arms, openings, self.tools, measured)
 
 
 def fixed_pose(scene: Scene, entity: str) -> Pose:

@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
+import msgspec
+
 from prag_asp.errors import QueryError
-from prag_asp.physics.fields import Field
+from prag_asp.fields import Whole, one_of, read
 from prag_asp.physics.witness import Witness, witness_of
 
 if TYPE_CHECKING:
@@ -53,6 +55,27 @@ class Budget:
         return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier}
 
 
+class _BudgetForm(msgspec.Struct):
+    """A budget as it stands in a file."""
+
+    restarts: Whole
+    samples: Whole
+    tier: str
+
+
+class _VerdictForm(msgspec.Struct):
+    """A verdict as it stands in a file."""
+
+    status: str
+    budget: _BudgetForm
+    seed: Whole
+    index: Whole
+    reason: str
+    causes: dict[str, Whole]
+    restarts: Whole
+    witness: Any
+
+
 @dataclass(frozen=True)
 class Verdict:
     """What physics says of a task, and how hard it looked.
@@ -91,22 +114,21 @@ class Verdict:
         }
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Verdict:
-        """Return the verdict that `to_json` wrote.
+    def from_json(cls, data: Mapping[str, Any], robot: str = "panda") -> Verdict:
+        """Return the verdict that `to_json` wrote; `robot` is the single one of a witness of the form before.
 
         Raises:
             QueryError: the data are of another form; the message names the field by its path.
         """
-        told = Field(data, "verdict")
-        budget, witness = told.field("budget"), told.known("witness")
-        restarts, samples = (budget.field(name).whole() for name in ("restarts", "samples"))
+        form = read(data, _VerdictForm, "verdict")
+        budget = form.budget
         return cls(
-            status=told.field("status").choice(STATUSES),
-            budget=Budget(restarts, samples, budget.field("tier").choice(TIERS)),
-            seed=told.field("seed").whole(),
-            index=told.field("index").whole(),
-            reason=told.field("reason").text(),
-            causes={cause: number.whole() for cause, number in told.field("causes").items()},
-            restarts=told.field("restarts").whole(),
-            witness=None if witness is None else witness_of(witness),
+            status=one_of(STATUSES, form.status, "verdict.status"),
+            budget=Budget(budget.restarts, budget.samples, one_of(TIERS, budget.tier, "verdict.budget.tier")),
+            seed=form.seed,
+            index=form.index,
+            reason=form.reason,
+            causes=form.causes,
+            restarts=form.restarts,
+            witness=None if form.witness is None else witness_of(form.witness, "verdict.witness", robot),
         )

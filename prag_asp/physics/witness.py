@@ -6,19 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from prag_asp.physics.fields import Field
 from prag_asp.physics.robot import Joints
+from prag_asp.physics.written import VERSION, ArmForm, PoseForm, witness_form
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Size
 
-JOINTS = 7
-"""Joint angles of every robot."""
 TRANSIT = "transit"
 """The name of waypoints between those where something happens."""
 
 
-class ArmState(NamedTuple):
-    """An arm at a moment: joint angles in radians, the opening in metres, what it holds and how."""
+class Arm(NamedTuple):
+    """An arm at a moment: joint angles in radians, how far its gripper is open in metres, what it holds and how.
+
+    `grasp` is the pose of the `held` object in the frame of the tool.
+    """
 
     joints: Joints
     width: float
@@ -30,36 +31,25 @@ class ArmState(NamedTuple):
 class Moment:
     """One state of a witness.
 
-    `poses` are those of all objects, `joints` the seven joint angles in radians, `width` the opening in
-    metres, `grasp` the pose of the `held` object in the frame of the tool, `openings` how far furniture is open, in
-    metres or radians. Where there are several robots the arm is that of `robot`, which has acted, and the `others`
-    stand still.
+    `poses` are those of all objects, `arms` the arms by the names of their robots, `openings` how far furniture is
+    open, in metres or radians.
     """
 
     poses: Mapping[str, Pose]
-    joints: Joints
-    width: float
-    held: str | None = None
-    grasp: Pose | None = None
+    arms: Mapping[str, Arm]
     openings: Mapping[str, float] = field(default_factory=dict)
-    robot: str = ""
-    others: Mapping[str, ArmState] = field(default_factory=dict)
-
-    def arms(self) -> dict[str, ArmState]:
-        """Return all arms by the names of their robots."""
-        return {self.robot: ArmState(self.joints, self.width, self.held, self.grasp), **self.others}
 
     @property
-    def all_held(self) -> frozenset[str]:
+    def held(self) -> frozenset[str]:
         """Every object that an arm holds."""
-        return frozenset(arm.held for arm in self.arms().values() if arm.held is not None)
+        return frozenset(arm.held for arm in self.arms.values() if arm.held is not None)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the moment as JSON-able data."""
-        data: dict[str, Any] = {"poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()}}
-        data |= _arm_json(ArmState(self.joints, self.width, self.held, self.grasp))
-        if self.robot:
-            data |= {"robot": self.robot, "others": {name: _arm_json(arm) for name, arm in self.others.items()}}
+        """Return the moment as JSON-able data, without `openings` where no furniture takes part."""
+        data: dict[str, Any] = {
+            "poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()},
+            "arms": {name: _arm_json(arm) for name, arm in self.arms.items()},
+        }
         if self.openings:
             data["openings"] = dict(self.openings)
         return data
@@ -67,26 +57,30 @@ class Moment:
 
 @dataclass(frozen=True)
 class Waypoint:
-    """A configuration that the arm passes during an action.
+    """A configuration that the arm of a `robot` passes during an action.
 
     `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; transit on the way
     there. `held` is what the gripper holds there; where that is the handle of furniture, `opening` is how far it is
-    open, in metres or radians. `robot` is the arm's where there are several.
+    open, in metres or radians.
     """
 
     name: str
+    robot: str
     joints: Joints
     width: float
     held: str | None = None
     opening: float | None = None
-    robot: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Return the waypoint as JSON-able data, without `opening` where it holds no furniture."""
-        data = {"name": self.name, "joints": list(self.joints), "width": self.width, "held": self.held}
-        if self.opening is not None:
-            data["opening"] = self.opening
-        return {**data, "robot": self.robot} if self.robot else data
+        data = {
+            "name": self.name,
+            "robot": self.robot,
+            "joints": list(self.joints),
+            "width": self.width,
+            "held": self.held,
+        }
+        return data if self.opening is None else {**data, "opening": self.opening}
 
 
 @dataclass(frozen=True)
@@ -108,6 +102,7 @@ class Witness:
     def to_json(self) -> dict[str, Any]:
         """Return the witness as JSON-able data, without `sizes` where none was drawn."""
         data: dict[str, Any] = {
+            "version": VERSION,
             "moments": [moment.to_json() for moment in self.moments],
             "motions": [[waypoint.to_json() for waypoint in motion] for motion in self.motions],
         }
@@ -116,13 +111,13 @@ class Witness:
         return data
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Witness:
-        """Return the witness that `to_json` wrote.
+    def from_json(cls, data: Mapping[str, Any], robot: str = "panda") -> Witness:
+        """Return the witness that `to_json` wrote, now or in the form before, in which a single `robot` had no name.
 
         Raises:
             QueryError: the data are of another form; the message names the field by its path.
         """
-        return witness_of(Field(data, "witness"))
+        return witness_of(data, "witness", robot)
 
 
 def _pose_json(pose: Pose) -> list[list[float]]:
@@ -130,69 +125,40 @@ def _pose_json(pose: Pose) -> list[list[float]]:
     return [list(pose.position), list(pose.quaternion)]
 
 
-def _arm_json(arm: ArmState) -> dict[str, Any]:
+def _arm_json(arm: Arm) -> dict[str, Any]:
     """Return an arm as JSON-able data."""
     grasp = None if arm.grasp is None else _pose_json(arm.grasp)
     return {"joints": list(arm.joints), "width": arm.width, "held": arm.held, "grasp": grasp}
 
 
-def witness_of(data: Field) -> Witness:
-    """Return the witness that `Witness.to_json` wrote."""
-    sizes = data.optional("sizes")
-    return Witness(
-        tuple(_moment(moment) for moment in data.field("moments").entries("a list of moments")),
-        tuple(
-            tuple(_waypoint(waypoint) for waypoint in motion.entries("a list of waypoints"))
-            for motion in data.field("motions").entries("a list with a list of waypoints for each action")
-        ),
-        {} if sizes is None else {entity: _vector(size) for entity, size in sizes.items()},
+def witness_of(data: object, name: str, robot: str) -> Witness:
+    """Return the witness that `Witness.to_json` wrote; `name` begins the paths of fields in messages.
+
+    Raises:
+        QueryError: the data are of another form.
+    """
+    form = witness_form(data, name, robot)
+    moments = (
+        Moment(
+            {entity: _pose(pose) for entity, pose in each.poses.items()},
+            {name: _arm(arm) for name, arm in each.arms.items()},
+            each.openings or {},
+        )
+        for each in form.moments
     )
+    motions = (
+        tuple(Waypoint(at.name, at.robot, at.joints, at.width, at.held, at.opening) for at in motion)
+        for motion in form.motions
+    )
+    return Witness(tuple(moments), tuple(motions), form.sizes or {})
 
 
-def _pose(data: Field) -> Pose:
+def _pose(form: PoseForm) -> Pose:
     """Return the pose that `_pose_json` wrote."""
-    position, quaternion = data.entries("a position [x, y, z] and a quaternion [x, y, z, w]", 2)
-    x, y, z, w = quaternion.numbers(4)
-    return Pose(_vector(position), (x, y, z, w))
+    position, quaternion = form
+    return Pose(position, quaternion)
 
 
-def _vector(data: Field) -> Size:
-    """Return three numbers."""
-    x, y, z = data.numbers(3)
-    return (x, y, z)
-
-
-def _moment(data: Field) -> Moment:
-    """Return the moment that `Moment.to_json` wrote."""
-    robot, others, openings = (data.optional(name) for name in ("robot", "others", "openings"))
-    return Moment(
-        poses={entity: _pose(pose) for entity, pose in data.field("poses").items()},
-        robot="" if robot is None else robot.text(),
-        others={} if others is None else {name: _arm(arm) for name, arm in others.items()},
-        **_arm(data)._asdict(),
-        openings={} if openings is None else {entity: opening.number() for entity, opening in openings.items()},
-    )
-
-
-def _arm(data: Field) -> ArmState:
+def _arm(form: ArmForm) -> Arm:
     """Return the arm that `_arm_json` wrote."""
-    held, grasp = data.known("held"), data.known("grasp")
-    return ArmState(
-        data.field("joints").numbers(JOINTS),
-        data.field("width").number(),
-        None if held is None else held.text(),
-        None if grasp is None else _pose(grasp),
-    )
-
-
-def _waypoint(data: Field) -> Waypoint:
-    """Return the waypoint that `Waypoint.to_json` wrote."""
-    held, opening, robot = data.known("held"), data.optional("opening"), data.optional("robot")
-    return Waypoint(
-        data.field("name").text(),
-        data.field("joints").numbers(JOINTS),
-        data.field("width").number(),
-        None if held is None else held.text(),
-        None if opening is None else opening.number(),
-        "" if robot is None else robot.text(),
-    )
+    return Arm(form.joints, form.width, form.held, None if form.grasp is None else _pose(form.grasp))

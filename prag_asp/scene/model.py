@@ -123,6 +123,12 @@ class Mount(NamedTuple):
     yaw: float = 0.0
 
 
+def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
+    """Return the robot of a scene that has one, at the origin; one without an entity is named after its kind."""
+    name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
+    return {name: Mount(kind)}
+
+
 @dataclass(frozen=True)
 class Table:
     """The table: sides along x and y in metres, centre of its top (at z = 0), colour."""
@@ -142,14 +148,14 @@ class Scene:
     yaws in radians.
     `materials` belong to entities; `ranges` hold all shapes, the smallest first, of those whose size is drawn for each
     task, and `shapes` the largest of them.
-    `robots` says where each robot stands; where it is empty there is one `robot`, at the origin.
+    `robots` says where each robot stands, by the names of their entities; where it is left out there is one panda, at
+    the origin.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
     among them are run only where `trusted` is set.
     """
 
     shapes: Mapping[str, Shape]
-    robot: str = "panda"
     frame: str = "robot"
     workspace: tuple[float, float, float, float] = (0.3, 0.7, -0.4, 0.4)
     table: Table = field(default_factory=Table)
@@ -163,10 +169,14 @@ class Scene:
     trusted: bool = False
     robots: Mapping[str, Mount] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        if not self.robots:
+            object.__setattr__(self, "robots", only_robot(self.shapes))
+
     @property
-    def mounts(self) -> Mapping[str, Mount]:
-        """All robots by the names of their entities; a single one at the origin has no name."""
-        return self.robots or {"": Mount(self.robot)}
+    def shared(self) -> bool:
+        """Whether several robots work at the table: they leave each other room, and words say which one is meant."""
+        return len(self.robots) > 1
 
     def meaning(self, fluent: Atom) -> str | None:
         """Return the name of the spatial predicate that `fluent` means, None where physics ignores it."""

@@ -28,15 +28,32 @@ def object_of(witness: dict[str, Any]) -> str:
     return next(iter(witness["moments"][0]["poses"]))
 
 
+def arm(witness: dict[str, Any], k: int) -> dict[str, Any]:
+    """Return the arm in a state."""
+    return witness["moments"][k]["arms"]["panda"]
+
+
 MALFORMED: dict[str, Change] = {
     "witness.moments: is missing": lambda w: w.clear(),
-    "witness.moments[2].joints: needs 7 numbers; got 'x'": lambda w: w["moments"][2].update(joints="x"),
-    "witness.moments[2].joints: needs 7 numbers; got a list of 6": lambda w: w["moments"][2]["joints"].pop(),
-    "witness.moments[1].joints[3]: needs a finite number; got nan": (
-        lambda w: w["moments"][1]["joints"].__setitem__(3, float("nan"))
+    "witness.version: needs 2; got 3": lambda w: w.update(version=3),
+    "witness.moments[2].arms.panda.joints: needs a list; got 'x'": lambda w: arm(w, 2).update(joints="x"),
+    "witness.moments[2].arms.panda.joints: needs a list of 7; got a list of 6": lambda w: arm(w, 2)["joints"].pop(),
+    "witness.moments[1].arms.panda.joints[3]: needs a finite number; got true": (
+        lambda w: arm(w, 1)["joints"].__setitem__(3, True)
     ),
+    f"witness.moments[1].arms.panda.width: needs a finite number; got {'1' + '0' * 39}...": (
+        lambda w: arm(w, 1).update(width=10**400)
+    ),
+    "witness.moments[0].arms.panda.grasp[1]: needs a list of 4; got [0, 0, 1]": (
+        lambda w: arm(w, 0).update(held="cube_1", grasp=[[0, 0, 0], [0, 0, 1]])
+    ),
+    "witness.moments[0].arms.panda.held: is missing": lambda w: arm(w, 0).pop("held"),
     "witness.moments[1].poses: is missing": lambda w: w["moments"][1].pop("poses"),
-    "witness.motions[0][0].held: needs a string; got 3": lambda w: w["motions"][0][0].update(held=3),
+    "witness.moments[1].poses.ghost[0]: needs a list of 3; got []": (
+        lambda w: w["moments"][1]["poses"].update(ghost=[[], [0, 0, 0, 1]])
+    ),
+    "witness.motions[0][0].held: needs a string or null; got 3": lambda w: w["motions"][0][0].update(held=3),
+    "witness.motions[0][1].robot: is missing": lambda w: w["motions"][0][1].pop("robot"),
 }
 INCONSISTENT: dict[str, Change] = {
     "the witness has 1 motion, the task 2 actions": lambda w: w["motions"].pop(),
@@ -45,7 +62,9 @@ INCONSISTENT: dict[str, Change] = {
         lambda w: w["moments"][1]["poses"].update(ghost=[[0.5, 0, 0.1], [0, 0, 0, 1]])
     ),
     "has no pose": lambda w: w["moments"][1]["poses"].pop(object_of(w)),
-    "state 2: it has the arms left; the scene has one without a name": (lambda w: w["moments"][2].update(robot="left")),
+    "state 2: it has the arms of left; the scene has those of panda": (
+        lambda w: w["moments"][2].update(arms={"left": arm(w, 2)})
+    ),
 }
 
 
@@ -72,12 +91,26 @@ def test_each_malformed_witness_is_told_by_its_field_and_the_others_are_still_ch
 
 
 @pytest.mark.parametrize(
-    "text", ["witness.moments[2].joints: needs 7 numbers; got 'x'", "witness.motions[0][0].held: needs a string; got 3"]
+    "text",
+    [
+        "witness.moments[2].arms.panda.joints: needs a list; got 'x'",
+        "witness.motions[0][0].held: needs a string or null; got 3",
+    ],
 )
 def test_a_malformed_witness_is_not_drawn(tmp_path: Path, whole: dict[str, Any], text: str) -> None:
     file = written(tmp_path, whole, {text: MALFORMED[text]})
     done = run("render", str(file), "-o", str(tmp_path / "one.png"))
     assert (done.returncode, done.stdout, done.stderr) == (2, "", f"{file}:2: {text}{MEND}\n")
+
+
+@pytest.mark.parametrize("value", ["NaN", "-Infinity", "1e999"])
+def test_what_is_no_number_of_json_is_told_with_its_line(tmp_path: Path, whole: dict[str, Any], value: str) -> None:
+    file = written(tmp_path, whole, {"": lambda w: arm(w, 1).update(width="?")})
+    file.write_text(file.read_text().replace('"?"', value))
+    for command in ("validate", "render"):
+        done = run(command, str(file), cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.startswith(f"{file}:2: not a task: it is not JSON: ") and done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("text", INCONSISTENT)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -45,20 +46,22 @@ def test_a_task_with_plain_dictionaries_is_written_alike() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"entities": "apple"}, "'entities' is a string, not an object"),
-        ({"entities": {"apple_1": 3}}, "'apple_1' in 'entities' is a number, not a string"),
-        ({"initial": ["open"]}, "'initial' is a list, not an object"),
-        ({"initial": {"open(panda)": 1}}, "'open(panda)' in 'initial' is a number; a fluent is true or false"),
-        ({"states": {}}, "'states' is an object, not a list"),
-        ({"states": [3, 4]}, "item 1 of 'states' is a number, not an object"),
-        ({"actions": [None]}, "item 1 of 'actions' is null, not a string"),
+        ({"entities": "apple"}, "entities: needs an object with fields; got 'apple'"),
+        ({"entities": {"apple_1": "apple", "apple_2": 3}}, "entities.apple_2: needs a string; got 3"),
+        ({"initial": ["open"]}, "initial: needs an object with fields; got ['open']"),
+        ({"initial": {"open(panda)": 1}}, "initial.open(panda): needs true or false; got 1"),
+        ({"states": {}}, "states: needs a list; got {}"),
+        ({"states": [3, 4]}, "states[0]: needs an object with fields; got 3"),
+        ({"states": [{}, {"open(panda)": None}]}, "states[1].open(panda): needs true or false; got null"),
+        ({"actions": [None]}, "actions[0]: needs a string; got null"),
         ({"actions": ["grasp(panda"]}, "is not a ground atom"),
         ({"actions": []}, "one state and one subgoal for each action"),
-        ({"domain": True}, "'domain' is true or false, not a string"),
-        ({"log_probability": "small"}, "'log_probability' is a string, not a number or null"),
-        ({"log_probability": False}, "'log_probability' is true or false, not a number or null"),
-        ({"verdict": 3}, "'verdict' is a number, not an object or null"),
-        ({"goal": None}, "'goal' is null, not an object"),
+        ({"domain": True}, "domain: needs a string; got true"),
+        ({"log_probability": "small"}, "log_probability: needs a finite number or null; got 'small'"),
+        ({"log_probability": False}, "log_probability: needs a finite number or null; got false"),
+        ({"log_probability": 10**400}, "log_probability: needs a finite number; got 1000"),
+        ({"verdict": 3}, "verdict: needs an object with fields or null; got 3"),
+        ({"goal": None}, "goal: needs an object with fields; got null"),
     ],
 )
 def test_a_field_of_the_wrong_type_is_named(change: dict[str, Any], words: str) -> None:
@@ -70,8 +73,18 @@ def test_a_field_of_the_wrong_type_is_named(change: dict[str, Any], words: str) 
 
 @pytest.mark.parametrize(
     ("line", "words"),
-    [("{", "it is not JSON"), ("[1]", "the line is a list, not an object"), ("{}", "it has no field 'domain'")],
+    [
+        ("{", "it is not JSON: it ends too early"),
+        ('{"é": NaN}', "it is not JSON: invalid character at column 7"),
+        ('{"domain": Infinity}', "it is not JSON: invalid character at column 12"),
+        ('{"witness": [1e999]}', "it is not JSON: a number is out of range"),
+        ('{"domain": "\\ud800"}', "it is not JSON: "),
+        ('{"domain": "a"} {}', "it is not JSON: trailing characters at column"),
+        ("[" * 100_000 + "]" * 100_000, "its values are nested too deeply"),
+        ("[1]", "needs an object with fields; got [1]"),
+        ("{}", "domain: is missing"),
+    ],
 )
 def test_a_line_that_is_no_object_is_named(line: str, words: str) -> None:
-    with pytest.raises(QueryError, match=rf"x:1: not a task: .*{words}"):
+    with pytest.raises(QueryError, match=rf"^x:1: not a task: {re.escape(words)}.*; write tasks with --format jsonl$"):
         list(read_lines([line], "x"))

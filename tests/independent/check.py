@@ -59,6 +59,6 @@ def _facts(state: Mapping[str, bool], moment: Moment) -> Iterator[str]:
         if meaning is not None and not holds(seen, meaning, arguments, value):
             yield f"{fluent} is not {str(value).lower()}"
         if meaning == "holding":
-            held = moment.hands[world.robot(arguments[0])].held
+            held = moment.hands[arguments[0]].held
             if (held == arguments[1]) != value:
                 yield f"{fluent} is {str(value).lower()}, and the gripper holds {held}"

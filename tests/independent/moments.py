@@ -72,11 +72,6 @@ def same(one: Frame, two: Frame) -> bool:
     return far <= MOVED and angle <= TURNED
 
 
-def arms_of(data: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """Return the arms of a moment in a file by their names; the one that acts stands beside the others."""
-    return {data.get("robot", ""): data, **data.get("others", {})}
-
-
 def broken(data: Mapping[str, Any], named: set[str], world: World) -> Iterator[str]:
     """Yield why a moment in a file cannot even be computed with."""
     poses, openings = data["poses"], data.get("openings", {})
@@ -88,10 +83,10 @@ def broken(data: Mapping[str, Any], named: set[str], world: World) -> Iterator[s
         yield "furniture has no opening, or something else has one"
     elif not all(-ROUNDING <= at <= world.furniture[name].limit + ROUNDING for name, at in openings.items()):
         yield "furniture is open beyond its limit"
-    if set(arms_of(data)) != set(world.robots):
+    if set(data["arms"]) != set(world.robots):
         yield "an arm is missing, or is not in the scene"
         return
-    for name, each in arms_of(data).items():
+    for name, each in data["arms"].items():
         if not world.robots[name].fits(each["joints"], float(each["width"])):
             yield "the arm or the gripper is beyond its limits"
         if (each["held"] is None) != (each["grasp"] is None) or each["held"] not in (None, *poses):
@@ -105,7 +100,7 @@ def read(data: Mapping[str, Any], world: World) -> Moment:
     poses = {name: frame(pose) for name, pose in data["poses"].items()}
     hands = {
         name: Hand(tuple(each["joints"]), each["width"], each["held"], each["grasp"] and frame(each["grasp"]))
-        for name, each in arms_of(data).items()
+        for name, each in data["arms"].items()
     }
     return Moment(Layout(world, poses, data.get("openings", {})), hands)
 

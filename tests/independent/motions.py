@@ -25,10 +25,9 @@ Stops = dict[str, tuple[str, Frame]]
 
 def unfit(motion: Sequence[Waypoint], world: World) -> bool:
     """Tell whether a motion is empty, or has a waypoint that no arm of the scene can take."""
-    names = [waypoint.get("robot", "") for waypoint in motion]
     return not motion or not all(
-        name in world.robots and world.robots[name].fits(waypoint["joints"], float(waypoint["width"]))
-        for name, waypoint in zip(names, motion, strict=True)
+        each["robot"] in world.robots and world.robots[each["robot"]].fits(each["joints"], float(each["width"]))
+        for each in motion
     )
 
 
@@ -38,7 +37,7 @@ def motion_problems(
     """Yield what is wrong between two states, and note where the arms stop; `ways` are checked where they are given."""
     now = _loaded(before)
     for k, waypoint in enumerate(motion):
-        robot, name = waypoint.get("robot", ""), waypoint["name"]
+        robot, name = waypoint["robot"], waypoint["name"]
         last, here = stops.get(robot, ("", before.tool(robot)))
         found = list(_order(last, here, waypoint, now.world.robots[robot].tool(tuple(waypoint["joints"]))))
         steps = list(_steps(now, waypoint)) if ways else []
@@ -154,7 +153,7 @@ def _order(last: str, here: Frame, waypoint: Waypoint, there: Frame) -> Iterator
 
 def _steps(now: Moment, waypoint: Waypoint) -> Iterator[Moment]:
     """Yield what is where on the straight way in joint space to a waypoint, without its ends."""
-    robot = waypoint.get("robot", "")
+    robot = waypoint["robot"]
     far = np.abs(np.subtract(waypoint["joints"], now.hands[robot].joints)).max()
     count = int(np.ceil(far / FINE))
     for k in range(1, count):
@@ -163,7 +162,7 @@ def _steps(now: Moment, waypoint: Waypoint) -> Iterator[Moment]:
 
 def _stride(now: Moment, waypoint: Waypoint) -> Iterator[str]:
     """Yield that there is a gap in the way of an arm."""
-    robot = waypoint.get("robot", "")
+    robot = waypoint["robot"]
     far = float(np.abs(np.subtract(waypoint["joints"], now.hands[robot].joints)).max())
     here, there = now.tool(robot), now.world.robots[robot].tool(tuple(waypoint["joints"]))
     up = abs(float(there.at[2] - here.at[2]))

@@ -31,7 +31,7 @@ class Seen:
         return self.layout.world
 
     def tool(self, robot: str) -> Frame:
-        return self.tools[self.world.robot(robot)]
+        return self.tools[robot]
 
     def local(self, name: str, at: Array) -> Array:
         """Return a point in the axes of a body, a zone or the table."""
@@ -223,12 +223,12 @@ def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     else:
         yield from _at(seen, arguments)
     wide = 2 * seen.wide(name, seen.tool(robot).turn[:, 1])
-    yield abs(seen.widths[seen.world.robot(robot)] - wide) - 0.002
+    yield abs(seen.widths[robot] - wide) - 0.002
 
 
 def _gripper_open(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """Open but for 1 mm."""
-    name = seen.world.robot(arguments[0])
+    name = arguments[0]
     yield seen.world.robots[name].robot.opening - 0.001 - seen.widths[name]
 
 
@@ -241,7 +241,7 @@ def _over(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 
 def _reachable(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The centre in the ring around the robot's axis that it reaches from above however it turns, at most so high."""
-    mounted = seen.world.robots[seen.world.robot(arguments[0])]
+    mounted = seen.world.robots[arguments[0]]
     at, (inner, outer) = seen.layout.poses[arguments[1]].at, mounted.robot.reach
     far = float(np.linalg.norm((at - mounted.base.at)[:2]))
     yield inner - far

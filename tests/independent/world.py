@@ -24,7 +24,7 @@ class World:
     """The bodies, the robots and the words of a scene.
 
     `parts` are those of each body that stand still on it, of furniture those without its door; `places` is where
-    zones and fixed bodies are. A single robot has no name.
+    zones and fixed bodies are.
     """
 
     kinds: Mapping[str, str]
@@ -44,10 +44,6 @@ class World:
         """Return the spatial predicate that a fluent's name means, None where it means none."""
         meaning = self.meanings.get(name, name)
         return meaning if meaning in PREDICATE_ROLES else None
-
-    def robot(self, name: str) -> str:
-        """Return the name under which a witness has a robot."""
-        return name if name in self.robots else ""
 
 
 class Solid(NamedTuple):
@@ -201,7 +197,7 @@ def world_of(scene: Scene) -> World:
         table=(np.array(scene.table.centre), np.array(scene.table.size) / 2),
         robots={
             name: Mounted(ROBOTS[mount.kind], standing(mount.x, mount.y, 0.0, mount.yaw))
-            for name, mount in scene.mounts.items()
+            for name, mount in scene.robots.items()
         },
         meanings=dict(scene.predicates),
         rotations=dict(scene.rotations),

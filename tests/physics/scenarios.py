@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from prag_asp.atom import Atom, parse_atom
+from prag_asp.physics.witness import Moment
 from prag_asp.scene.model import Shape
 from prag_asp.task import Task
 
@@ -49,6 +51,12 @@ HANDOVER = (
 )
 GIVE = HANDOVER.index("give(left,right,bar_1)")
 """A plan of two_arms, and which of its actions hands the bar over."""
+
+
+def with_arm(moment: Moment, **changes: object) -> Moment:
+    """Return a moment of one robot with its arm changed."""
+    [(robot, arm)] = moment.arms.items()
+    return replace(moment, arms={robot: arm._replace(**changes)})
 
 
 def state(*fluents: str) -> dict[Atom, bool]:

@@ -34,7 +34,6 @@ from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import state, task
 
 FURNITURE = ("drawer_1", "cupboard_1")
-AWAY = Pose((0.0, 0.0, 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +72,7 @@ def opening_task(furniture: str):
 
 def test_what_lies_in_a_drawer_moves_with_it_and_what_lies_in_a_cupboard_stays(kitchen):
     poses = {entity: Pose((x, y, kitchen.shapes[entity].half[2])) for entity, (x, y, _) in kitchen.fixed.items()}
-    situation = Situation(kitchen, poses, AWAY, 0.08, openings={"drawer_1": 0.0, "cupboard_1": 0.0})
+    situation = Situation(kitchen, poses, openings={"drawer_1": 0.0, "cupboard_1": 0.0})
     for item, furniture in (("apple_1", "drawer_1"), ("cup_1", "cupboard_1")):
         x, y, z = situation.floor(furniture).position
         situation = situation.with_pose(item, Pose((x, y, z + kitchen.shapes[item].half[2])))
@@ -95,7 +94,7 @@ def test_the_gripper_reaches_into_open_furniture_and_meets_what_is_closed(kitche
     half = kitchen.shapes[furniture].half[2]
     poses = {furniture: Pose((place[0], place[1], half), yaw_quaternion(place[2]))}
     for opening in (0.0, mechanism(kitchen.shapes[furniture]).limit):
-        situation = Situation(kitchen, poses, AWAY, 0.08, openings={furniture: opening})
+        situation = Situation(kitchen, poses, openings={furniture: opening})
         x, y, z = situation.floor(furniture).position
         at = Pose((x, y, z + kitchen.shapes[item].half[2]))
         situation = situation.with_pose(item, at)
@@ -208,7 +207,7 @@ def test_the_robot_performs_the_opening_and_closing_of_furniture(kitchen, valida
 
 def test_on_the_table_means_over_nothing_hollow(kitchen):
     poses = {"bowl_1": Pose((0.6, 0.0, 0.025)), "cup_1": Pose((0.4, 0.0, 0.04))}
-    situation = Situation(kitchen, poses, AWAY, 0.08)
+    situation = Situation(kitchen, poses)
     assert PREDICATES["located"].holds(situation, ("cup_1", "table_1"))
     assert PREDICATES["located"].holds(situation.with_pose("cup_1", Pose((0.4, 0.0, 0.2))), ("cup_1", "table_1"))
     assert not PREDICATES["located"].holds(situation.with_pose("cup_1", Pose((0.4, 0.0, 0.4))), ("cup_1", "table_1"))
@@ -255,7 +254,7 @@ def test_the_same_seed_gives_the_same_witness_of_the_kitchen(kitchen, validator)
 
 def test_nothing_is_in_what_has_no_cavity(kitchen):
     poses = {"cup_1": Pose((0.4, 0.0, 0.03)), "apple_1": Pose((0.4, 0.0, 0.03))}
-    situation = Situation(kitchen, poses, AWAY, 0.08)
+    situation = Situation(kitchen, poses)
     for name in ("inside", "located"):
         assert not PREDICATES[name].holds(situation, ("apple_1", "cup_1"))
 

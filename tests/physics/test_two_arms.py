@@ -22,8 +22,8 @@ from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import Snapshot
-from prag_asp.physics.situation import Situation, Standing
-from prag_asp.physics.witness import ArmState
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import open_client, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
 from prag_asp.scene.load import parse_scene
@@ -72,7 +72,7 @@ mounts = st.builds(Mount, st.sampled_from(["panda", "kuka"]), *[st.floats(-1, 1)
 @given(mount=mounts, heading=st.floats(-1.5, 1.5), yaw=st.floats(-3, 3))
 def test_a_robot_reaches_the_same_from_wherever_it_stands(mount, heading, yaw):
     here = robot_of(Scene({}, robots={"arm": mount}), "arm")
-    origin = robot_of(Scene({}, robot=mount.kind))
+    origin = robot_of(Scene({}, robots={"arm": Mount(mount.kind)}), "arm")
     tool = Pose((0.55 * math.cos(heading), 0.55 * math.sin(heading), 0.1), multiply(yaw_quaternion(yaw), DOWN))
     base = Pose((mount.x, mount.y, 0.0), yaw_quaternion(mount.yaw))
     joints = next(inverse(here, compose(base, tool)))
@@ -95,13 +95,13 @@ def test_the_simulator_has_each_robot_where_the_scene_says(scene):
 
 def test_an_object_changes_hands_in_the_air(scene, handover, witness):
     before, after = witness.moments[GIVE], witness.moments[GIVE + 1]
-    assert before.arms()["left"].held == "bar_1" and before.arms()["right"].held is None
-    assert after.arms()["left"].held is None and after.arms()["right"].held == "bar_1"
+    assert before.arms["left"].held == "bar_1" and before.arms["right"].held is None
+    assert after.arms["left"].held is None and after.arms["right"].held == "bar_1"
     assert before.poses["bar_1"] == after.poses["bar_1"]
     assert before.poses["bar_1"].position[2] > 0.1
     both = [waypoint for waypoint in witness.motions[GIVE] if waypoint.held == "bar_1"]
     assert [waypoint.robot for waypoint in both] == ["right"]
-    giving = tool_pose(robot_of(scene, "left"), before.arms()["left"].joints)
+    giving = tool_pose(robot_of(scene, "left"), before.arms["left"].joints)
     taking = tool_pose(robot_of(scene, "right"), both[0].joints)
     length = scene.shapes["bar_1"].size[0]
     assert 0.12 < math.dist(giving.position[:2], taking.position[:2]) < length
@@ -114,11 +114,11 @@ def test_witnesses_of_two_arms_pass_the_check_and_settle(scene, handover, witnes
     assert settle(handover, witness, scene) is None
 
 
-def _two_pandas(scene: Scene, client: int) -> dict[str, Callable[[ArmState], int]]:
+def _two_pandas(scene: Scene, client: int) -> dict[str, Callable[[Arm], int]]:
     """Load two arms without the simulator of the validator; each function puts one somewhere and returns its body."""
     path = Path(pybullet_data.getDataPath()) / "franka_panda" / "panda.urdf"
 
-    def placed(body: int, arm: ArmState) -> int:
+    def placed(body: int, arm: Arm) -> int:
         for joint, angle in zip((*range(7), 9, 10), (*arm.joints, arm.width / 2, arm.width / 2), strict=True):
             pybullet.resetJointState(body, joint, angle, physicsClientId=client)
         return body
@@ -139,15 +139,15 @@ def test_the_arms_never_meet_in_any_state_or_waypoint(scene, validator):
         for index, task in enumerate(tasks):
             witness = validator.validate(task, seed=8, index=index).witness
             assert witness is not None
-            arms = witness.moments[0].arms()
+            arms = dict(witness.moments[0].arms)
             for moment, motion in zip(witness.moments[1:], witness.motions, strict=True):
                 for waypoint in motion:
-                    arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width)
+                    arms[waypoint.robot] = Arm(waypoint.joints, waypoint.width)
                     one, two = (place[name](arm) for name, arm in arms.items())
                     points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=client)
                     assert min((point[8] for point in points), default=0.0) >= -0.0015
                 assert {name: arm[:2] for name, arm in arms.items()} == {
-                    name: arm[:2] for name, arm in moment.arms().items()
+                    name: arm[:2] for name, arm in moment.arms.items()
                 }
 
 
@@ -163,11 +163,9 @@ def test_random_tasks_of_two_arms_are_feasible(scene, validator):
 def test_arms_that_stand_in_each_other_are_reported(scene, handover, witness):
     moment = witness.moments[2]
     # The right arm reaches for the tool of the left one.
-    tool = tool_pose(robot_of(scene, "left"), moment.arms()["left"].joints)
+    tool = tool_pose(robot_of(scene, "left"), moment.arms["left"].joints)
     there = next(inverse(robot_of(scene, "right"), tool))
-    arms = {**moment.arms(), "right": ArmState(there, 0.08)}
-    own = arms.pop(moment.robot)
-    broken = replace(moment, joints=own.joints, width=own.width, held=own.held, grasp=own.grasp, others=arms)
+    broken = replace(moment, arms={**moment.arms, "right": Arm(there, 0.08)})
     moments = (*witness.moments[:2], broken, *witness.moments[3:])
     found = check_witness(handover, replace(witness, moments=moments), scene)
     assert any("state 2: the arm collides with" in text for text in found)
@@ -176,12 +174,13 @@ def test_arms_that_stand_in_each_other_are_reported(scene, handover, witness):
 
 def test_an_arm_that_moves_unseen_or_is_missing_is_reported(scene, handover, witness):
     first = witness.moments[0]
-    [(name, other)] = first.others.items()
-    moved = replace(first, others={name: other._replace(joints=(other.joints[0] + 0.1, *other.joints[1:]))})
+    joints = first.arms["right"].joints
+    turned = first.arms["right"]._replace(joints=(joints[0] + 0.1, *joints[1:]))
+    moved = replace(first, arms={**first.arms, "right": turned})
     assert check_witness(handover, replace(witness, moments=(moved, *witness.moments[1:])), scene)
-    alone = replace(first, others={})
+    alone = replace(first, arms={"left": first.arms["left"]})
     found = check_witness(handover, replace(witness, moments=(alone, *witness.moments[1:])), scene)
-    assert any(text.startswith("state 0: it has the arms") for text in found)
+    assert "state 0: it has the arms of left; the scene has those of left, right" in found
     stranger = tuple(replace(waypoint, robot="middle_arm") for waypoint in witness.motions[0])
     found = check_witness(handover, replace(witness, motions=(stranger, *witness.motions[1:])), scene)
     assert any("there is no robot middle_arm" in text for text in found)
@@ -210,14 +209,15 @@ def test_which_arm_an_action_moves_is_read_off_its_facts(scene, handover):
 
 
 def test_turning_to_the_other_arm_and_back_changes_nothing(scene):
-    robot = robot_of(scene, "left")
-    other = Standing(robot.home, Pose((0.4, -0.3, 0.2), DOWN), 0.03, "bar_1", Pose((0.0, 0.0, 0.1)))
-    situation = Situation(scene, {}, Pose((0.4, 0.3, 0.3), DOWN), 0.08, acting="left", others={"right": other})
-    snapshot = Snapshot(situation, robot.posture, above=robot.home)
+    robot, other = robot_of(scene, "left"), robot_of(scene, "right")
+    arms = {"left": Arm(robot.home, 0.08), "right": Arm(other.home, 0.03, "bar_1", Pose((0.0, 0.0, 0.1)))}
+    snapshot = Snapshot(Situation(scene, {}, arms), "left").with_arm(Arm(robot.posture, 0.08), robot.home)
     turned = snapshot.turned_to("right")
-    assert (turned.held, turned.situation.tool, turned.situation.width) == ("bar_1", other.tool, 0.03)
-    assert turned.situation.hand("left") == (situation.tool, 0.08)
-    assert turned.turned_to("left") == snapshot == snapshot.turned_to("") == snapshot.turned_to("left")
+    assert (turned.arm, turned.tool, turned.above) == (arms["right"], tool_pose(other, other.home), None)
+    assert turned.situation.tool("left") == tool_pose(robot, robot.posture)
+    assert turned.turned_to("left") == snapshot == snapshot.turned_to(None) == snapshot.turned_to("left")
+    assert turned.with_arm(Arm(other.posture, 0.0), other.home).turned_to("left").above == robot.home
+    assert snapshot.with_arm(Arm(robot.home, 0.08)).above is None
 
 
 @pytest.mark.parametrize(
@@ -231,7 +231,7 @@ def test_turning_to_the_other_arm_and_back_changes_nothing(scene):
     ],
 )
 def test_a_gripper_is_over_a_zone_where_its_tool_is(scene, x, y, z, expected):
-    situation = Situation(scene, {}, Pose((x, y, z), DOWN), 0.08, acting="left", others={})
+    situation = Situation(scene, {}, tools={"left": Pose((x, y, z), DOWN)})
     assert PREDICATES["over"].distance(situation, ("left", "left_side")) == pytest.approx(expected, abs=1e-9)
 
 

@@ -21,7 +21,7 @@ from tests.physics.scenarios import carrying, stacking, state, task
 def test_a_cube_can_be_stacked_on_a_brick(tabletop, tabletop_validator):
     verdict = tabletop_validator.validate(stacking(), seed=1)
     assert verdict.feasible
-    assert verdict.witness.moments[1].held == "cube_1"
+    assert verdict.witness.moments[1].held == {"cube_1"}
     names = [[waypoint.name for waypoint in motion] for motion in verdict.witness.motions]
     assert names == [["approach", "at", "at", "lift"], ["approach", "at", "at", "retreat"]]
     assert check_witness(stacking(), verdict.witness, tabletop) == []
@@ -49,7 +49,7 @@ def test_a_held_object_at_the_start_is_in_the_gripper(prag, prag_validator):
         ("drop(panda,can_1)", state("-holding(panda,can_1)", "open(panda)")),
     )
     verdict = prag_validator.validate(dropping, seed=1)
-    assert verdict.feasible and verdict.witness.moments[0].held == "can_1"
+    assert verdict.feasible and verdict.witness.moments[0].held == {"can_1"}
     assert verdict.witness.moments[0].poses == verdict.witness.moments[1].poses
     assert check_witness(dropping, verdict.witness, prag) == []
 
@@ -235,16 +235,26 @@ def test_a_verdict_comes_back_from_json_as_it_was(tabletop_validator):
 
 def test_broken_json_of_a_verdict_is_refused(tabletop_validator):
     data = tabletop_validator.validate(stacking(), seed=1).to_json()
-    for broken in (
-        {**data, "status": "maybe"},
-        {**data, "witness": {"moments": 3}},
-        {**data, "budget": {}},
-        {},
+    for broken, message in (
+        ({**data, "status": "maybe"}, "status: needs one of feasible, not_found, infeasible; got 'maybe'"),
+        ({**data, "status": 3}, "status: needs a string; got 3"),
+        ({**data, "seed": -1}, "seed: needs a whole number from 0; got -1"),
+        ({**data, "index": True}, "index: needs a whole number from 0; got true"),
+        ({**data, "causes": {"a": 1, "b": 0.5}}, "causes.b: needs a whole number from 0; got 0.5"),
+        ({**data, "witness": {**data["witness"], "moments": 3}}, "witness.moments: needs a list; got 3"),
+        ({**data, "budget": {}}, "budget.restarts: is missing"),
+        (
+            {**data, "budget": {**data["budget"], "tier": "dreams"}},
+            "budget.tier: needs one of kinematics, settling, transit, demonstration; got 'dreams'",
+        ),
+        ({}, "status: is missing"),
     ):
-        with pytest.raises(QueryError):
+        with pytest.raises(QueryError) as caught:
             Verdict.from_json(broken)
-    with pytest.raises(QueryError):
-        Witness.from_json({"moments": [{"poses": {"a": [[1, 2], [3]]}}], "motions": []})
+        assert str(caught.value) == f"verdict.{message}"
+    pose = {"version": 2, "moments": [{"poses": {"a": [[1, 2], [3]]}, "arms": {}}], "motions": []}
+    with pytest.raises(QueryError, match=r"^witness\.moments\[0\]\.poses\.a\[0\]: needs a list of 3; got \[1, 2\]$"):
+        Witness.from_json(pose)
 
 
 def test_a_budget_of_nothing_is_refused():

@@ -16,7 +16,7 @@ import pytest
 from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics import Budget, WorkerError, pool, validate_tasks
-from prag_asp.scene.model import Shape
+from prag_asp.scene.model import Mount, Shape
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
 from tests.processes import children, interrupt, interruptible
@@ -174,7 +174,7 @@ def test_a_scene_that_cannot_be_built_is_one_clear_error_however_many_workers(ta
 
 
 def test_what_breaks_a_worker_at_its_start_is_told_and_not_tried_again(tabletop):
-    unknown = replace(tabletop, robot="no_such_robot")
+    unknown = replace(tabletop, robots={"panda": Mount("no_such_robot")})
     with pytest.raises(SceneError, match=r"the scene cannot be built: KeyError: 'no_such_robot'"):
         list(validate_tasks([stacking()], unknown, seed=0, workers=2))
     assert not children()

@@ -178,14 +178,14 @@ class _Drawing:
             if not isinstance(name, str):
                 raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
             try:
-                recorded = Demonstration.load(self.recordings / name)
+                recorded = Demonstration.load(self.recordings / name, robot=next(iter(scene.robots)))
             except QueryError as error:
                 raise QueryError(f"{error}; {RECORD}") from None
             for fault in check_demonstration(record.task, recorded, scene)[:1]:
                 raise QueryError(f"{self.recordings / name} does not show this task: {fault}; {RECORD}")
             return recorded
         if record.witness is not None:
-            witness = read_witness(record)
+            witness = read_witness(record, scene)
             for fault in check_witness(record.task, witness, scene)[:1]:
                 raise QueryError(f"its witness fails: {fault}; {MEND}")
             return witness

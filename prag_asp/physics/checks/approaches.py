@@ -43,7 +43,7 @@ def approach_problems(
 
     `tools` are the poses of the tool at the waypoints.
     """
-    for robot, arm in before.moment.arms().items():
+    for robot, arm in before.moment.arms.items():
         own = [each for each in zip(motion, tools, strict=True) if each[0].robot == robot]
         if own and own[-1][0].name == TRANSIT:
             yield "it ends on its way"
@@ -67,20 +67,19 @@ def approach_problems(
 
 def _end(end: End, robot: str, simulator: Simulator) -> Stop:
     """Return where an arm stands in a state: at an object where it is said to be, or holds what stands on something."""
-    arms, scene = end.moment.arms(), simulator.scene
-    own = situation_of(simulator, end.moment.poses, end.moment.openings, arms, robot)
-    held = arms[robot].held
-    if held is not None:
-        down = bool(contacts(own, held, end.moment.poses))
+    situation = situation_of(simulator, end.moment.poses, end.moment.openings, end.moment.arms)
+    arm = end.moment.arms[robot]
+    if arm.held is not None:
+        down = bool(contacts(situation, arm.held, end.moment.poses))
     else:
-        down = any(fact.value and fact.predicate.gripper is Gripper.AT for fact in of_robot(scene, end.facts, robot))
-    return Stop(arms[robot].joints, own.tool, down)
+        down = any(fact.value and fact.predicate.gripper is Gripper.AT for fact in of_robot(end.facts, robot))
+    return Stop(arm.joints, situation.tool(robot), down)
 
 
 def _misplaced(waypoint: Waypoint, tool: Pose, held: str | None, before: Moment, after: Moment) -> Iterator[str]:
     """Yield that an object is not where it is taken, or does not end where it is let go; handles are left out."""
     taking = waypoint.held is not None
-    entity, arm = (waypoint.held, after.arms()[waypoint.robot]) if taking else (held, before.arms()[waypoint.robot])
+    entity, arm = (waypoint.held, after.arms[waypoint.robot]) if taking else (held, before.arms[waypoint.robot])
     if waypoint.opening is not None or entity is None or arm.held != entity or arm.grasp is None:
         return
     if not near(compose(tool, arm.grasp), (before if taking else after).poses[entity]):
@@ -89,7 +88,7 @@ def _misplaced(waypoint: Waypoint, tool: Pose, held: str | None, before: Moment,
 
 def _loose(waypoint: Waypoint, before: Moment, after: Moment) -> bool:
     """Tell whether the gripper is open otherwise than in the states in which it holds the same object."""
-    arms = [moment.arms()[waypoint.robot] for moment in (before, after)]
+    arms = [moment.arms[waypoint.robot] for moment in (before, after)]
     widths = [arm.width for arm in arms if arm.held is not None and arm.held == waypoint.held]
     return bool(widths) and min(abs(waypoint.width - width) for width in widths) > POSITION_TOLERANCE
 

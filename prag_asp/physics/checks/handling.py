@@ -46,7 +46,7 @@ def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, 
     for entity, opening in after.items():
         shape = scene.shapes[entity]
         if opening != before[entity] and mechanism(shape).slides:
-            situation = Situation(scene, poses, Pose((0.0, 0.0, 1.0)), 0.0, openings=before)
+            situation = Situation(scene, poses, openings=before)
             start, end = (part_pose(shape, poses[entity], at) for at in (before[entity], opening))
             delta = compose(end, invert(start))
             for rider in riders(situation, entity, set(poses) - {entity}):

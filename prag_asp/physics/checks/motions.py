@@ -10,7 +10,7 @@ from prag_asp.physics.checks.numbers import broken_arm
 from prag_asp.physics.checks.states import near, situation_of, tool_in, visited
 from prag_asp.physics.facts import Effect
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import TRANSIT, ArmState, Moment, Waypoint
+from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
@@ -37,24 +37,24 @@ def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulato
         tools.append(tool_in(simulator))
     wrong = list(handling_problems(motion, tools, before, after, simulator.scene))
     yield from wrong or approach_problems(motion, tools, start, end, simulator)
-    arms = before.arms()
+    arms = dict(before.arms)
     for i, waypoint in enumerate(() if wrong else motion):
         grasp = arms[waypoint.robot].grasp if waypoint.held == arms[waypoint.robot].held else None
         if waypoint.held is not None and grasp is None:
-            grasp = after.arms()[waypoint.robot].grasp
-        arms[waypoint.robot] = ArmState(waypoint.joints, waypoint.width, waypoint.held, grasp)
+            grasp = after.arms[waypoint.robot].grasp
+        arms[waypoint.robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, grasp)
         if i < len(motion) - 1:
             openings, moving = openings_at(motion, i, before), waypoint.name == TRANSIT
             hit = _waypoint_collision(arms, waypoint.robot, (before, after), openings, simulator, moving)
             if hit is not None:
                 yield f"{waypoint.name}: {hit}"
-    for name, arm in () if wrong else after.arms().items():
+    for name, arm in () if wrong else after.arms.items():
         if arms[name][:3] != arm[:3]:
             yield "its last waypoint is not the arm of the next state"
 
 
 def _waypoint_collision(
-    arms: Mapping[str, ArmState],
+    arms: Mapping[str, Arm],
     robot: str,
     around: tuple[Moment, Moment],
     openings: Mapping[str, float],
@@ -67,15 +67,16 @@ def _waypoint_collision(
     """
     before, after = around
     poses = carried_along(before.poses, before.openings, openings, simulator.scene)
-    situation = situation_of(simulator, poses, openings, arms, robot)
+    situation = situation_of(simulator, poses, openings, arms)
     joints, width, held, grasp = arms[robot]
     if held is not None and grasp is not None:
-        poses = _carried(poses, held, compose(situation.tool, grasp), simulator.scene)
-    elif before.arms()[robot].held is not None:
+        poses = _carried(poses, held, compose(situation.tool(robot), grasp), simulator.scene)
+    elif before.arms[robot].held is not None:
         poses = dict(after.poses)
     situation = situation.with_poses(poses)
     carried = [entity for entity in poses if poses[entity] != before.poses[entity]] if moving else []
-    hit = arm_collision(simulator, situation, joints, width, held or visited(situation))
+    simulator.turn_to(robot)
+    hit = arm_collision(simulator, situation, joints, width, held or visited(situation, robot))
     if hit is not None:
         return f"the arm collides with {hit.other}"
     pair = colliding(simulator, situation, [*openings, *carried], list(poses))
@@ -84,7 +85,7 @@ def _waypoint_collision(
 
 def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -> dict[str, Pose]:
     """Return all poses with one object and all that rests on it moved."""
-    situation = Situation(scene, poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    situation = Situation(scene, poses)
     delta = compose(pose, invert(poses[entity]))
     moved = {rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})}
     return {**poses, **moved, entity: pose}
@@ -98,7 +99,7 @@ def stray(effect: Effect, before: Moment, after: Moment, simulator: Simulator) -
     along = carried_along(before.poses, before.openings, after.openings, simulator.scene)
     held = (effect.grasps, effect.releases, effect.holds)
     may_move = {*effect.moved, *(entity for entity in held if entity is not None)}
-    situation = Situation(simulator.scene, before.poses, Pose((0.0, 0.0, 1.0)), 0.0, openings=before.openings)
+    situation = Situation(simulator.scene, before.poses, openings=before.openings)
     for entity in [entity for entity in may_move if entity in before.poses]:
         may_move |= set(riders(situation, entity, set(before.poses) - {entity}))
     for entity, pose in along.items():

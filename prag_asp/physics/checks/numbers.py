@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from prag_asp.physics.checks.handling import opening_problems
 from prag_asp.physics.facts import PhysicalTask
@@ -42,20 +42,16 @@ def broken_numbers(
     for entity in moment.poses:
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
-    if sorted(moment.arms()) != sorted(simulator.arms):
-        yield f"it has the arms {_arms(moment.arms())}; the scene has {_arms(simulator.arms)}"
+    if sorted(moment.arms) != sorted(simulator.arms):
+        has, wanted = ", ".join(moment.arms) or "none", ", ".join(simulator.arms)
+        yield f"it has the arms of {has}; the scene has those of {wanted}"
         return
-    for name, arm in moment.arms().items():
+    for name, arm in moment.arms.items():
         yield from broken_arm(name, arm.joints, arm.width, simulator, tolerance)
         if (arm.held is None) != (arm.grasp is None):
             yield "a held object and its grasp go together"
         elif arm.held is not None and (arm.held not in moment.poses or not finite(arm.grasp or Pose((0, 0, 0)))):
             yield f"the grasp of {arm.held} is not a finite position and rotation"
-
-
-def _arms(names: Iterable[str]) -> str:
-    """Return the names of some arms; a single robot has none."""
-    return ", ".join(name or "one without a name" for name in names)
 
 
 def broken_arm(

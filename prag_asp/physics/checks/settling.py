@@ -12,8 +12,8 @@ from contextlib import contextmanager
 
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.facts import PhysicalTask, physical_task
-from prag_asp.physics.motion.arms import situation_with
 from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
+from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.bodies import make_body, make_table, mass, parking_place
 from prag_asp.physics.world.furniture import read_opening, set_opening
@@ -58,7 +58,7 @@ class Settling:
                 if settled is None:
                     return UNSTABLE
                 poses, openings = settled
-                situation = situation_with(scene, poses, openings, moment.arms(), moment.robot)
+                situation = Situation(scene, poses, moment.arms, openings)
                 if not all(fact.satisfied(situation) for fact in facts):
                     return UNSETTLED
             previous = moment
@@ -81,13 +81,13 @@ class Settling:
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
         for entity, opening in moment.openings.items():
             set_opening(client, bodies[entity], opening)
-        for entity in moment.all_held:
+        for entity in moment.held:
             pybullet.changeDynamics(bodies[entity], -1, mass=0.0, physicsClientId=client)
         for _ in range(STEPS):
             pybullet.stepSimulation(physicsClientId=client)
         settled = {entity: read_pose(client, body) for entity, body in bodies.items()}
         speeds = [pybullet.getBaseVelocity(body, physicsClientId=client)[0] for body in bodies.values()]
-        for entity in moment.all_held:
+        for entity in moment.held:
             pybullet.changeDynamics(bodies[entity], -1, mass=mass(scene, entity), physicsClientId=client)
         if any(math.hypot(*speed) > LARGEST_SPEED for speed in speeds):
             return None
@@ -117,7 +117,7 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
 def _as_stable(before: Moment, after: Moment) -> bool:
     """Tell whether objects that are stable at a moment are so at the next: nothing has moved or been let go."""
     same = before.poses == after.poses and before.openings == after.openings
-    return same and before.all_held <= after.all_held
+    return same and before.held <= after.held
 
 
 def _stayed(before: Pose, after: Pose) -> bool:

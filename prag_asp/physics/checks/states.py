@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from prag_asp.physics.facts import PhysicalTask
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
-from prag_asp.physics.situation import Situation, Standing, fixed_pose
-from prag_asp.physics.witness import ArmState, Moment
+from prag_asp.physics.situation import Situation, fixed_pose
+from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import unsupported
@@ -26,7 +26,7 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
     """Yield wrong facts of a state, collisions, falling objects and a held object out of the hand."""
     simulator.place(moment.poses, moment.openings)
     poses = {entity: simulator.read(entity) for entity in moment.poses}
-    situation = situation_of(simulator, poses, moment.openings, moment.arms(), moment.robot)
+    situation = situation_of(simulator, poses, moment.openings, moment.arms)
     for entity in simulator.scene.fixed:
         if entity in poses and not near(fixed_pose(simulator.scene, entity), poses[entity]):
             yield f"{entity} is not where the scene has it"
@@ -36,24 +36,24 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
     pair = colliding(simulator, situation, list(poses), list(poses))
     if pair is not None:
         yield f"{pair[0]} collides with {pair[1]}"
-    falling = unsupported(situation, list(poses), moment.held)
+    falling = unsupported(situation, list(poses))
     if falling is not None:
         yield f"{falling} would fall"
-    for name, arm in moment.arms().items():
-        own = situation_of(simulator, poses, moment.openings, moment.arms(), name)
-        hit = arm_collision(simulator, own, arm.joints, arm.width, arm.held or visited(own))
+    for name, arm in moment.arms.items():
+        simulator.turn_to(name)
+        hit = arm_collision(simulator, situation, arm.joints, arm.width, arm.held or visited(situation, name))
         if hit is not None:
             yield f"the arm collides with {hit.other}"
         if arm.held is not None and arm.grasp is not None:
-            expected = compose(own.tool, arm.grasp)
+            expected = compose(situation.tool(name), arm.grasp)
             if not near(expected, poses[arm.held]):
                 yield f"{arm.held} is not where the gripper holds it"
-            yield from _grip_problems(own, name, arm.held)
+            yield from _grip_problems(situation, name, arm.held)
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
     """Yield what the proofs rely on and a grip lacks: it is from above, of an upright body that the gripper spans."""
-    if leaning(situation.hand(robot)[0].quaternion, DOWN) > TURN_TOLERANCE:
+    if leaning(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
         yield f"{held} is not held from above"
     if situation.shape(held).traits.flat and leaning(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
         yield f"{held} does not stand upright in the gripper"
@@ -70,21 +70,15 @@ def leaning(quaternion: Quaternion, direction: Vector) -> float:
 
 
 def situation_of(
-    simulator: Simulator,
-    poses: Mapping[str, Pose],
-    openings: Mapping[str, float],
-    arms: Mapping[str, ArmState],
-    acting: str,
+    simulator: Simulator, poses: Mapping[str, Pose], openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Return a situation by the simulator's own forward kinematics of all arms; the one that acts comes last."""
-    others = {}
-    for name in sorted(arms, key=lambda name: name == acting):
-        joints, width, held, grasp = arms[name]
+    """Return a situation by the simulator's own forward kinematics of all arms."""
+    tools = {}
+    for name, arm in arms.items():
         simulator.turn_to(name)
-        simulator.pose_arm(joints, width)
-        others[name] = Standing(joints, tool_in(simulator), width, held, grasp)
-    own = others.pop(acting)
-    return Situation(simulator.scene, poses, own.tool, own.width, openings=openings, acting=acting, others=others)
+        simulator.pose_arm(arm.joints, arm.width)
+        tools[name] = tool_in(simulator)
+    return Situation(simulator.scene, poses, arms, openings, tools)
 
 
 def tool_in(simulator: Simulator) -> Pose:
@@ -94,9 +88,9 @@ def tool_in(simulator: Simulator) -> Pose:
     return compose(simulator.flange(), offset)
 
 
-def visited(situation: Situation) -> str | None:
-    """Return the object that the gripper is at."""
-    return next((entity for entity in situation.poses if PREDICATES["at"].holds(situation, ("", entity))), None)
+def visited(situation: Situation, robot: str) -> str | None:
+    """Return the object that a gripper is at."""
+    return next((entity for entity in situation.poses if PREDICATES["at"].holds(situation, (robot, entity))), None)
 
 
 def near(one: Pose, two: Pose) -> bool:

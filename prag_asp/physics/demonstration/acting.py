@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from prag_asp.physics.demonstration.driving import Driver
-from prag_asp.physics.demonstration.planning import Action, Angles, Arm, Leg, legs, planned_way, pulling_way
+from prag_asp.physics.demonstration.planning import Action, Angles, Leg, legs, planned_way, pulling_way
 from prag_asp.physics.demonstration.recording import Recorder
-from prag_asp.physics.motion.arms import situation_with
 from prag_asp.physics.motion.trajectory import blended
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import ArmState, Moment, Waypoint
+from prag_asp.physics.witness import Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
 from prag_asp.physics.world.simulator import Simulator
 
@@ -28,9 +25,8 @@ class Actor:
 
     def __init__(self, world: Dynamics, planner: Simulator, recorder: Recorder, first: Moment):
         self._world, self._planner = world, planner
-        arms = first.arms()
-        self._driver = Driver(world, recorder, {name: _first_command(arm) for name, arm in arms.items()})
-        self._arms = {name: Arm(arm.joints, arm.joints, arm.held) for name, arm in arms.items()}
+        self._driver = Driver(world, recorder, {name: _first_command(arm) for name, arm in first.arms.items()})
+        self._arms = dict(first.arms)
 
     def rest(self) -> None:
         """Let things come to rest."""
@@ -51,10 +47,9 @@ class Actor:
             robot, arm = waypoint.robot, self._arms[waypoint.robot]
             if arm.held is None and waypoint.held is None and self._fingers_move(waypoint):
                 self._driver.move_fingers(robot, waypoint.width)
-            if waypoint.joints != arm.planned:
+            if waypoint.joints != leg.start:
                 ways.append(self._way(arm, leg, action))
-                joints = tuple(ways[-1][-1].tolist())
-                arm = self._arms[robot] = replace(arm, joints=joints, planned=waypoint.joints)
+                arm = self._arms[robot] = arm._replace(joints=tuple(ways[-1][-1].tolist()))
             if waypoint.held != arm.held:
                 self._drive(robot, ways)
                 self._grip(waypoint)
@@ -67,7 +62,7 @@ class Actor:
     def _grip(self, waypoint: Waypoint) -> None:
         """Close the gripper on what it holds at a waypoint, or open it, and let things come to rest."""
         squeeze = SQUEEZE if waypoint.held is not None else 0.0
-        self._arms[waypoint.robot] = replace(self._arms[waypoint.robot], held=waypoint.held)
+        self._arms[waypoint.robot] = self._arms[waypoint.robot]._replace(held=waypoint.held)
         self._driver.move_fingers(waypoint.robot, waypoint.width - squeeze)
         self._driver.rest()
 
@@ -85,7 +80,7 @@ class Actor:
         """
         waypoint = leg.waypoint
         self._planner.turn_to(waypoint.robot)
-        situation = self._situation(waypoint.robot)
+        situation = self._situation()
         if waypoint.held is not None and waypoint.opening is not None:
             return pulling_way(self._planner, situation, arm, waypoint.held, waypoint.opening)
         found = planned_way(self._planner, situation, arm, leg, action)
@@ -93,13 +88,13 @@ class Actor:
             raise Stopped(NO_PATH, f"{action.effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
         return found
 
-    def _situation(self, robot: str) -> Situation:
-        """Return where everything is now; an arm is to move."""
-        world, arms = self._world, self._world.arms()
-        states = {name: ArmState(*arm, self._arms[name].held) for name, arm in arms.items()}
-        return situation_with(world.scene, world.poses(), world.openings(), states, robot)
+    def _situation(self) -> Situation:
+        """Return where everything is now."""
+        world = self._world
+        arms = {name: arm._replace(held=self._arms[name].held) for name, arm in world.arms().items()}
+        return Situation(world.scene, world.poses(), arms, world.openings())
 
 
-def _first_command(arm: ArmState) -> Command:
+def _first_command(arm: Arm) -> Command:
     """Return what the motors of an arm drive to at first."""
     return Command(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))

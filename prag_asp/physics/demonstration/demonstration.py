@@ -11,18 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import OutputError, QueryError
-from prag_asp.physics.motion.arms import situation_with
+from prag_asp.fields import shown
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import ArmState
+from prag_asp.physics.witness import Arm
+from prag_asp.physics.written import PARTS, VERSION
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
 ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
-TEXTS = ("bodies", "objects", "furniture", "cause", "detail")
-ROBOTS = "robots"
-"""The name of the array that only recordings of several robots have."""
+TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
+
+OF_ROBOTS = ("joints", "widths", "commands")
+"""The arrays that have an axis of robots."""
 
 FRAMES_A_SECOND = 20
 
@@ -31,18 +33,17 @@ FRAMES_A_SECOND = 20
 class Demonstration:
     """A recording at 20 Hz of a task being performed: T frames, O objects, F of them furniture, C contacts, R robots.
 
-    `times` (T,) in seconds; `joints` (T, 7) in radians; `widths` (T,) how far the gripper is open in metres;
-    `commands` (T, 8) the joint angles and the opening that the motors drive to. Where a scene has several `robots`,
-    these three have one more axis, in the order of their names: (T, R, 7), (T, R) and (T, R, 8); a single robot has no
-    name. `sizes` (O, 3) the sides in metres of
-    the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a quaternion x, y, z, w; `openings`
-    (T, F) how far `furniture` is open in metres or radians;
+    `times` (T,) in seconds; `joints` (T, R, 7) in radians, in the order of the names of `robots`; `widths` (T, R) how
+    far their grippers are open in metres; `commands` (T, R, 8) the joint angles and the opening that the motors drive
+    to. `sizes` (O, 3) the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres
+    and a quaternion x, y, z, w; `openings` (T, F) how far `furniture` is open in metres or radians;
     `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the normal force
     between them in newtons. `ends` holds for each state of the
     task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
     where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when.
     """
 
+    robots: tuple[str, ...]
     objects: tuple[str, ...]
     bodies: tuple[str, ...]
     times: Floats
@@ -58,7 +59,6 @@ class Demonstration:
     furniture: tuple[str, ...] = ()
     cause: str = ""
     detail: str = ""
-    robots: tuple[str, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -90,25 +90,24 @@ class Demonstration:
         """
         return situation_of(self.sized(scene), self.objects, self.poses[frame], self.opened(frame), self.arms(frame))
 
-    def arms(self, frame: int) -> dict[str, ArmState]:
-        """Return the arms in a frame by the names of their robots; a single one has none."""
-        names = self.robots or ("",)
-        joints, widths = self.joints[frame].reshape(len(names), 7), self.widths[frame].reshape(len(names))
-        rows = zip(names, joints.tolist(), widths.tolist(), strict=True)
-        return {name: ArmState(tuple(angles), width) for name, angles, width in rows}
+    def arms(self, frame: int) -> dict[str, Arm]:
+        """Return the arms in a frame by the names of their robots."""
+        rows = zip(self.robots, self.joints[frame].tolist(), self.widths[frame].tolist(), strict=True)
+        return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
     def opened(self, frame: int) -> dict[str, float]:
         """Return how far furniture is open in a frame, in metres or radians."""
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
     def save(self, path: Path) -> None:
-        """Write the recording as a compressed .npz file, the same bytes for the same recording.
+        """Write the recording as a compressed .npz file with its `version`, the same bytes for the same recording.
 
         Raises:
             OutputError: the file cannot be written.
         """
-        content: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
-        content |= {name: np.array(getattr(self, name)) for name in (*TEXTS, *([ROBOTS] if self.robots else []))}
+        content: dict[str, Any] = {"version": np.array(VERSION)}
+        content |= {name: getattr(self, name) for name in ARRAYS}
+        content |= {name: np.array(getattr(self, name)) for name in TEXTS}
         try:
             with path.open("wb") as file:
                 np.savez_compressed(file, **content)
@@ -116,8 +115,8 @@ class Demonstration:
             raise OutputError(f"{path}: the demonstration cannot be written: {error}") from error
 
     @classmethod
-    def load(cls, path: Path) -> Demonstration:
-        """Return the recording that `save` wrote.
+    def load(cls, path: Path, robot: str = "panda") -> Demonstration:
+        """Return the recording that `save` wrote, now or in the form before, in which a single `robot` had no name.
 
         Raises:
             QueryError: the file cannot be read, or holds something else.
@@ -126,6 +125,11 @@ class Demonstration:
             content = _arrays(path)
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
+        if "version" not in content:
+            content = _upgraded(content, robot)
+        elif content["version"].shape != () or content["version"] != VERSION:
+            version = shown(content["version"].tolist())
+            raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
         missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
         if missing:
             raise QueryError(f"{path}: this is not a demonstration: it has no {missing[0]}")
@@ -154,15 +158,27 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
     raise QueryError(f"{path}: this is not a demonstration: it is another file than a .npz, or was cut off")
 
 
+def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:
+    """Return the arrays of the form before in that of today: a single robot gets its axis, and its name."""
+    if "robots" in content:
+        return dict(content)
+    found = {**content, "robots": np.array([robot])}
+    found |= {name: content[name][:, None] for name in OF_ROBOTS if name in content and content[name].ndim > 0}
+    if "bodies" in content:
+        names = content["bodies"].ravel().tolist()
+        found["bodies"] = np.array([f"{name} of {robot}" if name in PARTS else name for name in names])
+    return found
+
+
 def situation_of(
-    scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, ArmState]
+    scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
     """Return a situation from the poses of objects, shape (O, 7), and where the arms are.
 
     `openings` say how far furniture is open, in metres or radians.
     """
     placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
-    return situation_with(scene, placed, openings, arms, next(iter(arms)))
+    return Situation(scene, placed, arms, openings)
 
 
 def pose_of(row: list[float]) -> Pose:
@@ -177,9 +193,9 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     Raises:
         ValueError: their shapes do not belong together, or they hold something else.
     """
-    robots = tuple(map(str, content[ROBOTS].ravel().tolist())) if ROBOTS in content else ()
-    _require_fitting(content, robots)
+    _require_fitting(content)
     return Demonstration(
+        robots=tuple(map(str, content["robots"].tolist())),
         objects=tuple(map(str, content["objects"].tolist())),
         bodies=tuple(map(str, content["bodies"].tolist())),
         times=content["times"].astype(np.float32),
@@ -195,27 +211,24 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
         ends=content["ends"].astype(np.int32),
         cause=str(content["cause"]),
         detail=str(content["detail"]),
-        robots=robots,
     )
 
 
-def _require_fitting(content: Mapping[str, NDArray[Any]], robots: tuple[str, ...]) -> None:
-    """Check that the arrays of a recording, of several `robots` or a single one, belong together.
+def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
+    """Check that the arrays of a recording belong together.
 
     Raises:
         ValueError: they do not, or they hold something else.
     """
-    lists = ("times", "forces", "ends", "bodies", "objects", "furniture", *([ROBOTS] if ROBOTS in content else []))
-    for name in lists:
+    for name in ("times", "forces", "ends", "robots", "bodies", "objects", "furniture"):
         if content[name].ndim != 1:
             raise ValueError(f"{name} has the shape {content[name].shape}; it has to be a list")
-    frames, touches = len(content["times"]), len(content["forces"])
-    several = (len(robots),) if robots else ()
+    frames, touches, robots = len(content["times"]), len(content["forces"]), len(content["robots"])
     wanted = {
         "times": (frames,),
-        "joints": (frames, *several, 7),
-        "widths": (frames, *several),
-        "commands": (frames, *several, 8),
+        "joints": (frames, robots, 7),
+        "widths": (frames, robots),
+        "commands": (frames, robots, 8),
         "sizes": (len(content["objects"]), 3),
         "poses": (frames, len(content["objects"]), 7),
         "openings": (frames, len(content["furniture"])),

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.facts import Effect
-from prag_asp.physics.motion.arms import Grip, grip_of
-from prag_asp.physics.motion.route import Load, free_path, pulled, straight, vertical
+from prag_asp.physics.motion.route import Grip, Load, free_path, grip_of, pulled, straight, vertical
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
 from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import adjusted, tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
+from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, rotate, wrap, yaw_of, yaw_quaternion
@@ -39,19 +38,14 @@ class Action:
 
 
 @dataclass(frozen=True)
-class Arm:
-    """How far an arm has got: the joint angles that its motors hold, those that the witness has, what it holds."""
-
-    joints: Joints
-    planned: Joints
-    held: str | None
-
-
-@dataclass(frozen=True)
 class Leg:
-    """A part of an action: a waypoint, the way there as far as the witness has one, the object that the arm goes to."""
+    """A part of an action: a waypoint, the way there as far as the witness has one, the object that the arm goes to.
+
+    `start` are the joint angles with which the witness has the arm begin.
+    """
 
     waypoint: Waypoint
+    start: Joints
     way: tuple[Joints, ...]
     target: str | None
 
@@ -59,30 +53,32 @@ class Leg:
 def legs(action: Action) -> Iterator[Leg]:
     """Yield the parts of an action."""
     way: list[Joints] = []
+    planned = {name: arm.joints for name, arm in action.before.arms.items()}
     for i, waypoint in enumerate(action.motion):
         if waypoint.name == TRANSIT:
             way.append(waypoint.joints)
             continue
         ahead = (each.held for each in action.motion[i:] if each.robot == waypoint.robot)
-        yield Leg(waypoint, tuple(way), next(filter(None, ahead), action.effect.visits))
-        way = []
+        yield Leg(waypoint, planned[waypoint.robot], tuple(way), next(filter(None, ahead), action.effect.visits))
+        planned[waypoint.robot], way = waypoint.joints, []
 
 
 def planned_way(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
     """Return the joint angles of every time step on a way, shape (steps, 7); None where no free one is found.
 
-    It is straight up or down, the one of the witness, or another that is free. `situation` is what is seen now.
+    It is straight up or down, the one of the witness, or another that is free. `situation` is what is seen now, `arm`
+    what the motors hold.
     """
     robot, waypoint = planner.robot, leg.waypoint
-    if vertical(robot, arm.planned, waypoint.joints):
-        height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, arm.planned).position[2]
+    if vertical(robot, leg.start, waypoint.joints):
+        height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, leg.start).position[2]
         tool = raised(tool_pose(robot, arm.joints), height)
         goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
         path = straight(robot, arm.joints, goal) or [arm.joints, goal]
         return timed(path, TIME_STEP, ACCELERATION, robot.speed)
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
-    load = Load(situation.width, _seen_grip(situation, arm.held))
+    load = Load(situation.arm(waypoint.robot).width, _seen_grip(situation, waypoint.robot, arm.held))
     if not leg.way:
         return free_path(planner, situation, load, arm.joints, goal, TIME_STEP)
     return timed(_along(arm, leg, goal), TIME_STEP, load.acceleration, robot.speed)
@@ -98,14 +94,14 @@ def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: s
     return timed(path, TIME_STEP, LOADED_ACCELERATION, planner.robot.speed)
 
 
-def _seen_grip(situation: Situation, held: str | None) -> Grip | None:
+def _seen_grip(situation: Situation, robot: str, held: str | None) -> Grip | None:
     """Return what a gripper holds, as it really lies in it."""
-    return None if held is None else Grip(held, compose(invert(situation.tool), situation.poses[held]))
+    return None if held is None else Grip(held, compose(invert(situation.tool(robot)), situation.poses[held]))
 
 
 def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
     """Return the way of the witness, from where the arm is to a goal: the small differences are spread over it."""
-    first, last = np.subtract(arm.joints, arm.planned), np.subtract(goal, leg.waypoint.joints)
+    first, last = np.subtract(arm.joints, leg.start), np.subtract(goal, leg.waypoint.joints)
     shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
     between = np.array(leg.way) + (1 - shares) * first + shares * last
     return [arm.joints, *map(tuple, between.tolist()), goal]
@@ -118,8 +114,8 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
     as in the witness.
     """
     waypoint, before = leg.waypoint, action.before
-    arms = (moment.arms()[waypoint.robot] for moment in (before, action.after))
-    grip, seen = grip_of(waypoint.held, *arms), _seen_grip(situation, waypoint.held)
+    arms = (moment.arms[waypoint.robot] for moment in (before, action.after))
+    grip, seen = grip_of(waypoint.held, *arms), _seen_grip(situation, waypoint.robot, waypoint.held)
     if grip is not None and seen is not None:
         turn = _turn(compose(planned, seen.pose), compose(planned, grip.pose))
         quaternion = multiply(turn, planned.quaternion)
@@ -128,7 +124,7 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
         return Pose((x - dx, y - dy, z - dz), quaternion)
     if leg.target is None:
         return planned
-    there = Situation(situation.scene, before.poses, planned, 0.0, openings=before.openings).part(leg.target)
+    there = Situation(situation.scene, before.poses, openings=before.openings).part(leg.target)
     here = situation.part(leg.target)
     round_body = situation.shape(leg.target).traits.round
     turn = yaw_quaternion(0.0) if round_body else _turn(there, here)

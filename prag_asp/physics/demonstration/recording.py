@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from prag_asp.physics.demonstration.demonstration import Demonstration, Floats, situation_of
+from prag_asp.physics.demonstration.demonstration import Demonstration, situation_of
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import ArmState
+from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
 
 FRAME_STEPS = 6
@@ -36,7 +36,7 @@ class Recorder:
         for (one, two), force in self._world.contacts().items():
             self._contacts.append((len(self._arms), one, two))
             self._forces.append(force)
-        self._arms.append([[*arm.joints, arm.opening] for arm in arms.values()])
+        self._arms.append([[*arm.joints, arm.width] for arm in arms.values()])
         self._commands.append([[*commands[name].joints, commands[name].opening] for name in arms])
         self._poses.append(rows)
         self._openings.append(list(self._world.openings().values()))
@@ -46,8 +46,8 @@ class Recorder:
         self._ends.append(len(self._arms) - 1)
         rows, poses = np.array(self._arms[-1], dtype=np.float32), np.array(self._poses[-1], dtype=np.float32)
         arms = {
-            name: ArmState(tuple(joints), width)
-            for name, (*joints, width) in zip(self._world.scene.mounts, rows.tolist(), strict=True)
+            name: Arm(tuple(joints), width)
+            for name, (*joints, width) in zip(self._world.scene.robots, rows.tolist(), strict=True)
         }
         opened = np.array(self._openings[-1], dtype=np.float32).tolist()
         openings = dict(zip(self._world.openings(), opened, strict=True))
@@ -56,14 +56,14 @@ class Recorder:
     def finish(self, cause: str = "", detail: str = "") -> Demonstration:
         """Return the recording."""
         shapes, robots = self._world.scene.shapes, tuple(self._world.scene.robots)
-        arms, frames = self._by_robot(self._arms), len(self._arms)
+        arms, frames = np.array(self._arms, dtype=np.float32), len(self._arms)
         return Demonstration(
             objects=self._objects,
             bodies=(*self._world.parts, *self._objects),
             times=(np.arange(frames) * FRAME_STEPS * TIME_STEP).astype(np.float32),
             joints=arms[..., :7],
             widths=arms[..., 7],
-            commands=self._by_robot(self._commands),
+            commands=np.array(self._commands, dtype=np.float32),
             sizes=np.array([shapes[entity].size for entity in self._objects], dtype=np.float32).reshape(-1, 3),
             poses=np.array(self._poses, dtype=np.float32).reshape(frames, len(self._objects), 7),
             furniture=tuple(self._world.openings()),
@@ -75,8 +75,3 @@ class Recorder:
             detail=detail,
             robots=robots,
         )
-
-    def _by_robot(self, rows: list[list[list[float]]]) -> Floats:
-        """Return rows of eight numbers, shape (frames, robots, 8), without the axis of robots where one has no name."""
-        found = np.array(rows, dtype=np.float32)
-        return found if self._world.scene.robots else found[:, 0]

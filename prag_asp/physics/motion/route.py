@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.arms import Grip
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
@@ -33,6 +33,14 @@ STRAIGHT = 1e-3
 
 
 @dataclass(frozen=True)
+class Grip:
+    """What a gripper holds and how: the pose of the object in the frame of the tool."""
+
+    entity: str
+    pose: Pose
+
+
+@dataclass(frozen=True)
 class Load:
     """What moves with the gripper: its opening in metres, and what it holds."""
 
@@ -48,6 +56,14 @@ class Load:
     def acceleration(self) -> float:
         """How fast the arm may gather speed on its way, in radians a second squared."""
         return ACCELERATION if self.grip is None else LOADED_ACCELERATION
+
+
+def grip_of(held: str | None, *arms: Arm) -> Grip | None:
+    """Return how the first of some states of an arm that hold an object do so, None where none does."""
+    for arm in arms:
+        if arm.held is not None and arm.held == held and arm.grasp is not None:
+            return Grip(arm.held, arm.grasp)
+    return None
 
 
 def vertical(robot: Robot, one: Joints, two: Joints) -> bool:
@@ -173,5 +189,4 @@ def _free_at(simulator: Simulator, situation: Situation, load: Load, carried: Se
         situation = situation.with_poses({**situation.poses, **moved})
         if colliding(simulator, situation, carried, list(situation.poses)) is not None:
             return False
-    placed = situation.with_tool(tool, load.width)
-    return arm_collision(simulator, placed, joints, load.width, load.held) is None
+    return arm_collision(simulator, situation, joints, load.width, load.held) is None

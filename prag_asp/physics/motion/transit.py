@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
-from prag_asp.physics.motion.arms import grip_of, situation_with
-from prag_asp.physics.motion.route import Load, checked_path
+from prag_asp.physics.motion.route import Load, checked_path, grip_of
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.handling import opened
 from prag_asp.physics.search.moving import with_riders
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import TRANSIT, ArmState, Moment, Waypoint, Witness
+from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose
@@ -51,27 +50,24 @@ def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
 def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, after: Moment) -> Motion | None:
     """Return the waypoints of an action with those of free ways in between, None where a way is not found."""
     found: list[Waypoint] = []
-    arms, poses, openings = before.arms(), _relocated(effect, before, after), before.openings
+    arms, poses, openings = dict(before.arms), _relocated(effect, before, after), before.openings
     for waypoint in own:
-        arm = arms[waypoint.robot]
-        grip = grip_of(waypoint.held, arm, after.arms()[waypoint.robot])
+        robot = waypoint.robot
+        grip = grip_of(waypoint.held, arms[robot], after.arms[robot])
         load = Load(waypoint.width, grip)
-        situation = situation_with(simulator.scene, poses, openings, arms, waypoint.robot)
+        situation = Situation(simulator.scene, poses, dict(arms), openings)
         if waypoint.opening is not None:  # the way of a handle has been checked step by step
             moved = opened(situation, str(waypoint.held), waypoint.opening, list(poses))
             poses, openings = moved.poses, moved.openings
-        elif waypoint.joints != arm.joints:
-            simulator.turn_to(waypoint.robot)
-            way = checked_path(simulator, situation, load, arm.joints, waypoint.joints, TIME_STEP)
+        elif waypoint.joints != arms[robot].joints:
+            simulator.turn_to(robot)
+            way = checked_path(simulator, situation, load, arms[robot].joints, waypoint.joints, TIME_STEP)
             if way is None:
                 return None
-            robot = waypoint.robot
-            found += [Waypoint(TRANSIT, each, waypoint.width, waypoint.held, robot=robot) for each in way]
+            found += [Waypoint(TRANSIT, robot, each, waypoint.width, waypoint.held) for each in way]
             poses = _carried(situation, load, tool_pose(robot_of(simulator.scene, robot), waypoint.joints))
         found.append(waypoint)
-        arms[waypoint.robot] = ArmState(
-            waypoint.joints, waypoint.width, waypoint.held, None if grip is None else grip.pose
-        )
+        arms[robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, None if grip is None else grip.pose)
     return tuple(found)
 
 

@@ -112,7 +112,7 @@ def viewpoint(scene: Scene, aspect: float) -> tuple[Vector, Vector]:
     """Return where the eye of a picture is and what it looks at, in metres: all of the workspace and the robot."""
     low_x, high_x, low_y, high_y = scene.workspace
     corners = [(x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, ABOVE_TABLE)]
-    bases = [(mount.x, mount.y) for mount in scene.mounts.values()]
+    bases = [(mount.x, mount.y) for mount in scene.robots.values()]
     robots = [(x, y, z) for x, y in bases for z in (0.0, ABOVE_BASE)]
     if len(bases) > 1:  # the elbows of several arms swing out to the sides
         robots += [(x, y + side, ABOVE_BASE / 2) for x, y in bases for side in (-ABOVE_BASE / 2, ABOVE_BASE / 2)]

@@ -189,10 +189,7 @@ def _simulator(
 def _moment(demonstration: Demonstration, frame: int) -> Moment:
     """Return what a frame of a demonstration shows."""
     poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
-    arms = demonstration.arms(frame)
-    robot = next(iter(arms))
-    joints, width, *_ = arms.pop(robot)
-    return Moment(poses, joints, width, openings=demonstration.opened(frame), robot=robot, others=arms)
+    return Moment(poses, demonstration.arms(frame), demonstration.opened(frame))
 
 
 def _check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
@@ -231,14 +228,14 @@ def captioned(
     if scene.frame == "viewer" or not any(SIDES.search(text) for caption in captions for text in caption):
         return captions
     heading, told = captions[0]
-    who = "robots see" if len(scene.mounts) > 1 else "robot sees"
+    who = "robots see" if scene.shared else "robot sees"
     return [(heading, f"{told} (sides are as the {who} them)".lstrip()), *captions[1:]]
 
 
 def _action_words(action: Atom, scene: Scene) -> str:
     """Return an action in plain words: its name and its arguments but a single robot."""
-    robots = {entity for entity, shape in scene.shapes.items() if shape.kind == "robot" and len(scene.mounts) == 1}
-    return " ".join(words(part) for part in (action.name, *action.arguments) if part not in robots)
+    untold = () if scene.shared else scene.robots
+    return " ".join(words(part) for part in (action.name, *action.arguments) if part not in untold)
 
 
 def _told(made: Sequence[Fact], most: int = 2) -> str:

@@ -38,7 +38,7 @@ def predicate_of(scene: Scene, name: str) -> Predicate:
     Raises:
         SceneError: there is none; or a Python file defines it that is not trusted, or fails.
     """
-    known = NAMED.get(name) if len(scene.robots) > 1 else None
+    known = NAMED.get(name) if scene.shared else None
     known = known or PREDICATES.get(name)
     if known is not None:
         return known

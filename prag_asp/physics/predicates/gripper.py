@@ -31,12 +31,12 @@ SLANT = 1e-9
 """The cosine of a side that is taken to be parallel to the opening of the gripper."""
 
 
-def grip_width(situation: Situation, entity: str, robot: str = "") -> float:
+def grip_width(situation: Situation, entity: str, robot: str) -> float:
     """Return how far a gripper is open when it holds an object with the tool turned as it is, in metres.
 
     Of a box that is turned between the pads they meet only what is between them: ends that stick out do not matter.
     """
-    opening = rotate(situation.hand(robot)[0].quaternion, (0.0, 1.0, 0.0))
+    opening = rotate(situation.tool(robot).quaternion, (0.0, 1.0, 0.0))
     shape, quaternion = situation.shape(entity), situation.pose(entity).quaternion
     width = width_along(shape, quaternion, opening)
     if shape.kind != "box":
@@ -57,14 +57,14 @@ def _at_violations(situation: Situation, arguments: Arguments) -> Iterator[float
 
 def _height_violations(situation: Situation, robot: str, entity: str) -> Iterator[float]:
     """Yield by how many metres the tool is above or below the object."""
-    z = situation.hand(robot)[0].position[2]
+    z = situation.tool(robot).position[2]
     yield z - situation.top(entity)
     yield situation.bottom(entity) - BELOW - z
 
 
 def _off_centre(situation: Situation, robot: str, entity: str) -> float:
     """Return how far the tool is from the middle of the object, seen from above, in metres."""
-    x, y, _ = situation.hand(robot)[0].position
+    x, y, _ = situation.tool(robot).position
     cx, cy, _ = situation.pose(entity).position
     return math.hypot(x - cx, y - cy)
 
@@ -87,12 +87,12 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
     yield from _height_violations(situation, robot, entity)
     shape = situation.shape(entity)
     if shape.traits.even:
-        x, y, _ = situation.hand(robot)[0].position
+        x, y, _ = situation.tool(robot).position
         places = to_local(situation.pose(entity), x, y)
         yield from (abs(at) - max(CENTRE_TOLERANCE, half - EDGE) for at, half in zip(places, shape.half, strict=False))
     else:
         yield _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
-    yield abs(situation.hand(robot)[1] - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
+    yield abs(situation.arm(robot).width - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -104,7 +104,7 @@ def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quat
 
 def _open_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the gripper is short of open."""
-    yield situation.robot(arguments[0]).opening - OPEN_TOLERANCE - situation.hand(arguments[0])[1]
+    yield situation.robot(arguments[0]).opening - OPEN_TOLERANCE - situation.arm(arguments[0]).width
 
 
 def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -116,7 +116,7 @@ def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
 def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the tool is below the top of a zone or an object, or beside it."""
     robot, entity = arguments
-    x, y, z = situation.hand(robot)[0].position
+    x, y, z = situation.tool(robot).position
     yield situation.top(entity) - z
     places = to_local(situation.pose(entity), x, y)
     yield from (abs(at) - half for at, half in zip(places, _sides(situation, entity), strict=False))

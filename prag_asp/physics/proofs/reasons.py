@@ -11,7 +11,6 @@ from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.proofs.demands import bodies
 from prag_asp.physics.proofs.differences import impossible_row, lowest
 from prag_asp.physics.situation import Situation, fixed_pose
-from prag_asp.scene.geometry import IDENTITY, Pose
 from prag_asp.scene.model import Scene
 
 AXES = ("x", "y", "z")
@@ -102,4 +101,4 @@ def _still(scene: Scene) -> Situation:
         for entity in scene.fixed
         if scene.shapes[entity].traits.body and not scene.shapes[entity].traits.furniture
     }
-    return Situation(scene, poses, Pose((0.0, 0.0, 1.0), IDENTITY), 0.0)
+    return Situation(scene, poses)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 
+from prag_asp.errors import SceneError
 from prag_asp.physics.robot.kuka import KUKA
 from prag_asp.physics.robot.model import Hand, Joints, Robot, Solver
 from prag_asp.physics.robot.panda import PANDA
@@ -16,11 +17,16 @@ ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
 """Every robot by the name that it has in a scene."""
 
 
-def robot_of(scene: Scene, name: str = "") -> Robot:
-    """Return a robot of a scene by the name of its entity; the first one where there is none of that name."""
-    if not scene.robots:
-        return ROBOTS[scene.robot]
-    return _mounted(scene.robots.get(name) or next(iter(scene.robots.values())))
+def robot_of(scene: Scene, name: str) -> Robot:
+    """Return a robot of a scene by the name of its entity.
+
+    Raises:
+        SceneError: there is none of that name.
+    """
+    mount = scene.robots.get(name)
+    if mount is None:
+        raise SceneError(f"there is no robot {name}; the scene has {', '.join(scene.robots)}")
+    return _mounted(mount)
 
 
 @cache

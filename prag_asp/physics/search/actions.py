@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from prag_asp.physics.facts import Effect, Fact
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
-from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import NO_GRASP, RELATION, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.search.carrying import carry, release, relocate
 from prag_asp.physics.search.grasping import Configuration, descend, grasps
 from prag_asp.physics.search.handling import turn
 from prag_asp.physics.search.meeting import move_over, take_over
 from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
-from prag_asp.physics.witness import Waypoint
+from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.scene.geometry import compose, invert
 from prag_asp.scene.solids import weight
 
@@ -63,10 +61,10 @@ def _act(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypo
         snapshot = carry(search, snapshot, effect.holds, effect, waypoints)
     elif effect.over is not None:
         snapshot = move_over(search, snapshot, effect.over, attempt, waypoints)
-    elif effect.visits is not None and snapshot.held is None:
+    elif effect.visits is not None and snapshot.arm.held is None:
         snapshot = _visit(search, snapshot, effect.visits, attempt, waypoints)
-    elif effect.closes and snapshot.held is None:
-        snapshot = replace(snapshot, situation=snapshot.situation.with_tool(snapshot.situation.tool, 0.0))
+    elif effect.closes and snapshot.arm.held is None:
+        snapshot = snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
     return snapshot
 
 
@@ -104,7 +102,7 @@ def _stays_down(snapshot: Snapshot, effect: Effect) -> bool:
         return effect.releases not in effect.moved and not effect.turns
     target = effect.grasps or effect.visits
     if target is not None:
-        return PREDICATES["at"].holds(snapshot.situation, ("", target))
+        return PREDICATES["at"].holds(snapshot.situation, (snapshot.acting, target))
     return not effect.leaves and effect.over is None and not (effect.holds is not None and effect.holds in effect.moved)
 
 
@@ -117,10 +115,9 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoi
     opening = search.robot.opening
     wanted = Configuration(snapshot.situation, opening, entity)
     at, above = descend(search, tool, wanted, wanted)
-    acting = snapshot.situation.acting
-    waypoints += [Waypoint("approach", above, opening, robot=acting), Waypoint("at", at, opening, robot=acting)]
-    situation = snapshot.situation.with_tool(tool_pose(search.robot, at), opening)
-    return Snapshot(situation, at, above=above)
+    acting = snapshot.acting
+    waypoints += [Waypoint("approach", acting, above, opening), Waypoint("at", acting, at, opening)]
+    return snapshot.with_arm(Arm(at, opening), above)
 
 
 def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
@@ -128,9 +125,9 @@ def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
     situation = snapshot.situation
     if weight(situation.scene, entity) > search.robot.payload:
         raise Failure(NO_GRASP)
-    width = grip_width(situation, entity)
-    grasp = compose(invert(situation.tool), situation.poses[entity])
-    closed = replace(snapshot, situation=situation.with_tool(situation.tool, width), held=entity, grasp=grasp)
+    width = grip_width(situation, entity, snapshot.acting)
+    grasp = compose(invert(snapshot.tool), situation.poses[entity])
+    closed = snapshot.with_arm(Arm(snapshot.arm.joints, width, entity, grasp), snapshot.above)
     require_free(search, closed)
     return closed
 
@@ -139,7 +136,7 @@ def _grasp(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, way
     """Take hold of an object, and lift it where it leaves what it stands on."""
     entity = effect.grasps
     assert entity is not None
-    if snapshot.held not in (None, entity):
+    if snapshot.arm.held not in (None, entity):
         raise Failure(NO_GRASP)
     if snapshot.above is None:
         snapshot = _visit(search, snapshot, entity, attempt, waypoints)

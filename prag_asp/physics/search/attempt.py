@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,8 +10,8 @@ import numpy as np
 from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.search.foresight import Foresight
 from prag_asp.physics.search.spans import Spans
-from prag_asp.physics.situation import Situation, Standing
-from prag_asp.physics.witness import ArmState, Moment
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
@@ -82,42 +83,46 @@ class Search:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """One state of the search: the situation, the arm, what it holds.
+    """One state of the search: the situation, the robot that acts, and which grippers are down at an object.
 
-    `above` is the configuration straight above the gripper's place, kept while the gripper is down at an
-    object.
+    `lowered` holds for each of these the joint angles straight above its place.
     """
 
     situation: Situation
-    joints: Joints
-    held: str | None = None
-    grasp: Pose | None = None
-    above: Joints | None = None
+    acting: str
+    lowered: Mapping[str, Joints] = field(default_factory=dict)
+
+    @property
+    def arm(self) -> Arm:
+        """The arm that acts."""
+        return self.situation.arms[self.acting]
+
+    @property
+    def tool(self) -> Pose:
+        """The pose of the tool of the arm that acts."""
+        return self.situation.tool(self.acting)
+
+    @property
+    def above(self) -> Joints | None:
+        """The joint angles straight above the gripper that acts, None where it is not down at an object."""
+        return self.lowered.get(self.acting)
 
     def moment(self) -> Moment:
         """Return the snapshot as a moment of a witness."""
         situation = self.situation
-        others = {name: ArmState(arm.joints, arm.width, arm.held, arm.grasp) for name, arm in situation.others.items()}
-        return Moment(
-            dict(situation.poses),
-            self.joints,
-            situation.width,
-            self.held,
-            self.grasp,
-            dict(situation.openings),
-            situation.acting,
-            others,
-        )
+        return Moment(dict(situation.poses), dict(situation.arms), dict(situation.openings))
 
-    def turned_to(self, robot: str) -> Snapshot:
-        """Return the snapshot with another robot as the one that acts; with no name it stays the same one."""
-        situation = self.situation
-        if robot in ("", situation.acting):
-            return self
-        others = dict(situation.others)
-        other = others.pop(robot)
-        others[situation.acting] = Standing(
-            self.joints, situation.tool, situation.width, self.held, self.grasp, self.above
-        )
-        turned = replace(situation, tool=other.tool, width=other.width, acting=robot, others=others)
-        return Snapshot(turned, other.joints, other.held, other.grasp, other.above)
+    def turned_to(self, robot: str | None) -> Snapshot:
+        """Return the snapshot with another robot as the one that acts; with None it stays the same one."""
+        return self if robot is None else replace(self, acting=robot)
+
+    def with_arm(self, arm: Arm, above: Joints | None = None) -> Snapshot:
+        """Return the snapshot with the arm that acts elsewhere; `above` is where it was lowered from to be there."""
+        lowered = {robot: joints for robot, joints in self.lowered.items() if robot != self.acting}
+        if above is not None:
+            lowered[self.acting] = above
+        return Snapshot(self.situation.with_arm(self.acting, arm), self.acting, lowered)
+
+    def with_poses(self, poses: Mapping[str, Pose]) -> Snapshot:
+        """Return the snapshot with other poses of the objects."""
+        return replace(self, situation=self.situation.with_poses(poses))

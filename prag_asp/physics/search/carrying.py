@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from prag_asp.physics.facts import Effect
 from prag_asp.physics.robot import Joints
-from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.allowed import draw_yaws, relevant, yaw_ranges
 from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, configure, descend
@@ -22,7 +20,7 @@ from prag_asp.physics.search.moving import (
 )
 from prag_asp.physics.search.placement import any_support, draw_pose, known_support
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import Waypoint
+from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import TABLE, resting_height
 from prag_asp.scene.furniture import cavity
@@ -33,23 +31,19 @@ OVER_RIM = 0.03
 
 def release(search: Search, snapshot: Snapshot, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
     """Put the held object where the facts want it, or straight down, and open the gripper."""
-    entity, situation = effect.releases, snapshot.situation
+    entity, situation, acting, arm = effect.releases, snapshot.situation, snapshot.acting, snapshot.arm
     assert entity is not None
     opening = search.robot.opening
     if entity not in effect.moved and snapshot.above is not None:
-        at, above, poses = snapshot.joints, snapshot.above, situation.poses
+        at, above, poses = snapshot.arm.joints, snapshot.above, situation.poses
     else:
         rest = _rest_pose(search, snapshot, entity, effect)
         poses = with_riders(situation, entity, rest, search.objects)
-        placed = situation.with_poses(poses)
-        verify_objects(search, placed, changed(snapshot, poses), None)
+        placed = situation.with_poses(poses).with_arm(acting, Arm(arm.joints, arm.width))
+        verify_objects(search, placed, changed(snapshot, poses))
         at, above = _lower(search, snapshot, entity, poses)
-        waypoints += [
-            Waypoint("approach", above, situation.width, entity, robot=situation.acting),
-            Waypoint("at", at, situation.width, entity, robot=situation.acting),
-        ]
-    opened = situation.with_poses(poses).with_tool(tool_pose(search.robot, at), opening)
-    after = Snapshot(opened, at, above=above)
+        waypoints += [Waypoint(name, acting, to, arm.width, entity) for name, to in (("approach", above), ("at", at))]
+    after = snapshot.with_poses(poses).with_arm(Arm(at, opening), above)
     require_free(search, after, entity)
     waypoints.append(arm_waypoint("at", after))
     if not effect.stays:
@@ -73,12 +67,12 @@ def _rest_pose(search: Search, snapshot: Snapshot, entity: str, effect: Effect) 
 
 def _lower(search: Search, snapshot: Snapshot, entity: str, poses: Mapping[str, Pose]) -> tuple[Joints, Joints]:
     """Return the configurations at and above where the held object is put down."""
-    assert snapshot.grasp is not None
-    situation = snapshot.situation
-    tool = compose(poses[entity], invert(snapshot.grasp))
+    situation, arm = snapshot.situation, snapshot.arm
+    assert arm.grasp is not None
+    tool = compose(poses[entity], invert(arm.grasp))
     high = situation.with_poses(with_riders(situation, entity, raised(poses[entity], LIFT), search.objects))
-    at = Configuration(situation.with_poses(poses), situation.width, entity)
-    above = Configuration(high, situation.width, entity)
+    at = Configuration(situation.with_poses(poses), arm.width, entity)
+    above = Configuration(high, arm.width, entity)
     joints = descend(search, tool, at, above)
     if colliding(search.simulator, high, [entity], search.objects) is not None:
         raise Failure(OBJECTS_COLLIDE)
@@ -87,8 +81,8 @@ def _lower(search: Search, snapshot: Snapshot, entity: str, poses: Mapping[str, 
 
 def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypoints: list[Waypoint]) -> Snapshot:
     """Move the held object where the facts want it, clear of what is below."""
-    assert snapshot.grasp is not None
-    situation = snapshot.situation
+    situation, arm = snapshot.situation, snapshot.arm
+    assert arm.grasp is not None
     others = {other: pose for other, pose in situation.poses.items() if other != entity}
     around = situation.with_poses(others)
     wanted_of_it = [fact for fact in effect.fresh if fact.value and fact.arguments[0] == entity]
@@ -101,10 +95,10 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: Effect, waypo
         pose = draw_pose(search, around, entity, support, effect.after, effect.number, height=height)
     poses = with_riders(situation, entity, pose, search.objects)
     after = situation.with_poses(poses)
-    verify_objects(search, after, changed(snapshot, poses), entity)
-    wanted = Configuration(after, situation.width, entity)
-    joints = configure(search, compose(pose, invert(snapshot.grasp)), wanted)
-    carried = moved_arm(search, snapshot, joints, poses, None)
+    verify_objects(search, after, changed(snapshot, poses))
+    wanted = Configuration(after, arm.width, entity)
+    joints = configure(search, compose(pose, invert(arm.grasp)), wanted)
+    carried = moved_arm(snapshot, joints, poses)
     waypoints.append(arm_waypoint("carry", carried))
     return carried
 
@@ -140,7 +134,7 @@ def relocate(search: Search, snapshot: Snapshot, effect: Effect, entity: str) ->
     pose = draw_pose(search, around, entity, support, effect.after, effect.number)
     poses = with_riders(situation, entity, pose, search.objects)
     after = situation.with_poses(poses)
-    verify_objects(search, after, changed(snapshot, poses), snapshot.held)
-    moved = replace(snapshot, situation=after)
-    require_free(search, moved, snapshot.held)
+    verify_objects(search, after, changed(snapshot, poses))
+    moved = snapshot.with_poses(poses)
+    require_free(search, moved)
     return moved

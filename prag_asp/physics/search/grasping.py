@@ -30,7 +30,7 @@ TOP_GRIP = 0.01
 """How far below the top of an object the highest grip is, in metres."""
 
 LONG, FROM_END = 0.08, 0.03
-"""Of several robots each grips a box that is at least twice as long so far from its end, in metres."""
+"""Where robots share a table each grips a box that is at least twice as long so far from its end, in metres."""
 
 LARGEST_STEP = 1.2
 DOWN = (1.0, 0.0, 0.0, 0.0)
@@ -73,7 +73,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
             found.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
     if not found:
         raise Failure(NO_GRASP)
-    if situation.others and shape.traits.even and max(shape.half[:2]) >= LONG:
+    if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
         found = [at_end for grasp in found for at_end in _at_ends(shape, pose, grasp)]
     rise = z + half - TOP_GRIP - height
     if rise > 0.0 and shape.traits.flat:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
-from prag_asp.physics.robot import Joints
+from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
@@ -26,7 +27,7 @@ from prag_asp.physics.search.attempt import (
 from prag_asp.physics.search.grasping import DOWN, LARGEST_STEP, LIFT, Configuration, collide
 from prag_asp.physics.search.moving import arm_waypoint
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import Waypoint
+from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.furniture import POST, mechanism, part_pose
@@ -83,11 +84,11 @@ def turn(
     Raises:
         Failure: the hand is full, or it cannot do so.
     """
-    if snapshot.held is not None:
+    if snapshot.arm.held is not None:
         raise Failure(NO_GRASP)
     situation = snapshot.situation
     goal = draw_opening(search, situation, furniture, facts)
-    grips = _grips(situation, furniture, (situation.opening(furniture) + goal) / 2)
+    grips = _grips(search.robot, situation, furniture, (situation.opening(furniture) + goal) / 2)
     pull = Pull(furniture, _between(situation, furniture, goal), grips[attempt % len(grips)])
     cause = NO_KINEMATICS_AT
     start = compose(situation.part(furniture), pull.grip)
@@ -113,13 +114,13 @@ def opened(situation: Situation, furniture: str, opening: float, objects: Iterab
     return after.with_poses({**situation.poses, **moved})
 
 
-def _grips(situation: Situation, furniture: str, halfway: float) -> list[Pose]:
+def _grips(robot: Robot, situation: Situation, furniture: str, halfway: float) -> list[Pose]:
     """Return tool poses that grip the handle, in the frame of the moving part, the easiest halfway first."""
     made = mechanism(situation.shape(furniture))
     turns = (0.0, math.pi) if made.slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
     part = part_pose(situation.shape(furniture), situation.pose(furniture), halfway)
     x, y, _ = compose(part, Pose(made.handle)).position
-    base_x, base_y, _ = situation.robot(situation.acting).base.position
+    base_x, base_y, _ = robot.base.position
     heading = math.atan2(y - base_y, x - base_x) - yaw_of(part.quaternion)
     nearest = sorted(turns, key=lambda angle: abs(wrap(angle - heading)))
     return [Pose(made.handle, multiply(yaw_quaternion(angle), DOWN)) for angle in nearest]
@@ -140,23 +141,23 @@ def _pulled(search: Search, snapshot: Snapshot, pull: Pull, low: Joints) -> tupl
         Failure: the arm does not get to the handle, along its way, or up again.
     """
     situation, opening, furniture = snapshot.situation, search.robot.opening, pull.furniture
-    acting = situation.acting
+    acting = snapshot.acting
     _require_free(search, situation, low, opening, furniture)
     waypoints = [
-        Waypoint("approach", _above(search, situation, low, furniture), opening, robot=acting),
-        Waypoint("at", low, opening, robot=acting),
-        Waypoint("at", low, POST_WIDTH, furniture, pull.openings[0], acting),
+        Waypoint("approach", acting, _above(search, situation, low, furniture), opening),
+        Waypoint("at", acting, low, opening),
+        Waypoint("at", acting, low, POST_WIDTH, furniture, pull.openings[0]),
     ]
     joints = low
     for joints, at in _along(search, situation, pull, low):
-        waypoints.append(Waypoint("pull", joints, POST_WIDTH, furniture, at, acting))
+        waypoints.append(Waypoint("pull", acting, joints, POST_WIDTH, furniture, at))
     moved = opened(situation, furniture, pull.openings[-1], search.objects)
-    if unsupported(moved, search.objects, None) is not None:
+    if unsupported(moved, search.objects) is not None:
         raise Failure(UNSUPPORTED)
     _require_free(search, moved, joints, opening, furniture)
     above = _above(search, moved, joints, furniture)
-    after = Snapshot(moved.with_tool(tool_pose(search.robot, above), opening), above)
-    return after, [*waypoints, Waypoint("at", joints, opening, robot=acting), arm_waypoint("retreat", after)]
+    after = replace(snapshot, situation=moved).with_arm(Arm(above, opening))
+    return after, [*waypoints, Waypoint("at", acting, joints, opening), arm_waypoint("retreat", after)]
 
 
 def _along(search: Search, situation: Situation, pull: Pull, joints: Joints) -> Iterator[tuple[Joints, float]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import robot_of
@@ -18,7 +17,7 @@ from prag_asp.physics.search.moving import (
     verify_objects,
     with_riders,
 )
-from prag_asp.physics.witness import Waypoint
+from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
 
 LOWEST, HIGHEST = 0.18, 0.28
@@ -38,14 +37,14 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, wayp
         Failure: this attempt found no way.
     """
     tool = _tool_over(search, snapshot, place, attempt)
-    situation, held = snapshot.situation, snapshot.held
+    situation, (_, width, held, grasp) = snapshot.situation, snapshot.arm
     poses = situation.poses
     if held is not None:
-        assert snapshot.grasp is not None
-        poses = with_riders(situation, held, compose(tool, snapshot.grasp), search.objects)
-        verify_objects(search, situation.with_poses(poses), changed(snapshot, poses), held)
-    wanted = Configuration(situation.with_poses(poses), situation.width, held)
-    after = moved_arm(search, snapshot, configure(search, tool, wanted), poses, None)
+        assert grasp is not None
+        poses = with_riders(situation, held, compose(tool, grasp), search.objects)
+        verify_objects(search, situation.with_poses(poses), changed(snapshot, poses))
+    wanted = Configuration(situation.with_poses(poses), width, held)
+    after = moved_arm(snapshot, configure(search, tool, wanted), poses)
     waypoints.append(arm_waypoint("move" if held is None else "carry", after))
     return after
 
@@ -57,13 +56,13 @@ def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Wa
         Failure: it does not get away.
     """
     snapshot = turn_to(search, snapshot, giver)
-    thing, opening, tool = snapshot.held, search.robot.opening, snapshot.situation.tool
-    opened = replace(snapshot, situation=snapshot.situation.with_tool(tool, opening), held=None, grasp=None, above=None)
-    require_free(search, opened, thing)
+    before, opening, tool = snapshot.arm, search.robot.opening, snapshot.tool
+    opened = snapshot.with_arm(Arm(before.joints, opening))
+    require_free(search, opened, before.held)
     waypoints.append(arm_waypoint("at", opened))
     wanted = Configuration(opened.situation, opening, None)
-    joints = configure(search, raised(tool, LIFT), wanted, near=opened.joints)
-    gone = moved_arm(search, opened, joints, opened.situation.poses, None)
+    joints = configure(search, raised(tool, LIFT), wanted, near=before.joints)
+    gone = moved_arm(opened, joints, opened.situation.poses)
     waypoints.append(arm_waypoint("retreat", gone))
     return gone
 
@@ -75,10 +74,10 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
         Failure: there is no room over the place.
     """
     situation, base = snapshot.situation, search.robot.base.position
-    volume = PREDICATES["over"].volume(situation, (situation.acting, place), IDENTITY)
-    low = situation.top(place)
-    if snapshot.held is not None:
-        low += max(0.0, situation.tool.position[2] - situation.bottom(snapshot.held))
+    volume = PREDICATES["over"].volume(situation, (snapshot.acting, place), IDENTITY)
+    low, held = situation.top(place), snapshot.arm.held
+    if held is not None:
+        low += max(0.0, snapshot.tool.position[2] - situation.bottom(held))
     volume = volume._replace(low=(*volume.low[:2], low + LOWEST), high=(*volume.high[:2], low + HIGHEST))
     floor = volume.floor()
     if floor is None:
@@ -95,10 +94,10 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
 def _handy_yaw(search: Search, snapshot: Snapshot, at: tuple[float, float, float]) -> float:
     """Return how to turn the tool: along the arm, or so that what it holds at one end points to the other robots."""
     x, y, _ = search.robot.base.position
-    grasp, others = snapshot.grasp, snapshot.situation.others
-    if grasp is None or not others or math.hypot(*grasp.position[:2]) < OFF_CENTRE:
+    grasp = snapshot.arm.grasp
+    bases = [robot_of(search.scene, name).base.position for name in search.scene.robots if name != snapshot.acting]
+    if grasp is None or not bases or math.hypot(*grasp.position[:2]) < OFF_CENTRE:
         return math.atan2(at[1] - y, at[0] - x)
-    bases = [robot_of(search.scene, name).base.position for name in others]
     other = min(bases, key=lambda base: math.dist(base, at))
     # The tool points down, so that its y axis is mirrored.
     return math.atan2(other[1] - y, other[0] - x) - math.atan2(-grasp.position[1], grasp.position[0])

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 
 from prag_asp.physics.robot import Joints
-from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, collide
 from prag_asp.physics.situation import Situation
@@ -16,25 +14,24 @@ from prag_asp.physics.world.support import STEADY, riders, unsupported
 from prag_asp.scene.geometry import Pose, compose, invert, raised
 
 
-def turn_to(search: Search, snapshot: Snapshot, robot: str) -> Snapshot:
-    """Let another robot be the one that acts; with no name it stays the same one."""
+def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
+    """Let another robot be the one that acts; with None it stays the same one."""
     turned = snapshot.turned_to(robot)
-    search.simulator.turn_to(turned.situation.acting)
+    search.simulator.turn_to(turned.acting)
     return turned
 
 
 def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> Snapshot:
     """Move a lowered gripper straight up, with what it holds."""
     assert snapshot.above is not None
-    poses = snapshot.situation.poses
-    if snapshot.held is not None:
-        lifted = raised(poses[snapshot.held], LIFT)
-        poses = with_riders(snapshot.situation, snapshot.held, lifted, search.objects)
-    after = moved_arm(search, snapshot, snapshot.above, poses, None)
-    if snapshot.held is not None:
-        verify_objects(search, after.situation, changed(snapshot, poses), snapshot.held)
+    poses, held = snapshot.situation.poses, snapshot.arm.held
+    if held is not None:
+        poses = with_riders(snapshot.situation, held, raised(poses[held], LIFT), search.objects)
+    after = moved_arm(snapshot, snapshot.above, poses)
+    if held is not None:
+        verify_objects(search, after.situation, changed(snapshot, poses))
     require_free(search, after)
-    waypoints.append(arm_waypoint("lift" if snapshot.held else "retreat", after))
+    waypoints.append(arm_waypoint("lift" if held else "retreat", after))
     return after
 
 
@@ -52,31 +49,26 @@ def changed(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
     return [entity for entity, pose in poses.items() if snapshot.situation.poses[entity] != pose]
 
 
-def moved_arm(
-    search: Search, snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose], above: Joints | None
-) -> Snapshot:
-    """Return a snapshot with the arm elsewhere; the held object goes along as `poses` say."""
-    situation = snapshot.situation.with_poses(poses).with_tool(
-        tool_pose(search.robot, joints), snapshot.situation.width
-    )
-    return replace(snapshot, situation=situation, joints=joints, above=above)
+def moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose]) -> Snapshot:
+    """Return a snapshot with the arm elsewhere, not down at an object; the held one goes along as `poses` say."""
+    return snapshot.with_poses(poses).with_arm(snapshot.arm._replace(joints=joints))
 
 
 def require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:
     """Check that the arm of a snapshot is free of collisions."""
-    touched = touched or snapshot.held
-    wanted = Configuration(snapshot.situation, snapshot.situation.width, touched)
-    if collide(search, snapshot.joints, wanted) is not None:
+    arm = snapshot.arm
+    wanted = Configuration(snapshot.situation, arm.width, touched or arm.held)
+    if collide(search, arm.joints, wanted) is not None:
         raise Failure(ARM_COLLIDES)
 
 
 def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
     """Return the configuration of a snapshot as a waypoint."""
-    situation = snapshot.situation
-    return Waypoint(name, snapshot.joints, situation.width, snapshot.held, robot=situation.acting)
+    arm = snapshot.arm
+    return Waypoint(name, snapshot.acting, arm.joints, arm.width, arm.held)
 
 
-def verify_objects(search: Search, situation: Situation, moved: Iterable[str], held: str | None) -> None:
+def verify_objects(search: Search, situation: Situation, moved: Iterable[str]) -> None:
     """Check that moved objects collide with nothing and that every object stays where it is.
 
     Raises:
@@ -84,5 +76,5 @@ def verify_objects(search: Search, situation: Situation, moved: Iterable[str], h
     """
     if colliding(search.simulator, situation, moved, search.objects) is not None:
         raise Failure(OBJECTS_COLLIDE)
-    if unsupported(situation, search.objects, held, STEADY) is not None:
+    if unsupported(situation, search.objects, STEADY) is not None:
         raise Failure(UNSUPPORTED)

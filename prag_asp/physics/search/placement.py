@@ -198,7 +198,7 @@ def _ahead(search: Search, situation: Situation, entity: str, support: str, stat
 def _volume(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> Volume:
     """Return where an object, turned as it will be, can be put down on a support, or above, as the facts want it.
 
-    What is put on the table has to be within reach, unless it is known not to be or there are several robots.
+    What is put on the table has to be within reach, unless it is known not to be or several robots share the table.
     """
     entity, support, about, height, *_ = wanted
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
@@ -206,8 +206,9 @@ def _volume(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> Vol
     if height > 0.0:
         (ax, ay, az), (bx, by, bz) = volume.low, volume.high
         volume = volume._replace(low=(ax, ay, az + height), high=(bx, by, bz + height))
-    if support == TABLE and not out_of_reach and not situation.others:
-        volume = volume.meet(REACHABLE.volume(situation, ("", entity), quaternion))
+    if support == TABLE and not out_of_reach and not situation.scene.shared:
+        robot = next(iter(situation.scene.robots))
+        volume = volume.meet(REACHABLE.volume(situation, (robot, entity), quaternion))
     for fact in about:
         on_it = fact.arguments == (entity, support) and fact.predicate.supports
         if not on_it and shapes_volume(fact, entity):

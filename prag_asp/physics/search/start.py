@@ -10,7 +10,6 @@ from prag_asp.physics.facts import Fact, PhysicalTask, of_robot
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.robot import robot_of
-from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.actions import take_place
 from prag_asp.physics.search.attempt import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import Configuration, collide
@@ -18,7 +17,8 @@ from prag_asp.physics.search.handling import draw_openings
 from prag_asp.physics.search.meeting import move_over
 from prag_asp.physics.search.moving import raise_arm, turn_to, verify_objects
 from prag_asp.physics.search.placement import any_support, draw_pose, known_support
-from prag_asp.physics.situation import Situation, Standing, fixed_pose
+from prag_asp.physics.situation import Situation, fixed_pose
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
 
@@ -37,9 +37,9 @@ def draw_start(search: Search, physical: PhysicalTask) -> Snapshot:
     for furniture, opening in draw_openings(search, still, physical.initial).items():
         still = still.with_opening(furniture, opening)
     situation = _arranged(search, physical, still)
-    verify_objects(search, situation, physical.objects, None)
+    verify_objects(search, situation, physical.objects)
     snapshot = replace(snapshot, situation=situation)
-    for robot in search.scene.mounts:
+    for robot in search.scene.robots:
         snapshot = _bring(search, turn_to(search, snapshot, robot), physical)
     if not all(fact.satisfied(snapshot.situation) for fact in physical.initial):
         raise Failure(RELATION)
@@ -48,16 +48,9 @@ def draw_start(search: Search, physical: PhysicalTask) -> Snapshot:
 
 def _at_home(search: Search, poses: Mapping[str, Pose]) -> Snapshot:
     """Return a snapshot in which every arm waits, the gripper open; the first one is to act."""
-    robots = {name: robot_of(search.scene, name) for name in search.scene.mounts}
-    first, *others = robots
-    waiting = {
-        name: Standing(robots[name].home, tool_pose(robots[name], robots[name].home), robots[name].opening)
-        for name in others
-    }
-    search.simulator.turn_to(first)
-    home, opening = robots[first].home, robots[first].opening
-    tool = tool_pose(robots[first], home)
-    return Snapshot(Situation(search.scene, poses, tool, opening, acting=first, others=waiting), home)
+    robots = {name: robot_of(search.scene, name) for name in search.scene.robots}
+    arms = {name: Arm(robot.home, robot.opening) for name, robot in robots.items()}
+    return turn_to(search, Snapshot(Situation(search.scene, poses, arms), next(iter(arms))), None)
 
 
 def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[Fact, ...]:
@@ -66,9 +59,9 @@ def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[F
     An object that a robot holds in the air is first put down below its gripper, to be taken from there.
     """
     holder = next((robot for robot, thing in physical.held.items() if thing == entity), None)
-    if holder is None or not (situation.others or _in_the_air(physical, entity)):
+    if holder is None or not (situation.scene.shared or _in_the_air(physical, entity)):
         return physical.initial
-    own = of_robot(situation.scene, physical.initial, holder)
+    own = of_robot(physical.initial, holder)
     below = [fact.arguments[1] for fact in own if fact.value and fact.predicate.gripper is Gripper.OVER]
     lies = [Fact(ON_TOP, (entity, place), True) for place in below if situation.is_surface(place)]
     return (*(fact for fact in physical.initial if entity not in fact.arguments), *lies)
@@ -86,20 +79,19 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
     Raises:
         Failure: it does not get there.
     """
-    situation = snapshot.situation
-    own = of_robot(search.scene, physical.initial, situation.acting)
-    held, over = physical.held.get(situation.acting), _place(own, Gripper.OVER)
+    arm, own = snapshot.arm, of_robot(physical.initial, snapshot.acting)
+    held, over = physical.held.get(snapshot.acting), _place(own, Gripper.OVER)
     place = held or _place(own, Gripper.AT)
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=held is not None)
-        lifted = held is not None and (situation.others or _in_the_air(physical, held))
+        lifted = held is not None and (search.scene.shared or _in_the_air(physical, held))
         return raise_arm(search, snapshot, []) if lifted else snapshot
     if over is not None:
         snapshot = move_over(search, snapshot, over, 0, [])
-    elif collide(search, snapshot.joints, Configuration(situation, situation.width, None)) is not None:
+    elif collide(search, arm.joints, Configuration(snapshot.situation, arm.width, None)) is not None:
         raise Failure(ARM_COLLIDES)
     if any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in own):
-        return replace(snapshot, situation=snapshot.situation.with_tool(snapshot.situation.tool, 0.0))
+        return snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
     return snapshot
 
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from prag_asp.physics.robot import Joints
-from prag_asp.physics.situation import Situation, Standing
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import COLLISION, Simulator
 from prag_asp.scene.boxes import Box, Corners
 
@@ -56,11 +57,10 @@ def colliding(
 def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
-    """Return what the arm collides with, None where it is free; its fingers may touch `touched`.
+    """Return what the arm that acts would collide with, None where it is free; its fingers may touch `touched`.
 
-    Where other arms stand around, neither the objects nor this arm may meet them.
+    The other arms are where the situation has them; neither the objects nor this arm may meet them.
     """
-    simulator.turn_to(situation.acting)
     arm, flange = simulator.arm, simulator.robot.flange_link
     boxes = arm.link_boxes(joints, width)
     for link, (low, _) in zip(arm.robot.links, boxes, strict=True):
@@ -68,22 +68,24 @@ def arm_collision(
             arm.pose(joints, width)
             if _deep(arm.contacts(simulator.table, [link])) is not None:
                 return ArmCollision("the table", link > flange)
-    hit = _meets_object(simulator, situation, situation.acting, Standing(joints, situation.tool, width, touched))
+    hit = _meets_object(simulator, situation, simulator.acting, Arm(joints, width, touched))
     if hit is not None:
         entity, link = hit
         return ArmCollision(entity, link > flange)
     if arm.self_overlap(joints, width) < COLLISION:
         return ArmCollision("itself", False)
-    for name, standing in situation.others.items():
-        if _meets_object(simulator, situation, name, standing) is not None:
+    for name, other in situation.arms.items():
+        if name == simulator.acting:
+            continue
+        if _meets_object(simulator, situation, name, other) is not None:
             return ArmCollision(name, False)
-        met = _meets_arm(simulator, name, standing, joints, width)
+        met = _meets_arm(simulator, name, other, joints, width)
         if met is not None:
             return ArmCollision(name, met > flange)
     return None
 
 
-def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Standing) -> tuple[str, int] | None:
+def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Arm) -> tuple[str, int] | None:
     """Return an object and a link of an arm that collide, None where none do; its fingers may touch what it holds."""
     simulated = simulator.arms[name]
     robot = simulated.robot
@@ -104,16 +106,16 @@ def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: St
     return None
 
 
-def _meets_arm(simulator: Simulator, name: str, standing: Standing, joints: Joints, width: float) -> int | None:
-    """Return a link of the arm that acts which collides with an arm that stands still, None where none does."""
+def _meets_arm(simulator: Simulator, name: str, arm: Arm, joints: Joints, width: float) -> int | None:
+    """Return a link of the arm that acts which collides with another arm, None where none does."""
     acting, other = simulator.arm, simulator.arms[name]
-    boxes = [*zip(other.robot.links, other.link_boxes(standing.joints, standing.width), strict=True)]
+    boxes = [*zip(other.robot.links, other.link_boxes(arm.joints, arm.width), strict=True)]
     links = zip(acting.robot.links, acting.link_boxes(joints, width), strict=True)
     near = [link for link, corners in links if _touching(corners, boxes)]
     if not near:
         return None
     acting.pose(joints, width)
-    other.pose(standing.joints, standing.width)
+    other.pose(arm.joints, arm.width)
     return _deep(acting.contacts(other.body, near))
 
 

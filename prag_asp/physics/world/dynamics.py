@@ -13,11 +13,12 @@ from typing import NamedTuple
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.robot import Joints, Robot, robot_of
 from prag_asp.physics.robot.file import write_robot
-from prag_asp.physics.witness import Moment
+from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.bodies import make_body, make_table
 from prag_asp.physics.world.furniture import JOINT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
+from prag_asp.physics.written import PARTS
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
 
@@ -104,10 +105,10 @@ class Dynamics:
                 physicsClientId=self.client,
             )
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
-        for name, state in moment.arms().items():
-            values = [[angle] for angle in (*state.joints, state.width / 2, state.width / 2)]
-            arm = self._arms[name]
-            pybullet.resetJointStatesMultiDof(arm.body, arm.driven, values, physicsClientId=self.client)
+        for name, arm in moment.arms.items():
+            values = [[angle] for angle in (*arm.joints, arm.width / 2, arm.width / 2)]
+            loaded = self._arms[name]
+            pybullet.resetJointStatesMultiDof(loaded.body, loaded.driven, values, physicsClientId=self.client)
         self._quiet = dict.fromkeys(self._bodies, 0)
         self._parts = self._numbered(table)
 
@@ -133,8 +134,8 @@ class Dynamics:
         """Let one `TIME_STEP` pass."""
         pybullet.stepSimulation(physicsClientId=self.client)
 
-    def arms(self) -> dict[str, Command]:
-        """Return the joint angles of each arm in radians, and how far its gripper is open in metres."""
+    def arms(self) -> dict[str, Arm]:
+        """Return where each arm is; what it holds is not known."""
         return {name: self._where(arm) for name, arm in self._arms.items()}
 
     def poses(self) -> dict[str, Pose]:
@@ -161,8 +162,7 @@ class Dynamics:
     @property
     def parts(self) -> tuple[str, ...]:
         """The names of the bodies and links that contacts are told of, before those of the objects."""
-        whose = {name: f" of {name}" if name else "" for name in self._files}
-        grippers = [f"{part}{of}" for of in whose.values() for part in ("arm", "left finger", "right finger")]
+        grippers = [f"{part} of {name}" for name in self._files for part in PARTS]
         return (*grippers, "table")
 
     def contacts(self) -> Mapping[tuple[int, int], float]:
@@ -193,11 +193,11 @@ class Dynamics:
             numbers |= {(body, link): first + 1 + i for link in (-1, JOINT)}
         return numbers
 
-    def _where(self, arm: LoadedArm) -> Command:
+    def _where(self, arm: LoadedArm) -> Arm:
         """Return the joint angles of an arm, and how far its gripper is open."""
         states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
         *joints, left, right = (state[0] for state in states)
-        return Command(tuple(joints), left + right)
+        return Arm(tuple(joints), left + right)
 
     def _speeds(self, entity: str, body: int) -> tuple[float, float]:
         """Return how fast a body moves in metres a second and turns in radians a second; of furniture, its part."""
@@ -237,7 +237,7 @@ def open_dynamics(scene: Scene) -> Iterator[Dynamics]:
     """
     with TemporaryDirectory(prefix="prag_asp_") as folder, open_client() as client:
         files = {}
-        for i, name in enumerate(scene.mounts):
+        for i, name in enumerate(scene.robots):
             place = Path(folder) / str(i)
             place.mkdir()
             files[name] = write_robot(robot_of(scene, name), place)

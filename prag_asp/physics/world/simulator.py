@@ -40,8 +40,8 @@ class Simulator:
         self.scene = scene
         self.client = client
         start_world(client)
-        self.arms = {name: SimulatedArm(client, robot_of(scene, name), visual) for name in scene.mounts}
-        self._acting = next(iter(self.arms.values()))
+        self.arms = {name: SimulatedArm(client, robot_of(scene, name), visual) for name in scene.robots}
+        self.acting = next(iter(self.arms))
         self.table = make_table(client, scene, visual=visual)
         self._pool = {
             (entity, each): make_body(
@@ -97,16 +97,16 @@ class Simulator:
     @property
     def robot(self) -> Robot:
         """The robot that acts."""
-        return self._acting.robot
+        return self.arm.robot
 
     @property
     def arm(self) -> SimulatedArm:
         """The arm that acts."""
-        return self._acting
+        return self.arms[self.acting]
 
     def turn_to(self, robot: str) -> None:
         """Let another robot be the one that acts."""
-        self._acting = self.arms[robot]
+        self.acting = robot
 
     def pose_arm(self, joints: Joints, width: float) -> None:
         """Put the arm that acts at seven joint angles in radians, its gripper at an opening in metres.
@@ -114,13 +114,13 @@ class Simulator:
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
         """
-        self._acting.pose(joints, width)
+        self.arm.pose(joints, width)
 
     def show(self, moment: Moment) -> None:
         """Put everything where it is at a moment."""
         self.place(moment.poses, moment.openings)
-        for name, (joints, width, *_) in moment.arms().items():
-            self.arms[name].pose(joints, width)
+        for name, arm in moment.arms.items():
+            self.arms[name].pose(arm.joints, arm.width)
 
     def overlap(self, one: int, two: int) -> float:
         """Return the distance of two bodies that touch in metres: negative in each other, 0 where apart."""
@@ -129,7 +129,7 @@ class Simulator:
 
     def flange(self) -> Pose:
         """Return the pose of the flange of the arm that acts as the simulator's own kinematics has it."""
-        return self._acting.flange()
+        return self.arm.flange()
 
     def read(self, entity: str) -> Pose:
         """Return where the simulator has an object.

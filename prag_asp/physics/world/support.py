@@ -62,13 +62,13 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
     return max(heights, default=0.0)
 
 
-def unsupported(situation: Situation, entities: Iterable[str], held: str | None, margin: float = 0.0) -> str | None:
-    """Return a body that would fall or tip over, None where all stay; a held body stays, and bears others.
+def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0.0) -> str | None:
+    """Return a body that would fall or tip over, None where all stay; what an arm holds stays, and bears others.
 
     With a `margin` in metres, so does one that is as near to tipping over. Of a small base half is enough.
     """
     bodies = list(entities)
-    still = {held, *(arm.held for arm in situation.others.values()), *situation.scene.fixed}
+    still = {*(arm.held for arm in situation.arms.values()), *situation.scene.fixed}
     loose = [body for body in bodies if body not in still]
     high = [body for body in loose if not _low_on_table(situation, body)]
     tops = list(_tops(situation, bodies)) if high else []

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart
-from prag_asp.scene.model import Mount, Scene, Shape
+from prag_asp.scene.model import Mount, Scene, Shape, only_robot
 from prag_asp.scene.read.report import Fault, Report, is_number
 
 ROBOTS = ("panda", "kuka")
@@ -35,7 +35,7 @@ Measured on the hull of the base's mesh, which is up to 12 mm wider in places.
 
 
 def read_robots(report: Report, value: Mapping[str, Any], shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
-    """Return where each robot stands, by entity; nothing where the only one stands at the origin.
+    """Return where each robot stands, by entity; where the tables say nothing the only one stands at the origin.
 
     `usual` is the kind of those whose table does not say.
     """
@@ -55,18 +55,17 @@ def read_robots(report: Report, value: Mapping[str, Any], shapes: Mapping[str, S
             if entity not in value:
                 report.add(f"scene.robots.{entity}", "missing: write { base = [x, y, yaw] }, in metres and degrees")
     _check_apart(report, mounts)
-    return mounts
+    return mounts or only_robot(shapes, usual)
 
 
 def base_problems(scene: Scene) -> Iterator[Fault]:
     """Yield fixed bodies that stand on the base of a robot."""
     for entity, place in scene.fixed.items():
         shape = scene.shapes[entity]
-        for robot, mount in scene.mounts.items() if shape.traits.body else ():
+        for robot, mount in scene.robots.items() if shape.traits.body else ():
             pieces = (piece._replace(place=_placed(mount, piece.place)) for piece in BASES[mount.kind])
             if not all(apart(Footprint(shape, place), piece, TOUCHING) for piece in pieces):
-                text = f"{entity} stands on the base of {robot or 'the robot'}; move it"
-                yield Fault(f"scene.fixed.{entity}", text)
+                yield Fault(f"scene.fixed.{entity}", f"{entity} stands on the base of {robot}; move it")
 
 
 def _placed(mount: Mount, place: Place) -> Place:

@@ -43,11 +43,10 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
         report.doubtful |= set(report.entities)
     sizes = read_shapes(report, report.section(table, "shapes"))
     shapes = {entity: several[-1] for entity, several in sizes.items()}
-    robot = report.choice(table, "robot", ROBOTS)
+    usual = report.choice(table, "robot", ROBOTS)
     scene = Scene(
         shapes=shapes,
-        robot=robot,
-        robots=read_robots(report, report.section(table, "robots"), shapes, robot),
+        robots=read_robots(report, report.section(table, "robots"), shapes, usual),
         frame=report.choice(table, "frame", FRAMES),
         workspace=read_workspace(report, report.section(table, "workspace")),
         table=read_table(report, report.section(table, "table")),

@@ -124,8 +124,9 @@ def test_a_body_out_of_the_hand_is_refused(stacked, carried):
 def test_a_body_that_slips_in_the_hand_is_refused(carried):
     record, world = copy.deepcopy(carried[0]), carried[1]
     moment = record["witness"]["moments"][3]
-    moment["grasp"][0][2] += 0.005
-    held = world.robots[""].tool(tuple(moment["joints"])) @ frame(moment["grasp"])
+    arm = moment["arms"]["panda"]
+    arm["grasp"][0][2] += 0.005
+    held = world.robots["panda"].tool(tuple(arm["joints"])) @ frame(arm["grasp"])
     moment["poses"]["apple_1"][0] = held.at.tolist()
     assert "action 3: apple_1 slips in the gripper" in _found(record, world)
 
@@ -134,7 +135,8 @@ def test_a_body_that_slips_in_the_hand_is_refused(carried):
 def test_numbers_that_are_not_finite_are_refused_wherever_they_stand(stacked, value):
     record, world = stacked
     places = [("moments", 1, "poses", "cube_1", 0, 2), ("moments", 1, "poses", "brick_1", 1, 3)]
-    places += [("moments", 2, "joints", 4), ("moments", 0, "width"), ("moments", 1, "grasp", 0, 0)]
+    arm = ("arms", "panda")
+    places += [("moments", 2, *arm, "joints", 4), ("moments", 0, *arm, "width"), ("moments", 1, *arm, "grasp", 0, 0)]
     places += [("motions", 0, 0, "joints", 3), ("motions", 1, 1, "width")]
     for place in places:
         changed = copy.deepcopy(record)
@@ -149,7 +151,7 @@ def test_swapped_joints_are_refused(stacked):
     record, world = stacked
     for one, two in itertools.combinations(range(7), 2):
         changed = copy.deepcopy(record)
-        joints = changed["witness"]["moments"][1]["joints"]
+        joints = changed["witness"]["moments"][1]["arms"]["panda"]["joints"]
         joints[one], joints[two] = joints[two], joints[one]
         if abs(joints[one] - joints[two]) > 0.01:
             assert _found(changed, world), (one, two)
@@ -158,7 +160,7 @@ def test_swapped_joints_are_refused(stacked):
 def test_a_joint_beyond_its_limits_and_a_gripper_that_opens_too_far_are_refused(stacked):
     for key, value in (("joints", [0, 0, 0, -2, 0, 3.8, 0]), ("width", 0.0801)):
         record, world = copy.deepcopy(stacked[0]), stacked[1]
-        record["witness"]["moments"][0][key] = value
+        record["witness"]["moments"][0]["arms"]["panda"][key] = value
         assert "beyond its limits" in _found(record, world)
 
 
@@ -178,8 +180,9 @@ def test_missing_bodies_states_and_waypoints_are_refused(stacked):
         lambda witness: witness["motions"][0].clear(),
         lambda witness: witness["motions"][0].pop(),
         lambda witness: witness["moments"][1]["poses"].pop("brick_1"),
-        lambda witness: witness["moments"][1].update(held=None),
-        lambda witness: witness["moments"][1].update(held=None, grasp=None),
+        lambda witness: witness["moments"][1]["arms"].clear(),
+        lambda witness: witness["moments"][1]["arms"]["panda"].update(held=None),
+        lambda witness: witness["moments"][1]["arms"]["panda"].update(held=None, grasp=None),
     ):
         record, world = copy.deepcopy(stacked[0]), stacked[1]
         spoil(record["witness"])
@@ -191,6 +194,6 @@ def test_an_arm_in_a_body_is_refused(stacked):
     moments = record["witness"]["moments"]
     low = record["witness"]["motions"][0][1]
     assert low["name"] == "at"
-    moments[0]["joints"], moments[0]["width"] = low["joints"], 0.02
+    moments[0]["arms"]["panda"].update(joints=low["joints"], width=0.02)
     moments[0]["poses"]["brick_1"][0][:2] = moments[0]["poses"]["cube_1"][0][:2]
     assert "state 0: the arm is in " in _found(record, world)

@@ -16,7 +16,6 @@ from prag_asp.physics import Budget, open_validator
 from prag_asp.scene.model import Mount
 from tests.independent.check import problems
 from tests.independent.frames import frame
-from tests.independent.moments import arms_of
 from tests.independent.world import world_of
 from tests.physics.scenarios import HANDOVER
 
@@ -123,9 +122,8 @@ def test_a_joint_beyond_its_limit_is_found_in_every_state_and_waypoint(any_recor
             for k in range(len(record["witness"][kind])):
                 changed, *_ = _changed(record)
                 each = changed["witness"][kind][k]
-                name, arm = rng.choice(
-                    list(arms_of(each).items()) if kind == "moments" else [(w.get("robot", ""), w) for w in each]
-                )
+                arms = list(each["arms"].items()) if kind == "moments" else [(at["robot"], at) for at in each]
+                name, arm = rng.choice(arms)
                 limits, joint = world.robots[name].robot, rng.randrange(7)
                 arm["joints"][joint] = rng.choice([limits.lower[joint] - 0.001, limits.upper[joint] + 0.001])
                 assert any("beyond" in text for text in _found(world, changed))
@@ -137,7 +135,7 @@ def test_a_held_body_that_is_shifted_against_the_tool_is_found(any_records):
         (record, k, arm["held"])
         for record in records
         for k, moment in enumerate(record["witness"]["moments"])
-        for arm in arms_of(moment).values()
+        for arm in moment["arms"].values()
         if arm["held"] is not None
     ]
     for axis, (record, k, held) in enumerate(_some(cases, 3)):
@@ -222,13 +220,12 @@ def test_arms_that_are_swapped_and_one_that_moves_unasked_are_found(two_arms):
     cases = [(record, k) for record in records for k in range(len(record["actions"]))]
     for record, k in _some(cases, 4):
         changed, moments, motions = _changed(record)
-        acting, (other,) = moments[k]["robot"], moments[k]["others"]
-        own = {key: moments[k][key] for key in ("joints", "width", "held", "grasp")}
-        moments[k] |= moments[k]["others"][other]
-        moments[k]["others"] = {other: own}
-        assert _found(world, changed), (acting, k)
+        arms = moments[k]["arms"]
+        arms["left"], arms["right"] = arms["right"], arms["left"]
+        assert _found(world, changed), k
         changed, moments, _ = _changed(record)
-        moments[k]["others"][other]["joints"][0] += 0.01
+        still = next(name for name in ("left", "right") if name != motions[k][-1]["robot"])
+        moments[k]["arms"][still]["joints"][0] += 0.01
         assert "does not end where the next state begins" in "".join(_found(world, changed)) or k == 0
         changed, _, motions = _changed(record)
         for waypoint in motions[k]:
@@ -241,7 +238,7 @@ def test_an_arm_in_the_other_one_is_found(two_arms):
     changed, moments, _ = _changed(records[1])
     reaching = np.array(world.robots["left"].base.at) - world.robots["right"].base.at
     joints = [float(np.arctan2(reaching[1], reaching[0])), 0.6, 0.0, -1.5, 0.0, 2.1, 0.8]
-    arms_of(moments[0])["right"]["joints"] = joints
+    moments[0]["arms"]["right"]["joints"] = joints
     found = _found(world, changed)
     assert "state 0: the arm is in that of left" in found and "state 0: the arm is in that of right" in found
 
@@ -264,7 +261,7 @@ def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, le
     k, i = next((k, i) for k, i in places[len(places) // 3 :] if motions[k][i]["held"] is None)
     changed, moments, _ = _changed(record)
     waypoint = motions[k][i]
-    tool = world.robots[world.robot(waypoint.get("robot", ""))].tool(tuple(waypoint["joints"]))
+    tool = world.robots[waypoint["robot"]].tool(tuple(waypoint["joints"]))
     body = next(iter(_loose(world, moments[0])), None)
     if body is not None:
         for moment in moments:
@@ -281,5 +278,5 @@ def test_the_kuka_is_checked_as_well_and_beside_a_panda():
         assert _found(world, record) == []
         for k in (0, 2):
             changed, moments, _ = _changed(record)
-            arms_of(moments[k])["right"]["joints"][1] = 2.0
+            moments[k]["arms"]["right"]["joints"][1] = 2.0
             assert any("is in" in text for text in _found(world, changed)), k

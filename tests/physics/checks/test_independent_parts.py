@@ -11,7 +11,8 @@ from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import ROBOTS as DESCRIBED
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.physics.situation import Situation, Standing, fixed_pose
+from prag_asp.physics.situation import Situation, fixed_pose
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.furniture import mechanism
 from prag_asp.scene.geometry import Pose
 from tests.independent.convex import Part, clearance, depth, surface
@@ -227,7 +228,7 @@ def test_every_predicate_says_of_random_scenes_what_the_product_says(name):
     world, rng = world_of(scene), np.random.default_rng(8)
     bodies, told = sorted(world.parts), dict.fromkeys(MEANINGS, frozenset[bool]())
     flat = [entity for entity, shape in scene.shapes.items() if shape.kind in ("table", "zone")]
-    grippers, places = sorted(scene.mounts), [*bodies, *flat]
+    grippers, places = sorted(scene.robots), [*bodies, *flat]
     rotations, furniture = sorted(scene.rotations), sorted(world.furniture)
     roles = {"robot": grippers, "rotation": rotations, "furniture": furniture}
     for _ in range(400):
@@ -268,14 +269,13 @@ def _random_scene(scene, world, rng):
             z = half + rng.choice([layout.span(other)[1][2], layout.span(other)[0][2] + world.walls[other], 0.0])
         poses[name] = Pose((float(x), float(y), float(z)), (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)))
     down = {}
-    for robot in scene.mounts:
+    for robot in scene.robots:
         name = str(rng.choice(sorted(poses)))
         x, y, z = np.array(poses[name].position) + rng.choice([0.0, 0.01]) * rng.normal(size=3)
         yaw = float(rng.choice([0.0, math.pi / 2])) + 2 * math.atan2(*poses[name].quaternion[2:])
         down[robot] = Pose((x, y, z + float(rng.choice([0.0, 0.2]))), (math.cos(yaw / 2), math.sin(yaw / 2), 0.0, 0.0))
     widths = {robot: float(rng.choice([0.0, 0.08, 0.035, 0.05, 0.06])) for robot in down}
-    acting, *others = down
-    around = {name: Standing((0.0,) * 7, down[name], widths[name]) for name in others}
-    situation = Situation(scene, poses, down[acting], widths[acting], openings=openings, acting=acting, others=around)
+    arms = {robot: Arm((0.0,) * 7, width) for robot, width in widths.items()}
+    situation = Situation(scene, poses, arms, openings, tools=down)
     layout = Layout(world, {name: frame(pose) for name, pose in poses.items()}, openings)
     return situation, Seen(layout, {name: frame(pose) for name, pose in down.items()}, widths)

@@ -15,6 +15,7 @@ from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import Pose, yaw_quaternion
 from prag_asp.scene.model import Scene
 from tests.physics.random_tasks import random_tasks
@@ -33,7 +34,8 @@ def _failure(
     settling: Settling, poses: Mapping[str, Pose], facts: tuple[Fact, ...] = (), held: str | None = None
 ) -> str | None:
     """Return why one arrangement of objects is not stable."""
-    moment = Moment(poses, PANDA.home, PANDA.opening, held, Pose((0.0, 0.0, 0.0)) if held else None)
+    arm = Arm(PANDA.home, PANDA.opening, held, Pose((0.0, 0.0, 0.0)) if held else None)
+    moment = Moment(poses, {"panda": arm})
     return settling.failure(PhysicalTask(tuple(poses), facts, held, ()), Witness((moment,), ()))
 
 

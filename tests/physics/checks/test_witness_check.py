@@ -9,10 +9,10 @@ import pytest
 from prag_asp.physics import Moment, Witness, check_witness
 from prag_asp.physics.robot import PANDA
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.physics.witness import TRANSIT
+from prag_asp.physics.witness import TRANSIT, Arm
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, yaw_quaternion
 from prag_asp.scene.model import Shape
-from tests.physics.scenarios import stacking
+from tests.physics.scenarios import stacking, with_arm
 
 LEAN = (math.sin(0.01), 0.0, 0.0, math.cos(0.01))
 
@@ -23,8 +23,11 @@ def witness(tabletop_validator) -> Witness:
 
 
 def _with_moment(witness: Witness, k: int, **changes: object) -> Witness:
+    """Return a witness with a moment changed: its poses, or fields of its arm."""
     moments = list(witness.moments)
-    moments[k] = replace(moments[k], **changes)
+    arm = {name: change for name, change in changes.items() if name in Arm._fields}
+    rest = {name: change for name, change in changes.items() if name not in Arm._fields}
+    moments[k] = replace(with_arm(moments[k], **arm), **rest)
     return replace(witness, moments=tuple(moments))
 
 
@@ -68,8 +71,9 @@ def test_a_held_object_out_of_the_hand_is_caught(witness, tabletop):
 
 def test_an_object_that_leans_in_the_gripper_is_caught(witness, tabletop):
     moment = witness.moments[1]
-    grasp = Pose(moment.grasp.position, multiply(moment.grasp.quaternion, LEAN))
-    pose = compose(tool_pose(PANDA, moment.joints), grasp)
+    arm = moment.arms["panda"]
+    grasp = Pose(arm.grasp.position, multiply(arm.grasp.quaternion, LEAN))
+    pose = compose(tool_pose(PANDA, arm.joints), grasp)
     bad = _with_moment(witness, 1, grasp=grasp, poses={**moment.poses, "cube_1": pose})
     found = _problems(bad, tabletop)
     assert "state 1: cube_1 does not stand upright in the gripper" in found
@@ -78,9 +82,10 @@ def test_an_object_that_leans_in_the_gripper_is_caught(witness, tabletop):
 
 def test_a_grip_that_is_not_from_above_is_caught(witness, tabletop):
     moment = witness.moments[1]
-    joints = (*moment.joints[:5], moment.joints[5] + 0.05, moment.joints[6])
+    arm = moment.arms["panda"]
+    joints = (*arm.joints[:5], arm.joints[5] + 0.05, arm.joints[6])
     upright = moment.poses["cube_1"].quaternion
-    pose = compose(tool_pose(PANDA, joints), moment.grasp)._replace(quaternion=upright)
+    pose = compose(tool_pose(PANDA, joints), arm.grasp)._replace(quaternion=upright)
     grasp = compose(invert(tool_pose(PANDA, joints)), pose)
     bad = _with_moment(witness, 1, joints=joints, grasp=grasp, poses={**moment.poses, "cube_1": pose})
     found = _problems(bad, tabletop)
@@ -104,14 +109,14 @@ def test_a_fixed_body_that_stands_elsewhere_in_all_states_is_caught(witness, tab
 
 
 def test_other_joint_angles_are_caught(witness, tabletop):
-    joints = witness.moments[1].joints
+    joints = witness.moments[1].arms["panda"].joints
     bad = _with_moment(witness, 1, joints=(joints[0] + 0.01, *joints[1:]))
     assert "cube_1 is not where the gripper holds it" in _problems(bad, tabletop)
     assert "its last waypoint is not the arm of the next state" in _problems(bad, tabletop)
 
 
 def test_joint_angles_beyond_the_limits_are_caught(witness, tabletop):
-    joints = witness.moments[0].joints
+    joints = witness.moments[0].arms["panda"].joints
     bad = _with_moment(witness, 0, joints=(*joints[:5], 3.8, joints[6]))
     assert "state 0: the joint angles" in _problems(bad, tabletop)
 

@@ -28,7 +28,7 @@ from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
 from tests.physics.random_tasks import random_tasks
-from tests.physics.scenarios import carrying, stacking, state, task
+from tests.physics.scenarios import carrying, stacking, state, task, with_arm
 
 GRAVITY = 9.81
 FASTEST = 2.0
@@ -75,11 +75,12 @@ def test_the_robot_fetches_turns_drops_and_leaves_an_object(prag, prag_validator
 def test_what_is_recorded_is_a_motion_that_the_robot_can_make(stacked):
     frames = len(stacked.times)
     assert np.diff(stacked.times) == pytest.approx(0.05, abs=1e-5)
-    assert stacked.joints.shape == (frames, 7) and stacked.commands.shape == (frames, 8)
+    assert stacked.joints.shape == (frames, 1, 7) and stacked.commands.shape == (frames, 1, 8)
     assert stacked.poses.shape == (frames, len(stacked.objects), 7)
-    assert all(PANDA.within_limits(row, 1e-3) for row in stacked.joints.tolist())
-    assert np.abs(np.diff(stacked.commands[:, :7], axis=0)).max() <= 0.05 * FASTEST + 1e-6
-    assert np.abs(stacked.joints - stacked.commands[:, :7]).max() < 0.05
+    assert stacked.robots == ("panda",) and stacked.widths.shape == (frames, 1)
+    assert all(PANDA.within_limits(row, 1e-3) for row in stacked.joints[:, 0].tolist())
+    assert np.abs(np.diff(stacked.commands[..., :7], axis=0)).max() <= 0.05 * FASTEST + 1e-6
+    assert np.abs(stacked.joints - stacked.commands[..., :7]).max() < 0.05
     assert stacked.widths.min() > 0.045 and stacked.widths.max() < 0.081
 
 
@@ -91,15 +92,15 @@ def test_an_object_moves_only_while_the_robot_touches_it_and_never_jumps(stacked
             assert steps.max() < 0.001
     held = stacked.poses[: stacked.ends[1] + 1, stacked.objects.index("cube_1")]
     moving = np.flatnonzero(np.linalg.norm(np.diff(held[:, :3], axis=0), axis=1) > 0.001)
-    left, right = _touches(stacked, "left finger", "cube_1"), _touches(stacked, "right finger", "cube_1")
+    left, right = (_touches(stacked, f"{side} finger of panda", "cube_1") for side in ("left", "right"))
     assert len(moving) > 5
     assert all(frame in left and frame in right for frame in moving.tolist())
 
 
 def test_friction_alone_carries_the_object(stacked, tabletop):
     lifted = int(stacked.ends[1])
-    forces = [_touches(stacked, f"{side} finger", "cube_1")[lifted] for side in ("left", "right")]
-    assert not any(lifted in _touches(stacked, other, "cube_1") for other in ("table", "brick_1", "arm"))
+    forces = [_touches(stacked, f"{side} finger of panda", "cube_1")[lifted] for side in ("left", "right")]
+    assert not any(lifted in _touches(stacked, other, "cube_1") for other in ("table", "brick_1", "arm of panda"))
     assert (
         sum(forces) * tabletop.material("cube_1").friction * dynamics.FINGER_FRICTION
         > mass(tabletop, "cube_1") * GRAVITY
@@ -126,7 +127,7 @@ def test_a_grasp_beside_the_object_fails(performer, witness, tabletop):
 
 
 def test_a_relation_that_the_motion_does_not_bring_about_is_the_cause(performer, witness, tabletop):
-    idle = replace(witness.motions[1][-1], name="stay", joints=witness.moments[1].joints)
+    idle = replace(witness.motions[1][-1], name="stay", joints=witness.moments[1].arms["panda"].joints)
     failed = performer.perform(
         physical_task(stacking(), tabletop), replace(witness, motions=(witness.motions[0], (idle,)))
     )
@@ -211,8 +212,8 @@ def test_files_that_hold_no_recording_are_refused(stacked, tmp_path):
     np.savez(path, joints=stacked.joints)
     with pytest.raises(QueryError, match="not a demonstration"):
         Demonstration.load(path)
-    replace(stacked, joints=stacked.joints[:, :6]).save(path)
-    with pytest.raises(QueryError, match=r"joints has the shape \(\d+, 6\) in place of \(\d+, 7\)"):
+    replace(stacked, joints=stacked.joints[..., :6]).save(path)
+    with pytest.raises(QueryError, match=r"joints has the shape \(\d+, 1, 6\) in place of \(\d+, 1, 7\)"):
         Demonstration.load(path)
     for changed, message in (
         ({"poses": stacked.poses * np.nan}, "poses has to hold finite numbers"),
@@ -253,8 +254,8 @@ def test_the_opening_of_the_gripper_is_the_gap_between_its_pads(tabletop, witnes
 
     with dynamics.open_dynamics(tabletop) as world:
         for width in (0.02, 0.05, 0.08):
-            world.begin((), replace(witness.moments[0], width=width, poses={}))
-            arm = world._arms[""].body
+            world.begin((), replace(with_arm(witness.moments[0], width=width), poses={}))
+            arm = world._arms["panda"].body
             points = pybullet.getClosestPoints(arm, arm, 0.1, *PANDA.finger_links, physicsClientId=world.client)
             assert min(point[8] for point in points) == pytest.approx(width, abs=1e-4)
     assert math.isclose(PANDA.opening, 0.08)
@@ -269,8 +270,8 @@ def test_what_rests_sleeps_and_what_tips_slowly_does_not(tabletop, witness, beyo
     poses = {"brick_1": brick, "cube_1": cube}
     with dynamics.open_dynamics(tabletop) as world:
         world.begin(list(poses), replace(witness.moments[0], poses=poses))
-        arm = witness.moments[0]
-        world.drive("", dynamics.Command(arm.joints, arm.width))
+        arm = witness.moments[0].arms["panda"]
+        world.drive("panda", dynamics.Command(arm.joints, arm.width))
         rested, places = [], []
         for _ in range(20):
             for _ in range(FRAME_STEPS):

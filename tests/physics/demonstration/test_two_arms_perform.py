@@ -115,7 +115,7 @@ def test_the_arm_that_does_not_act_holds_its_place_and_what_it_holds(scene, hand
 
 
 def test_an_arm_in_the_way_is_run_into(scene, handover, verdict):
-    tool = tool_pose(robot_of(scene, "left"), verdict.witness.moments[2].arms()["left"].joints)
+    tool = tool_pose(robot_of(scene, "left"), verdict.witness.moments[2].arms["left"].joints)
     there = next(inverse(robot_of(scene, "right"), tool))
     last = replace(verdict.witness.motions[2][-1], joints=there)
     motions = list(verdict.witness.motions)

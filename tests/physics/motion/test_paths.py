@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prag_asp.physics.motion.arms import Grip
-from prag_asp.physics.motion.route import Load, free_path, straight, vertical
+from prag_asp.physics.motion.route import Grip, Load, free_path, straight, vertical
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, ROUNDING, blended, timed
 from prag_asp.physics.robot import PANDA, Joints
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
@@ -108,7 +107,7 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
         if held:
             poses["cube_1"] = Pose((0.5, -0.2, 0.115))
             load = Load(0.05, Grip("cube_1", Pose((0.0, 0.0, 0.005), DOWN)))
-        situation = Situation(simulator.scene, poses, tool_pose(PANDA, start), 0.05)
+        situation = Situation(simulator.scene, poses)
         direct = timed([start, goal], TIME_STEP, ACCELERATION, PANDA.speed)
         simulator.place({"brick_1": poses["brick_1"]})
         assert _gap(simulator, direct, held) < -0.01
@@ -121,5 +120,5 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
 def test_no_path_is_made_up_where_there_is_none(tabletop):
     start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
     with open_simulator(_walled(tabletop, 1.8)) as simulator:
-        situation = Situation(simulator.scene, {"brick_1": Pose((0.6, 0.0, 0.9))}, tool_pose(PANDA, start), 0.05)
+        situation = Situation(simulator.scene, {"brick_1": Pose((0.6, 0.0, 0.9))})
         assert free_path(simulator, situation, Load(0.05), start, goal, TIME_STEP) is None

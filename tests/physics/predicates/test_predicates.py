@@ -18,6 +18,7 @@ from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
 from prag_asp.scene.model import Bounds, Own, Scene, Shape
 from prag_asp.scene.vocabulary import PREDICATE_ROLES, VOCABULARY
@@ -97,7 +98,12 @@ def _situation(rng: random.Random, frame: str = "robot", spread: float = 0.5) ->
     tool = pose()
     tool = Pose(tool.position, multiply(tool.quaternion, DOWN))
     openings = {name: rng.choice((0.0, 1.0, rng.random())) * limit for name, limit in LIMITS.items()}
-    return Situation(_scene(frame), poses, tool, rng.uniform(0.0, 0.08), openings=openings)
+    return _gripping(Situation(_scene(frame), poses, openings=openings), tool, rng.uniform(0.0, 0.08))
+
+
+def _gripping(situation: Situation, tool: Pose, width: float) -> Situation:
+    """Return a situation with the tool and the opening of the gripper."""
+    return replace(situation, arms={"panda": Arm((0.0,) * 7, width)}, tools={"panda": tool})
 
 
 def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: random.Random) -> Situation | None:
@@ -120,7 +126,7 @@ def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: ran
     if predicate.of_gripper:
         low, high = volume.width
         width = rng.uniform(low, high if math.isfinite(high) else 0.2)
-        return replace(situation, tool=Pose(at, situation.tool.quaternion), width=width)
+        return _gripping(situation, Pose(at, situation.tool("panda").quaternion), width)
     return situation.with_pose(arguments[predicate.subject], Pose(at, quaternion))
 
 
@@ -248,7 +254,7 @@ def test_a_relation_holds_exactly_where_its_inverse_holds_of_the_swapped_bodies(
 def test_left_is_plus_y_for_the_robot_and_minus_y_for_who_faces_it():
     poses = {"cube": Pose((0.5, 0.2, 0.025)), "brick": Pose((0.5, 0.0, 0.02))}
     for frame, left in (("robot", True), ("viewer", False)):
-        situation = Situation(_scene(frame), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+        situation = Situation(_scene(frame), poses)
         assert PREDICATES["left_of"].holds(situation, ("cube", "brick")) == left
         assert PREDICATES["right_of"].holds(situation, ("cube", "brick")) != left
 
@@ -256,7 +262,7 @@ def test_left_is_plus_y_for_the_robot_and_minus_y_for_who_faces_it():
 def test_in_front_is_nearer_to_who_looks():
     poses = {"cube": Pose((0.3, 0.0, 0.025)), "brick": Pose((0.5, 0.0, 0.02))}
     for frame, front in (("robot", True), ("viewer", False)):
-        situation = Situation(_scene(frame), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+        situation = Situation(_scene(frame), poses)
         assert PREDICATES["in_front_of"].holds(situation, ("cube", "brick")) == front
         assert PREDICATES["behind"].holds(situation, ("cube", "brick")) != front
 
@@ -266,21 +272,21 @@ def test_in_front_is_nearer_to_who_looks():
 )  # the brick is 40 mm high, the half cube 25 mm, the tolerance 2 mm
 def test_the_distance_to_on_top_is_the_gap(height, expected):
     poses = {"cube": Pose((0.5, 0.0, height)), "brick": Pose((0.5, 0.0, 0.02))}
-    situation = Situation(_scene(), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    situation = Situation(_scene(), poses)
     assert PREDICATES["on_top"].distance(situation, ("cube", "brick")) == pytest.approx(expected, abs=1e-12)
 
 
 def test_a_body_stacked_in_a_container_is_located_there_but_not_inside():
     poses = {"cube": Pose((0.5, 0.0, 0.071)), "crate": Pose((0.5, 0.0, 0.03))}
-    situation = Situation(_scene(), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    situation = Situation(_scene(), poses)
     assert not PREDICATES["inside"].holds(situation, ("cube", "crate"))
     assert PREDICATES["located"].holds(situation, ("cube", "crate"))
 
 
 def test_a_box_is_held_along_its_narrow_side_only():
     tool = Pose((0.5, 0.0, 0.02), DOWN)
-    situation = Situation(_scene(), {"brick": Pose((0.5, 0.0, 0.02))}, tool, 0.06)
-    assert grip_width(situation, "brick") == pytest.approx(0.06)
+    situation = _gripping(Situation(_scene(), {"brick": Pose((0.5, 0.0, 0.02))}), tool, 0.06)
+    assert grip_width(situation, "brick", "panda") == pytest.approx(0.06)
     assert PREDICATES["holding"].holds(situation, ("panda", "brick"))
     turned = situation.with_pose("brick", Pose((0.5, 0.0, 0.02), yaw_quaternion(math.pi / 2)))
     assert PREDICATES["holding"].distance(turned, ("panda", "brick")) == pytest.approx(0.058)
@@ -304,7 +310,7 @@ def test_every_predicate_speaks_in_plain_words():
 
 
 def test_an_unknown_body_is_an_error_not_a_silent_no():
-    situation = Situation(_scene(), {}, Pose((0.0, 0.0, 1.0)), 0.0)
+    situation = Situation(_scene(), {})
     with pytest.raises(SceneError, match="cube is not in this situation"):
         PREDICATES["on_top"].holds(situation, ("cube", "brick"))
     with pytest.raises(SceneError, match="ghost has no shape"):
@@ -319,15 +325,15 @@ def test_the_width_of_a_grip_on_a_long_box_is_what_is_between_the_pads(yaw, off)
     scene = replace(_scene(), shapes={**_scene().shapes, "brick": Shape("box", (0.24, 0.035, 0.035))})
     pose = Pose((0.5, 0.0, 0.02), yaw_quaternion(yaw))
     tool = compose(pose, Pose((off, 0.0, 0.0)))._replace(quaternion=DOWN)
-    situation = Situation(scene, {"brick": pose}, tool, 0.04)
-    pad = robot_of(scene).finger_boxes[0].size[0]
+    situation = _gripping(Situation(scene, {"brick": pose}), tool, 0.04)
+    pad = robot_of(scene, "panda").finger_boxes[0].size[0]
     corners = [
         compose(pose, Pose((x * 0.12, y * 0.0175, 0.0))).position for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))
     ]
     edge = [np.linspace(a, b, 20_000) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
     points = np.concatenate(edge)[:, :2] - np.array(tool.position[:2])
     between = points[np.abs(points[:, 0]) <= pad / 2]
-    assert grip_width(situation, "brick") == pytest.approx(np.ptp(between[:, 1]), abs=2e-5)
+    assert grip_width(situation, "brick", "panda") == pytest.approx(np.ptp(between[:, 1]), abs=2e-5)
 
 
 def test_each_file_defines_just_what_the_vocabulary_says_of_it():

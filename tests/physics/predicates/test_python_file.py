@@ -110,7 +110,7 @@ def test_what_goes_wrong_in_a_function_of_a_file_is_told_with_its_line(
     violation: str, volume: str, message: str, tmp_path: Path
 ) -> None:
     predicate = predicate_of(written(tmp_path, ODD.format(violation=violation, volume=volume)), "odd")
-    situation = Situation(Scene(shapes=SHAPES), {"cup_1": Pose((0.5, 0.0, 0.04))}, Pose((0.0, 0.0, 1.0)), 0.0)
+    situation = Situation(Scene(shapes=SHAPES), {"cup_1": Pose((0.5, 0.0, 0.04))})
     with pytest.raises(SceneError, match=message):
         predicate.distance(situation, ("cup_1", "cup_1"))
         predicate.volume(situation, ("cup_1", "cup_1"), (0.0, 0.0, 0.0, 1.0))
@@ -143,7 +143,7 @@ PREDICATES = {"odd": Predicate("odd", partial(given, 1), volume, Words())}
 
 def test_a_wrong_result_is_told_with_the_line_of_what_gave_it_however_it_is_wrapped(tmp_path: Path) -> None:
     predicate = predicate_of(written(tmp_path, OTHERS), "odd")
-    nowhere = Situation(Scene(shapes=SHAPES), {}, Pose((0.0, 0.0, 1.0)), 0.0)
+    nowhere = Situation(Scene(shapes=SHAPES), {})
     with pytest.raises(SceneError, match=r"own\.py:11: the violations of odd have .* at least one; got \[\]"):
         predicate.distance(nowhere, ("cup_1", "cup_2"))
     with pytest.raises(SceneError, match=r"own\.py:14: the volume of odd has .* got 3"):

@@ -28,7 +28,7 @@ def at(**places: Place) -> Situation:
         name: Pose((x, y, SHAPES[name].half[2]), yaw_quaternion(math.radians(yaw)))
         for name, (x, y, yaw) in places.items()
     }
-    return Situation(Scene(shapes=SHAPES), poses, Pose((0.0, 0.0, 1.0)), 0.0)
+    return Situation(Scene(shapes=SHAPES), poses)
 
 
 def distance(name: str, situation: Situation, *arguments: str) -> float:

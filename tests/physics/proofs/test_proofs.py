@@ -17,8 +17,9 @@ from prag_asp.physics.proofs.differences import impossible_row, lowest
 from prag_asp.physics.proofs.prover import Prover, impossibility
 from prag_asp.physics.proofs.reasons import own_reasons
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
-from prag_asp.scene.model import Material, Scene, Shape
+from prag_asp.scene.model import Material, Mount, Scene, Shape
 from tests.physics.scenarios import state, task
 
 SHAPES = {
@@ -33,6 +34,7 @@ SHAPES = {
     "shelf_1": Shape("box", (0.3, 0.2, 0.3)),
 }
 FIXED = {"tray_1": (0.5, 0.3, 0.6), "shelf_1": (0.7, -0.4, 2.0)}
+ARMS = {"left": Mount("panda", 0.0, 0.4), "right": Mount("panda", 0.0, -0.4)}
 OBJECTS = tuple(entity for entity, shape in SHAPES.items() if shape.kind not in ("robot", "table"))
 
 
@@ -62,10 +64,15 @@ def any_turn(rng: random.Random) -> tuple[float, float, float, float]:
     return multiply(yaw, (math.sin(half), 0.0, 0.0, math.cos(half)))
 
 
+def gripping(situation: Situation, tool: Pose, width: float) -> Situation:
+    """Return a situation with the tool and the opening of the gripper."""
+    return replace(situation, arms={"panda": Arm((0.0,) * 7, width)}, tools={"panda": tool})
+
+
 def any_situation(rng: random.Random, made: Scene) -> Situation:
     """Return bodies stacked, in containers, in rows and anywhere, without a thought of collisions."""
     poses = {e: Pose((x, y, made.shapes[e].half[2]), yaw_quaternion(yaw)) for e, (x, y, yaw) in made.fixed.items()}
-    situation = Situation(made, poses, Pose((0.5, 0.0, 0.4), (1.0, 0.0, 0.0, 0.0)), 0.08)
+    situation = gripping(Situation(made, poses), Pose((0.5, 0.0, 0.4), (1.0, 0.0, 0.0, 0.0)), 0.08)
     for entity in rng.sample(OBJECTS, len(OBJECTS)):
         if entity in poses:
             continue
@@ -89,7 +96,7 @@ def any_situation(rng: random.Random, made: Scene) -> Situation:
         x, y, z = situation.pose(grasped).position
         reach = rng.choice([0.01, situation.half(grasped)[0], situation.half(grasped)[1]])  # a long one at its end
         tool = Pose((x + rng.uniform(-reach, reach), y + rng.uniform(-reach, reach), z), (1.0, 0.0, 0.0, 0.0))
-        situation = situation.with_tool(tool, min(0.08, grip_width(situation.with_tool(tool, 0.0), grasped)))
+        situation = gripping(situation, tool, min(0.08, grip_width(gripping(situation, tool, 0.0), grasped, "panda")))
     return situation
 
 
@@ -178,7 +185,7 @@ def test_a_row_names_every_fact_that_it_needs_and_fits_where_it_is_a_little_shor
 
 
 def test_arms_of_different_robots_hold_one_object_each() -> None:
-    made = scene(shapes={**SHAPES, "left": Shape("robot"), "right": Shape("robot")})
+    made = scene(shapes={**SHAPES, "left": Shape("robot"), "right": Shape("robot")}, robots=ARMS)
     both = task(state("holding(left,cube_1)", "holding(right,can_1)"))
     assert impossibility(physical_task(both, made), made) is None
 
@@ -224,7 +231,7 @@ def test_what_is_heavier_than_an_arm_carries_cannot_be_held() -> None:
     cube = 0.05**3
     for robot, limit in (("panda", 3.0), ("kuka", 14.0)):
         for kilograms, heavy in ((limit - 0.1, False), (limit + 0.1, True)):
-            made = scene(robot=robot, materials={"cube_1": Material(kilograms / cube)})
+            made = scene(robots={"panda": Mount(robot)}, materials={"cube_1": Material(kilograms / cube)})
             found = next(own_reasons(held[0], made), None)
             told = f"cube 1 weighs {kilograms:.3g} kg, the gripper carries {limit:g} kg"
             assert found == (told if heavy else None)

@@ -17,6 +17,7 @@ from prag_asp.physics.robot import ROBOTS, Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
+from prag_asp.scene.model import Mount
 from prag_asp.space.task_space import TaskSpace
 from tests.physics.random_tasks import shipped_scene
 
@@ -29,7 +30,8 @@ robots = pytest.mark.parametrize("name", NAMES)
 @pytest.fixture(scope="module")
 def simulators() -> Iterator[dict[str, Simulator]]:
     scene = shipped_scene("tabletop")
-    with open_simulator(replace(scene, robot="panda")) as panda, open_simulator(replace(scene, robot="kuka")) as kuka:
+    kuka_scene = replace(scene, robots={"panda": Mount("kuka")})
+    with open_simulator(scene) as panda, open_simulator(kuka_scene) as kuka:
         yield {"panda": panda, "kuka": kuka}
 
 
@@ -152,7 +154,7 @@ def test_the_limits_of_the_kukas_joints_are_those_of_its_file(simulators):
 
 
 def test_the_kuka_does_tasks_of_shipped_domains_and_its_witnesses_pass():
-    scene = replace(shipped_scene("tabletop"), robot="kuka")
+    scene = replace(shipped_scene("tabletop"), robots={"panda": Mount("kuka")})
     tasks = TaskSpace(load_domain("tabletop"), 3).sample(6, seed=5)
     with open_validator(scene) as validator:
         verdicts = [validator.validate(task, seed=1, index=i) for i, task in enumerate(tasks)]

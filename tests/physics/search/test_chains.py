@@ -37,7 +37,7 @@ def _situation(rng: random.Random, frame: str) -> Situation:
     for name in NAMES:
         x, y = rng.uniform(0.2, 0.9), rng.uniform(-0.5, 0.5)
         poses[name] = Pose((x, y, scene.shapes[name].half[2]), IDENTITY)
-    return Situation(scene, poses, Pose((0.0, 0.0, 1.0)), 0.08)
+    return Situation(scene, poses)
 
 
 def _clear(situation: Situation, name: str, one: str, two: str) -> bool:

@@ -127,7 +127,7 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         ),
         (
             {**FINE, "fixed": {"cube_1": [0.05, 0.0]}},
-            "scene.fixed.cube_1: cube_1 stands on the base of the robot; move it",
+            "scene.fixed.cube_1: cube_1 stands on the base of panda; move it",
         ),
         ({**FINE, "rotations": {"straight": "0"}}, "scene.rotations.straight: needs a yaw in degrees"),
     ],
