@@ -1,0 +1,75 @@
+"""The reference is whole: no key, predicate, encoding, name or option is missing from the pages."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+
+import pytest
+
+import prag_asp
+import prag_asp.physics
+from prag_asp.program.paths import shipped_domains
+from prag_asp.scene.kinds import KINDS
+from prag_asp.scene.model import PREDICATE_ROLES
+from prag_asp.scene.read.table import SCENE_KEYS
+from tests.docs.pages import DOCS, ROOT
+from tests.docs.test_readme import generated
+
+
+def page(name: str) -> str:
+    return (DOCS / name).read_text(encoding="utf-8")
+
+
+def test_the_scene_names_all_that_it_may_say() -> None:
+    text = page("domains/scene.md")
+    names = {*SCENE_KEYS, *KINDS, *itertools.chain(*(kind.keys for kind in KINDS.values())), *PREDICATE_ROLES}
+    assert {name for name in names if f"`{name}" not in text and f"{name} =" not in text} == set()
+
+
+def test_the_contract_names_every_predicate_that_is_defined_for_it() -> None:
+    text = page("domains/contract.md")
+    contract = (ROOT / "encodings" / "contract.lp").read_text(encoding="utf-8")
+    names = set(re.findall(r"^#defined (\w+)/", contract, re.MULTILINE))
+    assert {name for name in names if f"`{name}(" not in text} == set()
+
+
+def test_the_options_name_every_rule() -> None:
+    text = page("domains/options.md")
+    assert {path.stem for path in (ROOT / "encodings" / "rules").glob("*.lp") if f"`{path.stem}" not in text} == set()
+
+
+@pytest.mark.parametrize("package", [prag_asp, prag_asp.physics], ids=lambda package: package.__name__)
+def test_every_public_name_has_an_entry(package: object) -> None:
+    name, public = package.__name__, package.__all__
+    assert set(re.findall(rf"^::: {name}\.(\w+)$", page("reference/python.md"), re.MULTILINE)) == set(public)
+
+
+def test_every_encoding_is_told_whole() -> None:
+    text = "\n".join(generated("encodings").told())
+    assert "<!-- encodings -->" in page("reference/encodings.md")
+    files = sorted((ROOT / "encodings").rglob("*.lp"))
+    assert len(files) > 20
+    for path in files:
+        source = path.read_text(encoding="utf-8")
+        assert f"### {path.relative_to(ROOT / 'encodings')} " in text
+        assert len(re.findall(r"%\*!", source)) == source.count("*%")
+        told = re.sub(r"(?s)%\*!.*?\*%", "", source).splitlines()[1:]
+        assert [line for line in told if line.strip() and f"    {line}" not in text] == []
+    assert "%*!" not in text
+
+
+def test_the_gallery_shows_every_domain() -> None:
+    text = page("gallery.md")
+    examples = {path.parent.name for path in (ROOT / "examples").glob("*/domain.lp")} - {"desk"}
+    for name in {*shipped_domains(), *examples}:
+        scene = "[scene]" in next(Path(ROOT).glob(f"*/{name}/domain.toml")).read_text(encoding="utf-8")
+        assert f"\n## {name}\n" in text
+        assert (f"](pictures/{name}.png)" in text) == scene
+
+
+def test_every_page_stands_in_the_navigation() -> None:
+    listed = set(re.findall(r": ([\w/]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE))
+    notebooks = {f"notebooks/{path.stem}.md" for path in (ROOT / "examples" / "notebooks").glob("*.ipynb")}
+    assert listed == {str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md")} | notebooks
