@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 import re
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 import prag_asp
+import prag_asp.dataset
 import prag_asp.physics
 from prag_asp.program.paths import shipped_domains
 from prag_asp.scene.kinds import KINDS
@@ -40,8 +42,8 @@ def test_the_options_name_every_rule() -> None:
     assert {path.stem for path in (ROOT / "encodings" / "rules").glob("*.lp") if f"`{path.stem}" not in text} == set()
 
 
-@pytest.mark.parametrize("package", [prag_asp, prag_asp.physics], ids=lambda package: package.__name__)
-def test_every_public_name_has_an_entry(package: object) -> None:
+@pytest.mark.parametrize("package", [prag_asp, prag_asp.dataset, prag_asp.physics], ids=lambda package: package.__name__)
+def test_every_public_name_has_an_entry(package: ModuleType) -> None:
     name, public = package.__name__, package.__all__
     assert set(re.findall(rf"^::: {name}\.(\w+)$", page("reference/python.md"), re.MULTILINE)) == set(public)
 
