@@ -42,7 +42,10 @@ def test_the_options_name_every_rule() -> None:
     assert {path.stem for path in (ROOT / "encodings" / "rules").glob("*.lp") if f"`{path.stem}" not in text} == set()
 
 
-@pytest.mark.parametrize("package", [prag_asp, prag_asp.dataset, prag_asp.physics], ids=lambda package: package.__name__)
+PACKAGES = (prag_asp, prag_asp.dataset, prag_asp.physics)
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.__name__)
 def test_every_public_name_has_an_entry(package: ModuleType) -> None:
     name, public = package.__name__, package.__all__
     assert set(re.findall(rf"^::: {name}\.(\w+)$", page("reference/python.md"), re.MULTILINE)) == set(public)
