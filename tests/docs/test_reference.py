@@ -12,6 +12,7 @@ import pytest
 import prag_asp
 import prag_asp.dataset
 import prag_asp.physics
+from prag_asp.cli import cli
 from prag_asp.program.paths import shipped_domains
 from prag_asp.scene.kinds import KINDS
 from prag_asp.scene.model import PREDICATE_ROLES
@@ -63,6 +64,18 @@ def test_every_encoding_is_told_whole() -> None:
         told = re.sub(r"(?s)%\*!.*?\*%", "", source).splitlines()[1:]
         assert [line for line in told if line.strip() and f"    {line}" not in text] == []
     assert "%*!" not in text
+
+
+def test_every_option_of_every_command_is_told() -> None:
+    text = "\n".join(generated("commands").told())
+    assert "<!-- commands -->" in page("reference/commands.md")
+    assert {name for name in cli.commands if f"\n## {name}\n" not in text} == set()
+    for command in cli.commands.values():
+        for parameter in command.params:
+            assert any(f"`{option}" in text or f", {option}" in text for option in parameter.opts) == (
+                parameter.param_type_name == "option"
+            )
+    assert "[default: 10x10]" in text
 
 
 def test_the_gallery_shows_every_domain() -> None:
