@@ -42,8 +42,8 @@ class Strip:
 STRIPS = {
     "five_subgoals": Strip("tabletop", 5, 34526, {"stack": 8, "insert": 8}, start=False),
     "strip": Strip("tabletop", 3, 7),
-    "prag": Strip("prag", 5, 3, where=("begins approach", "uses can_1")),
-    "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}),
+    "prag": Strip("prag", 5, 3, where=("begins approach", "uses can_1"), columns=3),
+    "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}, columns=3),
     "kitchen": Strip("kitchen", 7, 4, where=("matches open approach grasp move drop withdraw close",), columns=4),
     "two_arms": Strip("two_arms", 7, 1, where=("begins pick", "has give"), columns=4),
     "dishes": Strip(

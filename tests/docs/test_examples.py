@@ -46,6 +46,16 @@ def test_no_block_escapes_the_tests() -> None:
     assert {line for block in BLOCKS if block.language == "sh" for line in block.text.splitlines()} <= SETUP
 
 
+def test_sessions_import_public_names_alone() -> None:
+    imported = {
+        module
+        for block in BLOCKS
+        if block.language == "pycon"
+        for module in re.findall(r"(?:from|import) (prag_asp[\w.]*)", block.text)
+    }
+    assert imported == {"prag_asp", "prag_asp.dataset", "prag_asp.physics"}
+
+
 def test_a_block_with_the_name_of_a_file_of_the_repository_is_a_piece_of_it() -> None:
     shown = [block for block in BLOCKS if block.title and (ROOT / block.title).exists()]
     assert shown

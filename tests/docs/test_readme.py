@@ -28,11 +28,11 @@ GENERATE = DOCS / "generate"
 
 def generated(name: str) -> ModuleType:
     """Return a module of docs/generate, which is no package."""
-    spec = importlib.util.spec_from_file_location(name, GENERATE / f"{name}.py")
+    spec = importlib.util.spec_from_file_location(f"docs.generate.{name}", GENERATE / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
+    sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     return module
 

@@ -91,3 +91,9 @@ def test_every_page_stands_in_the_navigation() -> None:
     listed = set(re.findall(r": ([\w/]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE))
     notebooks = {f"notebooks/{path.stem}.md" for path in (ROOT / "examples" / "notebooks").glob("*.ipynb")}
     assert listed == {str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md")} | notebooks
+
+
+def test_contributing_tells_of_every_room() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    told = set(re.findall(r"^\| `(\w+)/` \|", text, re.MULTILINE))
+    assert told == {path.parent.name for path in (ROOT / "prag_asp").glob("*/__init__.py")}
