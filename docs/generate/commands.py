@@ -47,4 +47,4 @@ def _command(context: click.Context, heading: str) -> Iterator[str]:
 
 def _cell(text: str) -> str:
     """Return a text as one cell of a table."""
-    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;").replace("[", "\\[")
