@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import re
 from pathlib import Path
 from types import ModuleType
@@ -13,11 +14,13 @@ import pytest
 import prag_asp
 import prag_asp.dataset
 import prag_asp.physics
+from prag_asp import TaskSpace, load_domain
 from prag_asp.cli import cli
+from prag_asp.dataset import feasible, write_line
 from prag_asp.program.paths import shipped_domains
 from prag_asp.scene.kinds import KINDS
-from prag_asp.scene.model import PREDICATE_ROLES
 from prag_asp.scene.read.table import SCENE_KEYS
+from prag_asp.scene.vocabulary import PREDICATE_ROLES
 from tests.docs.pages import DOCS, ROOT
 from tests.docs.test_readme import generated
 
@@ -101,3 +104,19 @@ def test_contributing_tells_of_every_room() -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     told = set(re.findall(r"^\| `(\w+)/` \|", text, re.MULTILINE))
     assert told == {path.parent.name for path in (ROOT / "prag_asp").glob("*/__init__.py")}
+
+
+def test_contributing_names_files_that_exist() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = [Path(each) for each in re.findall(r"`([\w.]+/[\w./]*)`", text)]
+    assert len(named) > 15
+    told = [path.parent if path.stem == "NAME" else path for path in named if path.parts[0] not in {".venv", "site"}]
+    assert [str(path) for path in told if not ((ROOT / path).exists() or (ROOT / "prag_asp" / path).exists())] == []
+
+
+def test_the_page_of_json_lines_names_every_field() -> None:
+    domain = load_domain(ROOT / "examples" / "dishes", constants={"capacity": 4})
+    line = json.loads(write_line(next(feasible(TaskSpace(domain, 1), seed=1))))
+    text = page("reference/json_lines.md")
+    assert re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE) == list(line)
+    assert {name for name in (*line["verdict"], *line["witness"]) if f"`{name}`" not in text} == set()
