@@ -67,7 +67,7 @@ def validate_numbered(
     """Yield the verdict on each task with its index, of which alone it depends, not of the order of the tasks.
 
     Raises:
-        as `validate_tasks` does.
+        PragError: as `validate_tasks` does.
     """
     if workers < 1:
         raise QueryError(f"validation needs at least 1 worker; got {workers}")

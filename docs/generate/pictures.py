@@ -1,0 +1,98 @@
+"""Draw the pictures of these pages: tasks drawn and validated from one seed each, and a curve.
+
+Run:  .venv/bin/python docs/generate/pictures.py [NAME...]        (needs the extra `pictures`)
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from PIL import Image, ImageOps
+
+from prag_asp import TaskSpace, load_domain, load_scene
+from prag_asp.dataset.language import sentence
+from prag_asp.physics import film_strip, validate_task
+
+ROOT = Path(__file__).parent.parent.parent
+PICTURES = ROOT / "docs" / "pictures"
+COLOURS = 256
+"""A picture has so many, which makes its file half as large."""
+
+MARGIN = 14
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A film strip: of the first feasible task that a seed draws from a domain, and how its frames are laid out."""
+
+    domain: str
+    length: int
+    seed: int
+    weights: Mapping[str, int] = field(default_factory=dict)
+    where: tuple[str, ...] = ()
+    frame: tuple[int, int] = (260, 250)
+    columns: int = 6
+    start: bool = True
+
+
+STRIPS = {
+    "five_subgoals": Strip("tabletop", 5, 34526, {"stack": 8, "insert": 8}, start=False),
+    "strip": Strip("tabletop", 3, 7),
+    "prag": Strip("prag", 5, 3, where=("begins approach", "uses can_1"), columns=3),
+    "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}, columns=3),
+    "kitchen": Strip("kitchen", 7, 4, where=("matches open approach grasp move drop withdraw close",), columns=4),
+    "two_arms": Strip("two_arms", 7, 1, where=("begins pick", "has give"), columns=4),
+    "dishes": Strip(
+        "examples/dishes", 6, 2, where=("matches pick put wash charge pick put", "ends inside(cup_1,rack_1)"), columns=4
+    ),
+    "desk": Strip("examples/desk", 4, 4, where=("starts on_top(cup_1,desk_1), on_top(cup_2,desk_1)",), columns=5),
+    "warehouse": Strip(
+        "examples/warehouse", 4, 5, where=("avoids crate", "avoids rod", "uses shelf_1", "avoids shelf_2")
+    ),
+    "own_predicates": Strip("examples/own_predicates", 4, 6, where=("has tuck", "has aim")),
+}
+
+
+def draw(strip: Strip) -> Image.Image:
+    """Return a film strip, in few colours."""
+    path = ROOT / strip.domain
+    domain = load_domain(path if path.is_dir() else strip.domain, trust=True)
+    scene = load_scene(domain)
+    space = TaskSpace(domain, strip.length).where(*strip.where)
+    drawn = space.draw(seed=strip.seed, weights=strip.weights)
+    checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in drawn)
+    task, witness = next((task, witness) for task, witness in checked if witness is not None)
+    headings = [sentence(action, domain.settings.language) for action in task.actions]
+    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, headings=headings)
+    if not strip.start:
+        subgoals = picture.crop((picture.width // (strip.length + 1), 0, picture.width, picture.height))
+        bottom = ImageOps.invert(subgoals.convert("L")).getbbox()[3]
+        picture = subgoals.crop((0, 0, subgoals.width, bottom + MARGIN))
+    return reduced(picture)
+
+
+def reduced(picture: Image.Image) -> Image.Image:
+    """Return a picture in few colours."""
+    return picture.convert("RGB").quantize(COLOURS, kmeans=2, dither=Image.Dither.NONE)
+
+
+def main(names: list[str]) -> None:
+    """Draw the pictures of some names, or all."""
+    for name in names or [*STRIPS, "curve"]:
+        target = PICTURES / f"{name}.png"
+        if name == "curve":
+            curve = ["stats", "prag", "--length", "15", "--by", "skeleton", "--plot", str(target)]
+            subprocess.run(["prag-asp", *curve], check=True, stdout=subprocess.DEVNULL)
+            with Image.open(target) as drawn:
+                few = reduced(drawn)
+            few.save(target, optimize=True)
+        else:
+            draw(STRIPS[name]).save(target, optimize=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,40 @@
+"""What has to hold before a change lands, in parts: each in an environment of its own."""
+
+from __future__ import annotations
+
+import nox
+
+nox.options.sessions = ["lint", "docs", "tests"]
+nox.options.error_on_missing_interpreters = False
+
+LOGIC = ("program", "lint", "domain", "logic", "space")
+"""The folders of tests that ask neither for physics nor for pages."""
+
+
+@nox.session(python=["3.10", "3.11", "3.12", "3.13"])
+def tests(session: nox.Session) -> None:
+    """Run the whole suite."""
+    session.install("-e", ".[test]")
+    session.run("pytest", *session.posargs)
+
+
+@nox.session
+def logic(session: nox.Session) -> None:
+    """Run the tests of logic and of task spaces."""
+    session.install("-e", ".[test]")
+    session.run("pytest", *(f"tests/{folder}" for folder in LOGIC), *session.posargs)
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Check style and types."""
+    session.install("-e", ".[test]")
+    session.run("ruff", "check", ".")
+    session.run("mypy")
+
+
+@nox.session
+def docs(session: nox.Session) -> None:
+    """Build the pages into site/, with every warning an error."""
+    session.install("-e", ".[docs]")
+    session.run("mkdocs", "build", "--strict", env={"NO_MKDOCS_2_WARNING": "1"})

@@ -1,0 +1,86 @@
+"""The pages say nothing that is not so: commands and sessions print what they show, pieces of domains fit."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain, load_scene
+from tests.docs.pages import FENCE, PAGES, ROOT, Block, blocks, prepare, run_page
+
+BLOCKS = [block for page in PAGES for block in blocks(page)]
+DISHES = ROOT / "examples" / "dishes"
+
+INSTALL = "python3 -m venv .venv && .venv/bin/pip install"
+SETUP = {
+    f"{INSTALL} . && .venv/bin/prag-asp sample tabletop --length 5 --count 3 --seed 7",
+    f"{INSTALL} -e '.[test]' && .venv/bin/pytest",
+    ". .venv/bin/activate",
+    ".venv/bin/pip install '.[pictures]'",
+    ".venv/bin/pip install '.[sharp]'",
+    ".venv/bin/pip install -e '.[docs]' && .venv/bin/mkdocs build --strict",
+}
+"""Commands that need a fresh machine: the tests run in what they have made already."""
+
+
+def name_of(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page)], ids=name_of)
+def test_the_examples_of_a_page_print_what_it_shows(page: Path, tmp_path: Path) -> None:
+    prepare(tmp_path)
+    wrong = [str(example) for example in run_page(page, tmp_path) if not example.right]
+    assert not wrong, "\n\n".join(["write them anew: python -m tests.docs.pages", *wrong])
+
+
+def test_no_block_escapes_the_tests() -> None:
+    known = {"console", "pycon", "prolog", "toml", "sh", "text"}
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert len(re.findall(r"^[ >]*(?:```|~~~)", text, re.MULTILINE)) == 2 * len(FENCE.findall(text)), page
+    assert [str(block) for block in BLOCKS if block.language not in known and not block.title] == []
+    assert {line for block in BLOCKS if block.language == "sh" for line in block.text.splitlines()} <= SETUP
+
+
+def test_sessions_import_public_names_alone() -> None:
+    imported = {
+        module
+        for block in BLOCKS
+        if block.language == "pycon"
+        for module in re.findall(r"(?:from|import) (prag_asp[\w.]*)", block.text)
+    }
+    assert imported == {"prag_asp", "prag_asp.dataset", "prag_asp.physics"}
+
+
+def test_a_block_with_the_name_of_a_file_of_the_repository_is_a_piece_of_it() -> None:
+    shown = [block for block in BLOCKS if block.title and (ROOT / block.title).exists()]
+    assert shown
+    for block in shown:
+        text = (ROOT / block.title).read_text(encoding="utf-8")
+        assert block.text.startswith("--8<-- ") or f"\n{block.text}" in f"\n{text}", block
+
+
+@pytest.fixture
+def dishes(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(DISHES, tmp_path / "dishes"))
+
+
+@pytest.mark.parametrize("piece", [each for each in BLOCKS if each.language == "prolog" and not each.title], ids=str)
+def test_a_piece_of_a_program_fits_into_the_example(piece: Block, dishes: Path) -> None:
+    with (dishes / "domain.lp").open("a", encoding="utf-8") as text:
+        text.write(f"#program base.\n{piece.text}")
+    domain = load_domain(dishes)
+    by_engine = {engine: TaskSpace(domain, 3, engine=engine) for engine in ("automaton", "clingo")}
+    assert set(by_engine["automaton"].words("plan")) == set(by_engine["clingo"].words("plan"))
+    assert 0 < by_engine["automaton"].count() == by_engine["clingo"].count()
+
+
+@pytest.mark.parametrize("piece", [each for each in BLOCKS if each.language == "toml" and not each.title], ids=str)
+def test_a_piece_of_a_scene_fits_into_the_example(piece: Block, dishes: Path) -> None:
+    with (dishes / "domain.toml").open("a", encoding="utf-8") as text:
+        text.write(f"\n{piece.text}")
+    assert load_scene(load_domain(dishes)).workspace
