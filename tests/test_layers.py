@@ -19,7 +19,7 @@ from prag_asp.cli.registry import COMMANDS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children"])
+GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children", "missing"])
 """What every room may stand on."""
 
 ROOMS: Mapping[str, frozenset[str]] = {
@@ -27,6 +27,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "lazy": frozenset(),
     "versions": frozenset(),
     "children": frozenset(["errors"]),
+    "missing": frozenset(["errors"]),
     "output": frozenset(["errors"]),
     "wording": frozenset(["errors"]),
     "atom": frozenset(["errors"]),
@@ -47,8 +48,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
 
 FLOORS: Mapping[str, tuple[str, ...]] = {
     "scene": (
-        "vocabulary", "boxes", "forms", "kinds", "model", "geometry", "footprint", "furniture", "solids", "read",
-        "load",
+        "vocabulary", "boxes", "forms", "kinds", "model", "geometry", "footprint", "furniture", "solids", "robots",
+        "read", "load",
     ),
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
@@ -56,7 +57,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "task_spaces",
     ),
     "physics": (
-        "missing", "bullet", "fields", "robot", "witness", "situation", "predicates", "facts", "world", "proofs",
+        "bullet", "robot", "witness", "situation", "predicates", "facts", "world", "proofs",
         "search", "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "worker", "pool",
     ),
 }  # fmt: skip

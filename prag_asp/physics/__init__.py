@@ -12,6 +12,7 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.errors import PhysicsMissingError, PicturesMissingError
+    from prag_asp.missing import require_physics
     from prag_asp.physics.cascade import open_cascade
     from prag_asp.physics.checks.check import check_witness, open_witness_check
     from prag_asp.physics.checks.settling import open_settling, settle
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from prag_asp.physics.demonstration.demonstration import Demonstration
     from prag_asp.physics.demonstration.perform import demonstrate
     from prag_asp.physics.facts import physical_task
-    from prag_asp.physics.missing import require_physics
     from prag_asp.physics.motion.transit import travel
     from prag_asp.physics.pictures.render import animate, film_strip, still
     from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
@@ -72,7 +72,7 @@ _HOMES = {
     "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
     "prag_asp.physics.demonstration.perform": ("demonstrate",),
     "prag_asp.physics.facts": ("physical_task",),
-    "prag_asp.physics.missing": ("require_physics",),
+    "prag_asp.missing": ("require_physics",),
     "prag_asp.physics.motion.transit": ("travel",),
     "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
     "prag_asp.physics.pool": ("WorkerError", "validate_numbered", "validate_tasks"),

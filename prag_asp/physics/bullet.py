@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from prag_asp.physics.missing import needed
+from prag_asp.missing import needed
 
 STDOUT, STDERR = 1, 2
 

@@ -12,12 +12,12 @@ from typing import NamedTuple
 from prag_asp.physics.checks.states import POSITION_TOLERANCE, near, situation_of
 from prag_asp.physics.facts import Fact, of_robot
 from prag_asp.physics.predicates import Gripper
-from prag_asp.physics.robot import Joints
 from prag_asp.physics.search.grasping import LIFT
 from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import contacts
 from prag_asp.scene.geometry import Pose, compose
+from prag_asp.scene.robots import Joints
 
 
 class Stop(NamedTuple):

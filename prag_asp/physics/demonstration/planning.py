@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from prag_asp.physics.facts import Effect
 from prag_asp.physics.motion.route import Grip, Load, free_path, grip_of, pulled, straight, vertical
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
-from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import adjusted, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, rotate, wrap, yaw_of, yaw_quaternion
+from prag_asp.scene.robots import Joints
 
 Angles = NDArray[np.float64]
 LARGEST_TURN = 0.3

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
-from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
@@ -18,6 +17,7 @@ from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
 from prag_asp.scene.furniture import part_pose
 from prag_asp.scene.geometry import Pose, compose, invert, raised, turn_between
+from prag_asp.scene.robots import Joints, Robot
 
 HEIGHTS = (0.08, 0.16, 0.24)
 STRIDE, LOOK = 0.06, 0.02

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.robot import Joints
+from prag_asp.scene.robots import Joints
 
 ACCELERATION, LOADED_ACCELERATION = 10.0, 6.0
 """The highest of a joint in radians a second squared, and with what should neither slip nor turn in the gripper.

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
 from prag_asp.physics.motion.route import Load, checked_path, grip_of
-from prag_asp.physics.robot import robot_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.handling import opened
 from prag_asp.physics.search.moving import with_riders
@@ -17,6 +16,7 @@ from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose
 from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import robot_of
 from prag_asp.task import Task
 
 Motion = tuple[Waypoint, ...]

@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from prag_asp.physics.predicates.gaps import Demand, Gap, Z, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
-from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, heading, rotate, to_local, width_along
 from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import robot_of
 from prag_asp.scene.solids import weight
 
 CENTRE_TOLERANCE = 0.015

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Demand, Gap, Z, along, between, bottom, centre
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume
-from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.forms import Point
 from prag_asp.scene.geometry import Quaternion
 from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import robot_of
 
 MARGIN, HEIGHT_MARGIN = 0.003, 0.001
 

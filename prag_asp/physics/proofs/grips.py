@@ -8,9 +8,9 @@ from prag_asp.atom import parse_atom
 from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates import PREDICATES, Gripper
 from prag_asp.physics.predicates.gripper import CLEARANCE
-from prag_asp.physics.robot import robot_of
 from prag_asp.scene.model import Scene
 from prag_asp.scene.read.report import ancestors
+from prag_asp.scene.robots import robot_of
 
 
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:

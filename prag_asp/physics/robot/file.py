@@ -13,9 +13,9 @@ from xml.etree import ElementTree
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet_data
-from prag_asp.physics.robot.model import Hand, Robot
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.model import Solid
+from prag_asp.scene.robots.model import Hand, Robot
 
 PALM_MASS, FINGER_MASS, INERTIA = 0.8, 0.1, 0.01
 STIFFNESS, DAMPING = 30000.0, 1000.0

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.search.foresight import Foresight
 from prag_asp.physics.search.spans import Spans
 from prag_asp.physics.situation import Situation
@@ -15,6 +14,7 @@ from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import Joints, Robot
 
 EMPTY_VOLUME = "no room where the relations want the object"
 RELATION = "a relation of the state does not hold"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from prag_asp.physics.facts import Effect
-from prag_asp.physics.robot import Joints
 from prag_asp.physics.search.allowed import draw_yaws, relevant, yaw_ranges
 from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, configure, descend
@@ -25,6 +24,7 @@ from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import TABLE, resting_height
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, yaw_of, yaw_quaternion
+from prag_asp.scene.robots import Joints
 
 OVER_RIM = 0.03
 

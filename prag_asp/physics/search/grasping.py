@@ -8,7 +8,6 @@ from itertools import islice
 from typing import NamedTuple
 
 from prag_asp.physics.predicates.gripper import CLEARANCE
-from prag_asp.physics.robot import Joints
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
@@ -22,6 +21,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.scene.model import Shape
+from prag_asp.scene.robots import Joints
 
 LIFT = 0.10
 """How far above an object the gripper approaches it, in metres."""

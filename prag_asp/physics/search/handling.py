@@ -10,7 +10,6 @@ from typing import NamedTuple
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
-from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
@@ -32,6 +31,7 @@ from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.furniture import POST, mechanism, part_pose
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, raised, wrap, yaw_of, yaw_quaternion
+from prag_asp.scene.robots import Joints, Robot
 
 SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
 """How far furniture moves between two checks, in metres or radians."""

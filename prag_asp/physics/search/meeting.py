@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import DOWN, LIFT, Configuration, configure
 from prag_asp.physics.search.moving import (
@@ -19,6 +18,7 @@ from prag_asp.physics.search.moving import (
 )
 from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
+from prag_asp.scene.robots import robot_of
 
 LOWEST, HIGHEST = 0.18, 0.28
 """Between which heights the tool moves over a place, in metres above its top."""

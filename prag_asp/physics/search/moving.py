@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from prag_asp.physics.robot import Joints
 from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, collide
 from prag_asp.physics.situation import Situation
@@ -12,6 +11,7 @@ from prag_asp.physics.witness import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import STEADY, riders, unsupported
 from prag_asp.scene.geometry import Pose, compose, invert, raised
+from prag_asp.scene.robots import Joints
 
 
 def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:

@@ -9,7 +9,6 @@ from dataclasses import replace
 from prag_asp.physics.facts import Fact, PhysicalTask, of_robot
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.predicates.on_top import ON_TOP
-from prag_asp.physics.robot import robot_of
 from prag_asp.physics.search.actions import take_place
 from prag_asp.physics.search.attempt import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import Configuration, collide
@@ -21,6 +20,7 @@ from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import robot_of
 
 BACKTRACKS = 12
 """How often a first state goes back to an object that was put down before, instead of beginning anew."""

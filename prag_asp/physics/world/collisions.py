@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from prag_asp.physics.robot import Joints
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import COLLISION, Simulator
 from prag_asp.scene.boxes import Box, Corners
+from prag_asp.scene.robots import Joints
 
 BASE_LINK = -1
 

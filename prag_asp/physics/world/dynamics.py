@@ -11,7 +11,6 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
-from prag_asp.physics.robot import Joints, Robot, robot_of
 from prag_asp.physics.robot.file import write_robot
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.bodies import make_body, make_table
@@ -21,6 +20,7 @@ from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.physics.written import PARTS
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import Joints, Robot, robot_of
 
 TIME_STEP = 1 / 120
 """Seconds; half of it doubles the costs and does not raise the share of tasks that succeed."""

@@ -10,11 +10,11 @@ from tempfile import TemporaryDirectory
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.robot import Joints, Robot
 from prag_asp.physics.robot.file import wheel_file, write_robot
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.scene.boxes import Corners, around, touch
 from prag_asp.scene.geometry import Pose, rotate
+from prag_asp.scene.robots import Joints, Robot
 
 REMEMBERED = 256
 

@@ -9,29 +9,12 @@ from typing import Any
 from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart
 from prag_asp.scene.model import Mount, Scene, Shape, only_robot
 from prag_asp.scene.read.report import Fault, Report, is_number
+from prag_asp.scene.robots import ROBOTS
 
-ROBOTS = ("panda", "kuka")
 BASE_LENGTH = 3
 FARTHEST = 2.0
 CLOSEST = 0.4
 """How far from each other the bases of two robots have to be, in metres."""
-
-BASES: Mapping[str, tuple[Footprint, ...]] = {
-    "panda": (
-        Footprint(Shape("cylinder", (0.142, 0.142, 0.0))),
-        Footprint(Shape("box", (0.198, 0.084, 0.0)), (-0.049, 0.0, 0.0)),
-        Footprint(Shape("box", (0.161, 0.137, 0.0)), (-0.0505, 0.0, 0.0)),
-        Footprint(Shape("box", (0.038, 0.177, 0.0)), (-0.011, 0.0, 0.0)),
-    ),
-    "kuka": (
-        Footprint(Shape("cylinder", (0.24, 0.24, 0.0))),
-        Footprint(Shape("box", (0.135, 0.127, 0.0)), (-0.0675, 0.0, 0.0)),
-    ),
-}
-"""What the base of a robot covers of the table, by pieces that lie wholly within it, in the robot's frame.
-
-Measured on the hull of the base's mesh, which is up to 12 mm wider in places.
-"""
 
 
 def read_robots(report: Report, value: Mapping[str, Any], shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
@@ -63,7 +46,7 @@ def base_problems(scene: Scene) -> Iterator[Fault]:
     for entity, place in scene.fixed.items():
         shape = scene.shapes[entity]
         for robot, mount in scene.robots.items() if shape.traits.body else ():
-            pieces = (piece._replace(place=_placed(mount, piece.place)) for piece in BASES[mount.kind])
+            pieces = (piece._replace(place=_placed(mount, piece.place)) for piece in ROBOTS[mount.kind].footprint)
             if not all(apart(Footprint(shape, place), piece, TOUCHING) for piece in pieces):
                 yield Fault(f"scene.fixed.{entity}", f"{entity} stands on the base of {robot}; move it")
 

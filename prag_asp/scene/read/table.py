@@ -14,9 +14,10 @@ from prag_asp.scene.model import IGNORED, Own, Scene, Shape, Table
 from prag_asp.scene.read.looks import read_colors, read_materials
 from prag_asp.scene.read.places import place_problems, read_fixed, read_table, read_workspace
 from prag_asp.scene.read.report import Report, is_number, suggest
-from prag_asp.scene.read.robots import ROBOTS, base_problems, read_robots
+from prag_asp.scene.read.robots import base_problems, read_robots
 from prag_asp.scene.read.shapes import read_shapes
 from prag_asp.scene.read.stability import falls
+from prag_asp.scene.robots import ROBOTS
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
 
 FRAMES = ("robot", "viewer")

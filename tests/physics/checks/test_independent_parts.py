@@ -9,12 +9,12 @@ import pytest
 from prag_asp import load_domain, load_scene
 from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.robot import ROBOTS as DESCRIBED
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.furniture import mechanism
 from prag_asp.scene.geometry import Pose
+from prag_asp.scene.robots import ROBOTS as DESCRIBED
 from tests.independent.convex import Part, clearance, depth, surface
 from tests.independent.frames import Frame, frame
 from tests.independent.hulls import box_hull, hull_of, mesh_hull

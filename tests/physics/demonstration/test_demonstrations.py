@@ -20,13 +20,13 @@ from prag_asp.physics import (
 from prag_asp.physics.demonstration.perform import Performer, open_performer
 from prag_asp.physics.demonstration.recording import FRAME_STEPS
 from prag_asp.physics.facts import physical_task
-from prag_asp.physics.robot import PANDA
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED
 from prag_asp.physics.world import dynamics
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import PANDA
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking, state, task, with_arm
 

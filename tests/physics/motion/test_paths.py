@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 
 from prag_asp.physics.motion.route import Grip, Load, free_path, straight, vertical
 from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, ROUNDING, blended, timed
-from prag_asp.physics.robot import PANDA, Joints
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.robots import PANDA, Joints
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 TIME_STEP = 1 / 120

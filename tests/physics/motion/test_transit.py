@@ -9,12 +9,12 @@ import pytest
 from prag_asp.physics import Budget, check_witness, demonstrate
 from prag_asp.physics.facts import physical_task
 from prag_asp.physics.motion.transit import travel, with_transit
-from prag_asp.physics.robot import PANDA
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.witness import TRANSIT, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
+from prag_asp.scene.robots import PANDA
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking
 

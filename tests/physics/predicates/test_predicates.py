@@ -16,11 +16,11 @@ from prag_asp.physics import PREDICATES
 from prag_asp.physics.predicates import predicate_of
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.predicates.volume import Volume
-from prag_asp.physics.robot import robot_of
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
 from prag_asp.scene.model import Bounds, Own, Scene, Shape
+from prag_asp.scene.robots import robot_of
 from prag_asp.scene.vocabulary import PREDICATE_ROLES, VOCABULARY
 from tests.physics.scenarios import STUDIO
 

@@ -13,11 +13,11 @@ from prag_asp.domain.load import load_domain
 from prag_asp.physics import Budget, check_demonstration, check_witness, open_validator
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.checks.states import tool_in
-from prag_asp.physics.robot import ROBOTS, Joints, Robot
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
 from prag_asp.scene.model import Mount
+from prag_asp.scene.robots import ROBOTS, Joints, Robot
 from prag_asp.space.task_space import TaskSpace
 from tests.physics.random_tasks import shipped_scene
 

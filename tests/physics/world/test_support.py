@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from prag_asp.physics.robot import PANDA
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.forms import rectangle
 from prag_asp.scene.geometry import Pose, hull, inside_by, intersection, yaw_quaternion
 from prag_asp.scene.model import Material, Scene, Shape
+from prag_asp.scene.robots import PANDA
 
 PLANK = Shape("box", (0.2, 0.05, 0.02))
 CUBE = Shape("box", (0.05, 0.05, 0.05))

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.scene.boxes import Vector
+from prag_asp.scene.footprint import Footprint
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Solid
 
@@ -66,6 +67,7 @@ class Hand(NamedTuple):
 class Robot:
     """An arm of seven joints with a parallel gripper; metres and radians.
 
+    `footprint` is what the base covers of the table, by pieces that lie wholly within it, in the robot's frame.
     `torques` are the largest of the joints in newton metres, `speed` how fast each may turn in radians a second,
     `home` is where the arm waits, `posture` what the inverse kinematics likes best. `tool_offset` is how far the
     tool is in front of the flange, `tool_turn` how far it is turned about the flange's axis. `finger_depth`
@@ -79,6 +81,7 @@ class Robot:
 
     urdf: str
     solver: Solver
+    footprint: tuple[Footprint, ...]
     lower: Joints
     upper: Joints
     torques: Joints

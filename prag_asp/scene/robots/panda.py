@@ -15,10 +15,11 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.missing import needed
-from prag_asp.physics.robot.model import Joints, Robot
+from prag_asp.missing import needed
+from prag_asp.scene.footprint import Footprint
 from prag_asp.scene.geometry import Pose, wrap, yaw_of
-from prag_asp.scene.model import Solid
+from prag_asp.scene.model import Shape, Solid
+from prag_asp.scene.robots.model import Joints, Robot
 
 POSTURE = (0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4)
 WRIST_LIMIT = 2.8973
@@ -69,6 +70,13 @@ class PandaSolver:
 PANDA = Robot(
     urdf="franka_panda/panda.urdf",
     solver=PandaSolver(),
+    # Measured on the hull of the base's mesh, which is up to 12 mm wider in places.
+    footprint=(
+        Footprint(Shape("cylinder", (0.142, 0.142, 0.0))),
+        Footprint(Shape("box", (0.198, 0.084, 0.0)), (-0.049, 0.0, 0.0)),
+        Footprint(Shape("box", (0.161, 0.137, 0.0)), (-0.0505, 0.0, 0.0)),
+        Footprint(Shape("box", (0.038, 0.177, 0.0)), (-0.011, 0.0, 0.0)),
+    ),
     lower=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -WRIST_LIMIT),
     upper=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, WRIST_LIMIT),
     torques=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),

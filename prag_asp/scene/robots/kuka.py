@@ -15,9 +15,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.robot.model import Hand, Joints, Robot
+from prag_asp.scene.footprint import Footprint
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Solid
+from prag_asp.scene.model import Shape, Solid
+from prag_asp.scene.robots.model import Hand, Joints, Robot
 
 Floats = NDArray[np.float64]
 
@@ -147,6 +148,11 @@ LIMITS = tuple(math.radians(degrees) for degrees in (170, 120, 170, 120, 170, 12
 KUKA = Robot(
     urdf="kuka_iiwa/model.urdf",
     solver=KukaSolver(),
+    # Measured on the hull of the base's mesh, which is up to 12 mm wider in places.
+    footprint=(
+        Footprint(Shape("cylinder", (0.24, 0.24, 0.0))),
+        Footprint(Shape("box", (0.135, 0.127, 0.0)), (-0.0675, 0.0, 0.0)),
+    ),
     lower=tuple(-limit for limit in LIMITS),
     upper=LIMITS,
     torques=(320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0),

@@ -1,0 +1,39 @@
+"""The robots: one file each, behind one small description that the rest of physics reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+
+from prag_asp.errors import SceneError
+from prag_asp.scene.geometry import Pose, yaw_quaternion
+from prag_asp.scene.model import Mount, Scene
+from prag_asp.scene.robots.kuka import KUKA
+from prag_asp.scene.robots.model import Hand, Joints, Robot, Solver
+from prag_asp.scene.robots.panda import PANDA
+
+ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
+"""Every robot by the name that it has in a scene. A new one needs a row here, and a file of its own."""
+
+
+def robot_of(scene: Scene, name: str) -> Robot:
+    """Return a robot of a scene by the name of its entity.
+
+    Raises:
+        SceneError: there is none of that name.
+    """
+    mount = scene.robots.get(name)
+    if mount is None:
+        raise SceneError(f"there is no robot {name}; the scene has {', '.join(scene.robots)}")
+    return _mounted(mount)
+
+
+@cache
+def _mounted(mount: Mount) -> Robot:
+    """Return a robot that stands somewhere."""
+    base = Pose((mount.x, mount.y, 0.0), yaw_quaternion(mount.yaw))
+    return ROBOTS[mount.kind] if base == Pose((0.0, 0.0, 0.0)) else replace(ROBOTS[mount.kind], base=base)
+
+
+__all__ = ["KUKA", "PANDA", "ROBOTS", "Hand", "Joints", "Robot", "Solver", "robot_of"]
