@@ -19,7 +19,7 @@ from prag_asp.cli.registry import COMMANDS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children", "missing"])
+GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children", "missing", "fields"])
 """What every room may stand on."""
 
 ROOMS: Mapping[str, frozenset[str]] = {
@@ -28,6 +28,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "versions": frozenset(),
     "children": frozenset(["errors"]),
     "missing": frozenset(["errors"]),
+    "fields": frozenset(["errors"]),
     "output": frozenset(["errors"]),
     "wording": frozenset(["errors"]),
     "atom": frozenset(["errors"]),
@@ -57,7 +58,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "task_spaces",
     ),
     "physics": (
-        "bullet", "robot", "witness", "situation", "predicates", "facts", "world", "proofs",
+        "bullet", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",
         "search", "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "worker", "pool",
     ),
 }  # fmt: skip

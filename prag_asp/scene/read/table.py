@@ -44,7 +44,7 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
         report.doubtful |= set(report.entities)
     sizes = read_shapes(report, report.section(table, "shapes"))
     shapes = {entity: several[-1] for entity, several in sizes.items()}
-    usual = report.choice(table, "robot", ROBOTS)
+    usual = report.choice(table, "robot", tuple(ROBOTS))
     scene = Scene(
         shapes=shapes,
         robots=read_robots(report, report.section(table, "robots"), shapes, usual),
