@@ -129,12 +129,13 @@ class Asked:
 
 def _note_unread(names: Sequence[str]) -> None:
     """Say once that a folder's settings stay unread where its domain.lp is given as a file."""
-    said: dict[str, Any] = click.get_current_context().meta
     for name in names:
         settings = Path(name).parent / "domain.toml"
-        if name not in said and Path(name).name == "domain.lp" and settings.is_file():
-            said[name] = True
-            click.echo(f"note: {settings} is not read with a file; give its folder, or --settings {settings}", err=True)
+        if Path(name).name == "domain.lp" and settings.is_file():
+            said: dict[str, Any] = click.get_current_context().meta
+            if said.setdefault(name, settings) is settings:
+                told = f"note: {settings} is not read with a file; give its folder, or --settings {settings}"
+                click.echo(told, err=True)
 
 
 def _given(name: str) -> str | Source:

@@ -35,7 +35,7 @@ def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given
     Raises:
         DomainError: there is no such domain, or it is given in more than one way.
     """
-    files = list(dict.fromkeys([*given, *([] if text is None else [text_source("text", text)])]))
+    files = list(dict.fromkeys([*given, *([] if text is None else [_text_source("text", text)])]))
     if not files:
         raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, or a text")
     named = [str(each) for each in given if not isinstance(each, Source) and not is_file_name(each)]
@@ -50,7 +50,7 @@ def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given
     return Given(first.stem.strip("<>"), None, entries)
 
 
-def text_source(name: str, text: str) -> Source:
+def _text_source(name: str, text: str) -> Source:
     """Return a text as a file that messages call ``<name>``.
 
     Raises:

@@ -167,21 +167,21 @@ class TaskSpaces:
             QueryError: there is nothing to draw, or it cannot be drawn so.
         """
         from prag_asp.space.drawing.drawers import OverSkeletons
-        from prag_asp.space.drawing.lengths import Source, drawn_batches
+        from prag_asp.space.drawing.lengths import Portion, drawn_batches
 
         if over == "goals":
             raise QueryError("over goals, tasks of one length are drawn; give one, or draw over skeletons")
-        sources = []
+        portions = []
         for length in sorted(self.lengths, reverse=True):  # what is explored for the longest holds for all
             space = self.at(length)
             weight = space.total_weight(weights=weights, by=by, temperature=temperature)
             if weight:
                 drawer = space.drawer(weights=weights, by=by, temperature=temperature, over=over)
                 share = Fraction(drawer.count) if isinstance(drawer, OverSkeletons) else weight
-                sources.append(Source(length, share, drawer))
-        if not sources:
+                portions.append(Portion(length, share, drawer))
+        if not portions:
             raise QueryError(f"there is no {by} of the lengths {', '.join(map(str, self.lengths))} to draw")
-        return drawn_batches(sources[::-1], self._space.letters(by), seed)
+        return drawn_batches(portions[::-1], self._space.letters(by), seed)
 
     def _told(self, batches: Iterable[Sequence[Draw]]) -> Iterator[Task]:
         """Yield the task of each draw; those of one length are told together."""

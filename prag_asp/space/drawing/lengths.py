@@ -17,7 +17,7 @@ from prag_asp.space.engines.protocol import Draw, Letters
 
 
 @dataclass(frozen=True)
-class Source:
+class Portion:
     """The words of one length: how they are drawn, and what they weigh together, more than 0."""
 
     length: int
@@ -25,18 +25,18 @@ class Source:
     drawer: Drawer
 
 
-def drawn_batches(sources: Sequence[Source], letters: Letters, seed: int) -> Iterator[list[Draw]]:
-    """Yield words with their probability among all sources, in batches that grow, without end.
+def drawn_batches(portions: Sequence[Portion], letters: Letters, seed: int) -> Iterator[list[Draw]]:
+    """Yield words with their probability among all portions, in batches that grow, without end.
 
     The lengths and the words of each length have random bits of their own, so all draws are independent. A word depends
     on the seed and on its place alone.
     """
-    total = sum((source.weight for source in sources), start=Fraction(0))
-    scale = lcm(*(source.weight.denominator for source in sources))
-    running = list(accumulate(int(source.weight * scale) for source in sources))
+    total = sum((portion.weight for portion in portions), start=Fraction(0))
+    scale = lcm(*(portion.weight.denominator for portion in portions))
+    running = list(accumulate(int(portion.weight * scale) for portion in portions))
     chances = SeededBits(seed, " lengths")
-    bits = [SeededBits(seed, f" length {source.length}") for source in sources]
-    begun = [0] * len(sources)
+    bits = [SeededBits(seed, f" length {portion.length}") for portion in portions]
+    begun = [0] * len(portions)
     first, size = 0, 1
     while True:
         words = chances.words(first, size, 1)[:, 0].tolist()
@@ -45,10 +45,10 @@ def drawn_batches(sources: Sequence[Source], letters: Letters, seed: int) -> Ite
         ]
         drawn: dict[int, Iterator[Draw]] = {}
         for number in sorted(set(chosen)):
-            source, count = sources[number], chosen.count(number)
-            found = source.drawer.draw(bits[number], begun[number], count, tell=True)
+            portion, count = portions[number], chosen.count(number)
+            found = portion.drawer.draw(bits[number], begun[number], count, tell=True)
             begun[number] += count
-            share = source.weight / total
+            share = portion.weight / total
             drawn[number] = iter(
                 [
                     Draw(tuple([letters[letter] for letter in word]), share * probability)
