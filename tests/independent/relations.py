@@ -14,6 +14,9 @@ from tests.independent.world import Layout, World
 
 ROUND = ("cylinder", "sphere")
 HOLLOW = ("container", "drawer", "cupboard")
+PAD = 0.0176
+"""How wide the pads of the fingers are in metres."""
+
 OPEN, CLOSED = 0.9, 0.05
 """From which share of the way on furniture is open, and up to which it is closed."""
 
@@ -214,7 +217,7 @@ def _at(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 
 
 def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """At the body, a box anywhere but 1 cm from its ends; open as wide as the body is between the fingers, +- 2 mm."""
+    """At the body, a box anywhere but 1 cm from its ends; open as wide as the body is between the pads, +- 2 mm."""
     robot, name = arguments
     if seen.world.kinds[name] == "box":
         yield from _height(seen, arguments)
@@ -222,7 +225,13 @@ def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
         yield from local - np.maximum(0.015, seen.world.halves[name][:2] - 0.01)
     else:
         yield from _at(seen, arguments)
-    wide = 2 * seen.wide(name, seen.tool(robot).turn[:, 1])
+    across = seen.tool(robot).turn[:, 1]
+    wide = 2 * seen.wide(name, across)
+    if seen.world.kinds[name] == "box":
+        # Between two sides of a long box that is turned the pads meet less than all of it.
+        along = np.abs(across @ seen.layout.poses[name].turn)
+        strips = 2 * seen.world.halves[name] + PAD * np.sqrt(1 - np.minimum(along, 1.0) ** 2)
+        wide = min(wide, float((strips / np.maximum(along, 1e-9)).min()))
     yield abs(seen.widths[robot] - wide) - 0.002
 
 
