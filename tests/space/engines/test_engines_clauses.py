@@ -22,7 +22,7 @@ from prag_asp.logic.counter import count_models
 from prag_asp.space.engines import LEVELS, sharp
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
-from tests.processes import children, interrupt, interruptible
+from tests.processes import children, interrupt, interruptible, until_it_works
 from tests.space.engines.test_engines import BEYOND, CARRIED, TWO
 from tests.space.test_known_counts import COUNTS
 from tests.strategies import toys
@@ -245,11 +245,8 @@ def test_an_interrupt_ends_a_count_at_once_and_leaves_no_process(engine: str, tm
     command = [sys.executable, "-c", "from prag_asp.cli import main; main()"]
     command += ["count", "tabletop", "--length", "4", "--engine", engine]
     with interruptible(command, tmp_path) as process:
-        time.sleep(6)
+        until_it_works(process)
         mates = children(process.pid)
-        while engine == "sharp" and not mates and process.poll() is None:
-            time.sleep(0.2)
-            mates = children(process.pid)
         assert process.poll() is None
         assert len(mates) == (engine == "sharp")
         begun = time.monotonic()
