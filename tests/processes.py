@@ -44,6 +44,26 @@ def terminate(process: subprocess.Popen[str]) -> str:
     return process.communicate(timeout=30)[1]
 
 
+def until_it_works(process: subprocess.Popen[str], output: Path | None = None, seconds: float = 2.0) -> None:
+    """Wait until a process has written to a file or, without one, has computed for some seconds with its children.
+
+    That takes as long as it takes on a busy machine, but at most 30 seconds.
+    """
+    latest = time.monotonic() + 30
+    while process.poll() is None and time.monotonic() < latest:
+        if output is not None and output.exists() and output.stat().st_size:
+            return
+        if output is None and sum(map(computed, (process.pid, *children(process.pid)))) > seconds:
+            return
+        time.sleep(0.05)
+
+
+def computed(pid: int) -> float:
+    """Return for how many seconds a process has computed."""
+    user, system = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
 def children(of: int | str = "self") -> list[int]:
     """Return the processes that a process has started and not seen end."""
     found: list[int] = []

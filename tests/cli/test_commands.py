@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,7 @@ from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset.jsonl import read_lines
 from prag_asp.physics import Witness, check_witness
 from tests.commands import PRAG, ok, ok_apart, run, run_apart
-from tests.processes import interrupt, interruptible
+from tests.processes import interrupt, interruptible, until_it_works
 
 
 def test_count_prints_the_integer_alone() -> None:
@@ -208,7 +207,7 @@ def test_a_closed_pipe_ends_quietly() -> None:
 )
 def test_an_interruption_ends_quickly_and_keeps_whole_lines(arguments: list[str], tmp_path: Path) -> None:
     with interruptible([*PRAG, *arguments], tmp_path) as process:
-        time.sleep(6)
+        until_it_works(process, tmp_path / "out.txt" if "-o" in arguments else None)
         err = interrupt(process)
     assert process.returncode == 130
     assert "interrupted" in err and "Traceback" not in err

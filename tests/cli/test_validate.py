@@ -13,6 +13,15 @@ from tests.commands import PRAG, ok, run, run_apart
 from tests.processes import children, interrupt, interruptible, terminate
 
 
+@pytest.fixture(scope="module")
+def many(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A file with 800 tasks, more than can be validated before a test interrupts it."""
+    file = tmp_path_factory.mktemp("many") / "tasks.jsonl"
+    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
+    ok(*arguments, "-o", str(file))
+    return str(file)
+
+
 def test_pass_rates_stand_beside_their_budget_and_above_the_causes(tmp_path: Path) -> None:
     file = tmp_path / "tasks.jsonl"
     text = ok("sample", "prag", "-n", "4", "--no-physics", "--count", "40", "--format", "jsonl", cwd=tmp_path)
@@ -81,10 +90,8 @@ def test_a_verdict_does_not_depend_on_where_the_task_stands_nor_on_the_workers(
     assert 5 < passed < 24 if drawn == ("--no-physics",) else passed == 24
 
 
-def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_path: Path) -> None:
-    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
-    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
-    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", "2"], tmp_path) as process:
+def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_path: Path, many: str) -> None:
+    with interruptible([*PRAG, "validate", many, "--workers", "2"], tmp_path) as process:
         assert process.stdout is not None
         first = process.stdout.readline()
         time.sleep(1)
@@ -96,11 +103,9 @@ def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_
 
 @pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
 def test_workers_that_are_just_being_started_leave_an_interruption_to_their_parent(
-    tmp_path: Path, delay: float
+    tmp_path: Path, many: str, delay: float
 ) -> None:
-    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
-    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
-    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", "2"], tmp_path) as process:
+    with interruptible([*PRAG, "validate", many, "--workers", "2"], tmp_path) as process:
         until = time.monotonic() + 60
         while len(children(process.pid)) < 2 and time.monotonic() < until:
             time.sleep(0.01)
@@ -112,11 +117,9 @@ def test_workers_that_are_just_being_started_leave_an_interruption_to_their_pare
 
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_validation_that_is_told_to_end_ends_as_an_interrupted_one_and_its_workers_with_it(
-    tmp_path: Path, workers: str
+    tmp_path: Path, many: str, workers: str
 ) -> None:
-    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
-    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
-    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", workers], tmp_path) as process:
+    with interruptible([*PRAG, "validate", many, "--workers", workers], tmp_path) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "1\tfeasible\n"
         helpers = children(process.pid)

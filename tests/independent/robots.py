@@ -6,8 +6,9 @@ control_parameters.html. Iiwa 14: dimensions and limits by KUKA, "LBR iiwa 7 R80
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -26,8 +27,8 @@ class Robot:
     """An arm of seven joints with a gripper.
 
     `steps` say where each joint stands on the link before it, its axis along z; `hand` and `fingers` where these stand
-    on the last link and on the hand, `tool` how far from the hand the point between the finger tips is. `links` are the
-    hulls of base, links, hand and both fingers; `apart` are those that are no neighbours, and can meet. `reach` is from
+    on the last link and on the hand, `tool` how far from the hand the point between the finger tips is. `hulls` make
+    those of base, links, hand and both fingers; `apart` are those that are no neighbours, and can meet. `reach` is from
     where to where, seen from above, the gripper gets to and above everything from above, up to `highest`.
     """
 
@@ -37,11 +38,16 @@ class Robot:
     hand: Frame
     fingers: float
     tool: float
-    links: tuple[tuple[Hull, ...], ...]
+    hulls: Callable[[], tuple[tuple[Hull, ...], ...]]
     apart: tuple[tuple[int, int], ...]
     reach: tuple[float, float]
     opening: float = 0.08
     highest: float = 0.35
+
+    @cached_property
+    def links(self) -> tuple[tuple[Hull, ...], ...]:
+        """The hulls of base, links, hand and both fingers; those of meshes take a while."""
+        return self.hulls()
 
 
 def _mesh(path: str, spacing: float = SPACING) -> tuple[Hull, ...]:
@@ -75,7 +81,7 @@ PANDA = Robot(
     hand=Frame(turned(-np.pi / 4, "z"), np.array([0.0, 0.0, 0.107])),
     fingers=0.0584,
     tool=0.1034,
-    links=(
+    hulls=lambda: (
         *(_mesh(f"{_PANDA}link{k}.obj") for k in range(8)),
         _mesh(f"{_PANDA}hand.obj", SPACING / 3),
         *(_mesh(f"{_PANDA}finger.obj", SPACING / 3),) * 2,
@@ -107,7 +113,7 @@ KUKA = Robot(
     hand=Frame(turned(HALF, "z"), np.array([0.0, 0.0, 0.045])),
     fingers=0.06,
     tool=0.06 + 0.045,
-    links=(*(_mesh(f"kuka_iiwa/meshes/link_{k}.stl") for k in range(8)), (_PALM,), _FINGER, _FINGER),
+    hulls=lambda: (*(_mesh(f"kuka_iiwa/meshes/link_{k}.stl") for k in range(8)), (_PALM,), _FINGER, _FINGER),
     apart=tuple((low, high) for low in (0, 1) for high in range(5, 11)),
     reach=(0.42, 0.74),
 )

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from prag_asp import TaskSpace
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
+from tests.spaces import with_engine
 from tests.strategies import toys
 
 LENGTH = 4
@@ -30,7 +31,8 @@ def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy) -> None:
 
 def check_agreement(toy: Toy) -> None:
     domain = domain_of(toy.text(), "at_most")
-    spaces = [TaskSpace(domain, 0, engine=engine) for engine in ("automaton", "clingo")]
+    automaton = TaskSpace(domain, 0, engine="automaton")
+    spaces = [automaton, with_engine(automaton, "clingo")]
     for length in range(LENGTH + 1):
         expected = {tuple(term(toy, i) for i in plan) for plan in toy.plans(length)}
         names = {tuple(action.partition("(")[0] for action in plan) for plan in expected}
@@ -55,7 +57,7 @@ def test_a_prefix_counts_the_plans_that_begin_with_it(toy: Toy, data: st.DataObj
     choices += sorted({action.name for action in toy.actions})
     prefix = tuple(data.draw(st.lists(st.sampled_from(choices), max_size=3)))
     expected = sum(all(p in (a, a.partition("(")[0]) for p, a in zip(prefix, plan, strict=False)) for plan in plans)
-    for engine in ("automaton", "clingo"):
-        space = TaskSpace(domain, 3, engine=engine)
+    automaton = TaskSpace(domain, 3, engine="automaton")
+    for space in (automaton, with_engine(automaton, "clingo")):
         assert space.count("plan", prefix) == expected
         assert len(list(space.words("plan", prefix))) == expected

@@ -12,6 +12,7 @@ from prag_asp.program.paths import shipped_domains
 from prag_asp.program.settings import read_table
 from prag_asp.space.engines.protocol import Level
 from tests.known_counts import known_counts
+from tests.spaces import with_engine
 
 ENUMERABLE, FOUND_ONE_BY_ONE = 10_000, 3000
 """Above it, counting by enumeration, or by finding words one by one, takes too long for a test."""
@@ -38,9 +39,11 @@ COUNTS = known_rows()
 
 @pytest.fixture(scope="module")
 def spaces() -> Spaces:
+    whole = {(row[0], row[1].startswith("flat.")) for row in COUNTS}
+    loaded = {(domain, flat): TaskSpace(load_domain(domain, flat=flat), 0) for domain, flat in whole}
     return {
-        (domain, flat, engine): TaskSpace(load_domain(domain, flat=flat), 0, engine=engine)
-        for domain, flat in {(row[0], row[1].startswith("flat.")) for row in COUNTS}
+        (*key, engine): with_engine(space, engine)
+        for key, space in loaded.items()
         for engine in ("automaton", "clingo", "sat")
     }
 

@@ -14,6 +14,7 @@ from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.logic.model import Model
 from tests.brute_force import Action, Toy, spelled
 from tests.domains import domain_of
+from tests.spaces import with_engine
 
 THINGS = ("x1", "x2", "x3")
 PROPERTIES = ("p", "q")
@@ -91,14 +92,16 @@ def orbit(plan: Plan, groups: Iterable[tuple[str, ...]]) -> frozenset[Plan]:
 def test_tasks_are_the_orbits_of_plans_in_both_engines(schema: Schema) -> None:
     domain = domain_of(schema.text())
     groups = [tuple(map(str, group)) for group in Model(domain).groups(3)]
+    automaton = TaskSpace(domain, 0, engine="automaton")
+    spaces = [automaton, with_engine(automaton, "clingo")]
     for length in (1, 2, 3):
         plans = schema.plans(length)
         assert {other for plan in plans for other in orbit(plan, groups)} == plans
         expected = {orbit(plan, groups) for plan in plans}
-        for engine in ("automaton", "clingo"):
-            space = TaskSpace(domain, length, engine=engine)
-            assert space.count("task") == len(expected)
-            assert {orbit(word, groups) for word in space.words("task")} == expected
+        for space in spaces:
+            here = space.at(length)
+            assert here.count("task") == len(expected)
+            assert {orbit(word, groups) for word in here.words("task")} == expected
 
 
 def groups_of(text: str) -> list[list[str]]:
@@ -148,13 +151,10 @@ def test_a_skeleton_exists_for_tasks_wherever_it_exists_for_plans() -> None:
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 def test_a_prefix_counts_the_tasks_some_renaming_of_which_begins_with_it(engine: str) -> None:
     space = TaskSpace(load_domain("prag"), 3, engine=engine)
+    plans = list(space.words("plan"))
     prefixes = [["approach(panda,apple_2)"], ["drop(panda,apple_2)", "withdraw", "approach(panda,apple_2)"]]
     for prefix in (*prefixes, ["drop(panda,apple_2)", "withdraw(panda,apple_2)", "approach(panda,apple_1)"]):
-        words = [
-            w
-            for w in space.words("plan")
-            if all(p in (a, a.partition("(")[0]) for p, a in zip(prefix, w, strict=False))
-        ]
+        words = [w for w in plans if all(p in (a, a.partition("(")[0]) for p, a in zip(prefix, w, strict=False))]
         orbits = {orbit_of_apples(word) for word in words}
         assert space.count("task", prefix) == len(list(space.words("task", prefix))) == len(orbits) > 0
     with pytest.raises(QueryError, match="comes after a mere name"):

@@ -10,6 +10,7 @@ from prag_asp import Condition, QueryError, TaskSpace, load_domain
 from tests.brute_force import Toy, term
 from tests.conditions import Clause, clauses, ends, entities, satisfied
 from tests.domains import domain_of
+from tests.spaces import with_engine
 from tests.strategies import toys
 
 LENGTH = 3
@@ -40,7 +41,8 @@ def test_one_last_state_satisfies_all_that_is_asked_of_it(toy: Toy, data: st.Dat
 def check_agreement(toy: Toy, data: st.DataObject, asked: list[Clause] | None = None) -> None:
     asked = asked or data.draw(st.lists(clauses(toy), min_size=1, max_size=3))
     domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
-    spaces = [TaskSpace(domain, 0, engine=engine).where(*(clause.words for clause in asked)) for engine in ENGINES]
+    automaton = TaskSpace(domain, 0, engine="automaton").where(*(clause.words for clause in asked))
+    spaces = [automaton, with_engine(automaton, "clingo")]
     for length in range(LENGTH + 1):
         plans = [plan for plan in toy.plans(length) if satisfied(toy, plan, asked)]
         expected = {tuple(term(toy, i) for i in plan) for plan in plans}
@@ -65,9 +67,9 @@ def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: 
             nontrivial.add(str(task))
         if len(set(states)) == len(states):
             loop_free.add(str(task))
+    told_apart = space.where("nontrivial")
     for engine in ENGINES:
-        here = TaskSpace(domain, LENGTH, engine=engine)
-        assert {" ".join(word) for word in here.where("nontrivial").words("plan")} == nontrivial
+        assert {" ".join(word) for word in with_engine(told_apart, engine).words("plan")} == nontrivial
     assert {" ".join(word) for word in space.where("loop-free").words("plan")} == loop_free
 
 

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import cache
 from hashlib import sha256
 from itertools import accumulate, chain, islice, repeat
 
@@ -15,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp import QueryError, Task, TaskSpace, load_domain
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.drawing import paths
 from prag_asp.space.drawing.bits import SeededBits, uniform_below
@@ -24,9 +25,11 @@ from prag_asp.space.drawing.table import exact_choice
 from prag_asp.space.weighing.weights import Number, Weighed
 from tests.domains import domain_of
 from tests.space.drawing.test_sampling import expected_weight
+from tests.spaces import with_engine
 
 DRAWS = 1_000_000
 DOMAIN = load_domain("prag")
+PAIRS = TaskSpace(DOMAIN, 2)
 BOUND = 4.5
 """Standard deviations of chi-square that a right sampler passes: one in 10^5 seeds would not."""
 
@@ -155,7 +158,7 @@ def test_the_bytes_of_a_seed_never_change() -> None:
 
 @pytest.mark.parametrize("by", ["plan", "task", "skeleton"])
 def test_both_engines_draw_the_same_words_from_a_seed(by: str) -> None:
-    spaces = (TaskSpace(DOMAIN, 2, engine=engine) for engine in ("automaton", "clingo"))
+    spaces = (with_engine(PAIRS, engine) for engine in ("automaton", "clingo"))
     one, two = (space.draw_array(3000, seed=4, weights={}, by=by) for space in spaces)  # type: ignore[arg-type]
     assert (one == two).all()
 
@@ -167,7 +170,13 @@ MODES = {
 }  # fmt: skip
 
 
-def exact_probabilities(space: TaskSpace, temperature: str, over: str | None) -> dict[tuple[str, ...], Fraction]:
+@cache
+def tasks_found(engine: str) -> list[Task]:
+    """Return the tasks that all modes draw from, as an engine lists them."""
+    return list(with_engine(PAIRS, engine))
+
+
+def exact_probabilities(tasks: list[Task], temperature: str, over: str | None) -> dict[tuple[str, ...], Fraction]:
     """Return the probability of each task by the definition: a group uniformly, then by weight within."""
     powers: dict[str, dict[Fraction, Number]] = {
         # Square roots of the weights: the nearest fractions with denominators up to 10000, below 1 of the inverse.
@@ -177,7 +186,6 @@ def exact_probabilities(space: TaskSpace, temperature: str, over: str | None) ->
         "inf": dict.fromkeys(map(Fraction, ("2", "3", "1/2", "1/3")), 1),
     }  # fmt: skip
     used = {key: powers.get(temperature, {}).get(Fraction(weight), weight) for key, weight in WEIGHTS.items()}
-    tasks = list(space)
     weights = {tuple(map(str, task.actions)): expected_weight(tuple(map(str, task.actions)), used) for task in tasks}
     groups = {
         word: None if over is None else task.skeleton if over == "skeletons" else frozenset(task.states[-1].items())
@@ -201,9 +209,9 @@ def deviation(seen: NDArray[np.float64], shares: NDArray[np.float64], draws: int
 @pytest.mark.parametrize("mode", MODES)
 def test_each_mode_draws_with_the_exact_probabilities_and_five_percent_would_show(mode: str, engine: str) -> None:
     temperature, over = MODES[mode]
-    space = TaskSpace(DOMAIN, 2, engine=engine)
+    space = with_engine(PAIRS, engine)
     options = {"seed": 21, "weights": WEIGHTS, "temperature": temperature, "over": over}
-    exact = exact_probabilities(space, temperature, over)
+    exact = exact_probabilities(tasks_found(engine), temperature, over)
     assert sum(exact.values()) == 1
     told = list(islice(space.draw_words(**options), 300))  # type: ignore[arg-type]
     assert all(draw.probability == exact[draw.word] for draw in told)

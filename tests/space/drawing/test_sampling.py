@@ -11,9 +11,11 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.weighing.weights import Number
+from tests.spaces import with_engine
 
 DRAWS = 20_000
 DOMAIN = load_domain("prag")
+PAIRS = TaskSpace(DOMAIN, 2)
 FIRST, SECOND = "apple_1", "can_1"
 
 KINDS: dict[str, dict[str, Number]] = {
@@ -47,7 +49,7 @@ def expected_weight(plan: tuple[str, ...], weights: dict[str, Number]) -> Fracti
 @pytest.mark.parametrize("by", ["task", "plan"])
 def test_draws_follow_the_weights(kind: str, by: str, engine: str) -> None:
     weights = KINDS[kind]
-    space = TaskSpace(DOMAIN, 2, engine=engine)
+    space = with_engine(PAIRS, engine)
     plans = list(space.words(by))  # type: ignore[arg-type]
     total = sum(expected_weight(plan, weights) for plan in plans)
     draws = list(islice(space.draw_words(seed=11, weights=weights, by=by), DRAWS))  # type: ignore[arg-type]
@@ -82,7 +84,7 @@ def test_draws_are_exact_where_counts_outgrow_every_machine_word() -> None:
 
 
 def test_both_engines_state_the_same_probability_for_the_same_plan() -> None:
-    spaces = [TaskSpace(DOMAIN, 2, engine=engine) for engine in ("automaton", "clingo")]
+    spaces = [with_engine(PAIRS, engine) for engine in ("automaton", "clingo")]
     draws = [islice(s.draw_words(seed=5, weights=KINDS["all kinds"]), 3000) for s in spaces]
     told = [{draw.word: draw.probability for draw in drawn} for drawn in draws]
     common = told[0].keys() & told[1].keys()

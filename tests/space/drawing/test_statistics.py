@@ -18,9 +18,11 @@ from prag_asp.space.weighing.weights import Number
 from tests.brute_force import Toy, term
 from tests.domains import domain_of
 from tests.space.drawing.test_sampling import KINDS, expected_weight
+from tests.spaces import with_engine
 from tests.strategies import toys
 
 DOMAIN = load_domain("prag")
+PAIRS = TaskSpace(DOMAIN, 2)
 ENTITIES = {
     "apple_1": {"apple", "graspable"}, "apple_2": {"apple", "graspable"}, "box_1": {"box", "graspable"},
     "can_1": {"can", "graspable"}, "bowl_1": {"bowl", "location"}, "crate_1": {"crate", "location"},
@@ -61,7 +63,7 @@ def check(found: Statistics, weighed: dict[tuple[str, ...], Fraction]) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("by", ["task", "plan"])
 def test_figures_are_those_of_all_words_for_each_kind_of_weight(kind: str, by: str, engine: str) -> None:
-    space = TaskSpace(DOMAIN, 2, engine=engine)
+    space = with_engine(PAIRS, engine)
     weighed = {word: expected_weight(word, KINDS[kind]) for word in space.words(by)}  # type: ignore[arg-type]
     check(space.statistics(weights=KINDS[kind], by=by), weighed)  # type: ignore[arg-type]
     assert space.total_weight(weights=KINDS[kind], by=by) == sum(weighed.values())  # type: ignore[arg-type]
@@ -75,8 +77,8 @@ def test_figures_are_exact_on_random_domains(toy: Toy, weights: dict[str, Number
     plans = [tuple(term(toy, i) for i in plan) for plan in toy.plans(3)]
     weighed = {plan: expected_weight(plan, weights) for plan in plans}
     domain = domain_of(toy.text(), "at_most")
-    for engine in ("automaton", "clingo"):
-        space = TaskSpace(domain, 3, engine=engine)
+    automaton = TaskSpace(domain, 3, engine="automaton")
+    for space in (automaton, with_engine(automaton, "clingo")):
         assert space.total_weight(weights=weights) == sum(weighed.values())
         if sum(weighed.values()):
             check(space.statistics(weights=weights, by="plan"), weighed)

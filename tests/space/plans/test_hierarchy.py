@@ -18,6 +18,7 @@ from prag_asp.space.automaton.explore import explore
 from prag_asp.space.plans.readings import Composite, Readings, hierarchy_of
 from tests.brute_force import Toy, part, term
 from tests.domains import domain_of
+from tests.spaces import with_engine
 from tests.strategies import hierarchies
 
 LENGTH = 5
@@ -39,7 +40,8 @@ def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy) -> None:
 
 def check_agreement(toy: Toy, longest: int = LENGTH) -> None:
     domain = domain_of(toy.text(), "at_most")
-    spaces = [TaskSpace(domain, 0, engine=engine) for engine in ("automaton", "clingo")]
+    automaton = TaskSpace(domain, 0, engine="automaton")
+    spaces = [automaton, with_engine(automaton, "clingo")]
     for length in range(longest + 1):
         expected = sorted(tuple(term(toy, i) for i in plan) for plan in toy.plans(length))
         names = sorted({tuple(action.partition("(")[0] for action in plan) for plan in expected})
@@ -86,8 +88,8 @@ def test_plans_are_drawn_by_weight_from_those_of_the_hierarchy(toy: Toy, given_w
     plans = {tuple(term(toy, i) for i in plan): weight_of(toy, plan, weights) for plan in toy.plans(3)}
     total = sum(plans.values())
     assume(total)
-    for engine in ("automaton", "clingo"):
-        space = TaskSpace(domain_of(toy.text(), "at_most"), 3, engine=engine)
+    automaton = TaskSpace(domain_of(toy.text(), "at_most"), 3, engine="automaton")
+    for space in (automaton, with_engine(automaton, "clingo")):
         drawn = list(islice(space.draw_words(seed=1, weights=weights, by="plan"), 30))
         assert all(draw.probability == Fraction(plans[draw.word], total) for draw in drawn)
 

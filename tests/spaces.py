@@ -1,0 +1,16 @@
+"""Task spaces that share what is the same for all of them."""
+
+from __future__ import annotations
+
+from copy import copy
+
+from prag_asp import TaskSpace
+from prag_asp.space.limits import UNLIMITED
+from prag_asp.space.shared import Shared
+
+
+def with_engine(space: TaskSpace, engine: str) -> TaskSpace:
+    """Return a space with a new engine, which shares nothing with that of the other but the logic of the domain."""
+    other = copy(space)
+    other._shared = Shared(space._shared.model, engine, None, UNLIMITED)
+    return other
