@@ -12,7 +12,7 @@ import pytest
 from prag_asp import QueryError, TaskSpace, TaskSpaces, load_domain
 from prag_asp.errors import LimitReached
 from prag_asp.space.limits import Limits
-from tests.space.test_sampling import DOMAIN, KINDS, expected_weight
+from tests.space.drawing.test_sampling import DOMAIN, KINDS, expected_weight
 
 DRAWS = 20_000
 SPACES = TaskSpaces(DOMAIN, range(3))
