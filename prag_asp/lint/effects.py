@@ -9,8 +9,9 @@ import clingo
 
 from prag_asp.lint.origin import Origins, Place
 from prag_asp.program.facts import Facts, rows
-from prag_asp.program.problem import Problem, nearest, suggestion
+from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
+from prag_asp.wording import did_you_mean
 
 Symbol = clingo.Symbol
 Row = tuple[Symbol, ...]
@@ -88,11 +89,10 @@ class Findings:
     def undeclared(self, kind: str, term: Symbol, known: Iterable[Symbol], predicate: str, row: Row) -> None:
         """Report a term that is not among the `known` ones of its kind."""
         same = next((each for each in known if _name(each) == _name(term)), None)
-        near = nearest(_name(term), {_name(each) for each in known})
         if same is not None:
             hint = f"declared are such as {same}; mend its arguments, or declare {kind}({term})"
         else:
-            hint = f"did you mean {near}?" if near else f"declare it with {kind}({term})"
+            hint = did_you_mean(_name(term), map(_name, known), f"declare it with {kind}({term})")
         self._add((kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row)
 
     def _add(self, key: tuple[str, str], text: str, hint: str, predicate: str, row: Row) -> None:
@@ -141,7 +141,7 @@ def limit_problems(
         if str(name) not in names:
             spelled = name.name if name.type == clingo.SymbolType.Function else str(name)
             hint = f"actions are {', '.join(sorted(names))}"
-            hint = f"give the name alone, {spelled}" if spelled in names else suggestion(spelled, names, hint)
+            hint = f"give the name alone, {spelled}" if spelled in names else did_you_mean(spelled, names, hint)
             yield Problem(*place, f"at_most speaks of {name}, which is not the name of an action; {hint}")
         elif most.type != clingo.SymbolType.Number or most.number < 0:
             yield Problem(*place, f"{name} cannot occur at most {most} times; write a number, as in at_most({name},2)")

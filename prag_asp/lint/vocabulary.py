@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from prag_asp.program.problem import Problem, Signature, nearest, spelled, suggestion
+from prag_asp.program.problem import Problem, Signature, spelled
 from prag_asp.program.sources import HIERARCHY
 from prag_asp.program.syntax import Atom, Statement, names, plain_atom
+from prag_asp.wording import did_you_mean, nearest
 
 BY_LIBRARY = {("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2), ("introduces_late", 2), ("successor", 2)}
 """What the encodings in ``rules`` and ``conditions`` derive, which join the program where they are asked for."""
@@ -111,11 +112,11 @@ def _undefined_problems(
     for signature, (statement, atom) in undefined.items():
         name = signature[0]
         others = " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
-        near = nearest(name, {other for other, _ in defined})
         if others:
             hint = f"{name} takes {others} arguments"
         else:
-            hint = f"did you mean {near}?" if near else "define it in a fact or a rule, or remove it"
+            known = {other for other, _ in defined}
+            hint = did_you_mean(name, known, "define it in a fact or a rule, or remove it")
         yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line)
 
 
@@ -128,7 +129,7 @@ def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
             for atom in statement.body:
                 for name in sorted(names(atom.arguments) - made - seen - set(statement.parameters)):
                     seen.add(name)
-                    hint = suggestion(name, made, "declare it, or remove the rule")
+                    hint = did_you_mean(name, made, "declare it, or remove the rule")
                     yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", atom.line)
 
 

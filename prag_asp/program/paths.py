@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.wording import most_similar
+from prag_asp.wording import did_you_mean
 
 PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -37,6 +37,5 @@ def domain_folder(name_or_path: str | Path) -> Path:
         raise DomainError(f"{folder}: this folder has no domain.lp; `prag-asp new NAME` writes one")
     if folder.is_file():
         raise DomainError(f"{folder}: a file, not a folder; give the folder of the domain, {folder.parent}")
-    near = most_similar(str(name_or_path), shipped)
-    hint = f"did you mean {near}?" if near else f"shipped are {', '.join(shipped)}; or give a folder"
+    hint = did_you_mean(str(name_or_path), shipped, f"shipped are {', '.join(shipped)}; or give a folder")
     raise DomainError(f"{name_or_path}: no such domain; {hint}")
