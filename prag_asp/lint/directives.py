@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from prag_asp.program.problem import Problem, spelled
-from prag_asp.program.syntax import TIMED_PARTS, Statement, below, names
+from prag_asp.program.problem import Problem
+from prag_asp.program.syntax import TIMED_PARTS, Statement, below, names, spelled
 from prag_asp.wording import nearest
 
 REFUSED: Mapping[ASTType, str] = {

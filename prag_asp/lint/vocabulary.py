@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from prag_asp.program.problem import Problem, Signature, spelled
+from prag_asp.program.problem import Problem
 from prag_asp.program.sources import HIERARCHY
-from prag_asp.program.syntax import Atom, Statement, names, plain_atom
+from prag_asp.program.syntax import AtomNode, Signature, Statement, names, plain_atom, spelled
 from prag_asp.wording import did_you_mean, nearest
 
 BY_LIBRARY = {("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2), ("introduces_late", 2), ("successor", 2)}
@@ -58,9 +58,11 @@ def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
                 yield statement.problem(text, atom.line)
 
 
-def _unread_heads(statements: Iterable[Statement], contract: set[Signature]) -> dict[Signature, tuple[Statement, Atom]]:
+def _unread_heads(
+    statements: Iterable[Statement], contract: set[Signature]
+) -> dict[Signature, tuple[Statement, AtomNode]]:
     """Return the own heads outside of the contract that no body reads, where they first stand."""
-    found: dict[Signature, tuple[Statement, Atom]] = {}
+    found: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
             for atom in statement.heads:
@@ -87,14 +89,14 @@ def _unread(signature: Signature, near: str | None, others: Sequence[int]) -> st
 
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
-) -> dict[Signature, tuple[Statement, Atom]]:
+) -> dict[Signature, tuple[Statement, AtomNode]]:
     """Return the atoms of own bodies that are in no head and not in the contract, where they first stand."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}
         if statement.own and statement.kind == ASTType.Defined:
             defined.add((statement.node.name, statement.node.arity))
-    found: dict[Signature, tuple[Statement, Atom]] = {}
+    found: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
             for atom in statement.body:
@@ -106,7 +108,7 @@ def _undefined_atoms(
 def _undefined_problems(
     statements: Iterable[Statement],
     contract: set[Signature],
-    undefined: Mapping[Signature, tuple[Statement, Atom]],
+    undefined: Mapping[Signature, tuple[Statement, AtomNode]],
 ) -> Iterator[Problem]:
     defined = contract | {atom.signature for statement in statements for atom in statement.heads}
     for signature, (statement, atom) in undefined.items():

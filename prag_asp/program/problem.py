@@ -8,9 +8,6 @@ from typing import NamedTuple
 
 from prag_asp.errors import DomainError
 
-Signature = tuple[str, int]
-"""The name and the number of arguments of a predicate or a term."""
-
 
 class Problem(NamedTuple):
     """One line of the report; `text` reads ``what is wrong; what to do``."""
@@ -32,8 +29,3 @@ def raise_problems(problems: Iterable[Problem]) -> None:
     lines = list(dict.fromkeys(map(str, problems)))
     if lines:
         raise DomainError("\n".join(lines))
-
-
-def spelled(signature: Signature) -> str:
-    """Return a signature as clingo writes it: ``holds/3``."""
-    return f"{signature[0]}/{signature[1]}"
