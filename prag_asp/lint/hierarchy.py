@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import clingo
 
-from prag_asp.lint.cycle import find_cycle
 from prag_asp.lint.directives import STATED
 from prag_asp.lint.origin import Origins, Place
+from prag_asp.program.composition import find_cycle
 from prag_asp.program.facts import Facts, rows
 from prag_asp.program.problem import Problem
 from prag_asp.wording import did_you_mean
