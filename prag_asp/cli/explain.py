@@ -25,20 +25,18 @@ def explain(*, asked: Asked, actions: tuple[str, ...]) -> None:
 
     Ends with code 1 where it is no plan, with 0 where it is one.
     """
-    import clingo
-
     from prag_asp.logic.formula.explain import explain as reasons_against
     from prag_asp.logic.model import Model
     from prag_asp.space.engines.prefix import parse_prefix
 
     domain = asked.domain()
     plan = parse_prefix(actions, "plan", domain.facts)
-    known = set(map(str, domain.facts.actions))
+    known = {str(action): action for action in domain.facts.actions}
     for action in plan:
         if action not in known:
             example = min(each for each in known if each.startswith(f"{action}("))
             raise QueryError(f"{action} is the name of several actions; give one in full, such as {example}")
-    found = reasons_against(Model(domain), [clingo.parse_term(action) for action in plan])
+    found = reasons_against(Model(domain), [known[action] for action in plan])
     if found is None:
         click.echo(f"a plan of {domain.name}")
         return

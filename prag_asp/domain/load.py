@@ -86,11 +86,11 @@ def load_scene(domain: Domain) -> Scene:
     """
     if not domain.settings.scene:
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
+    facts = domain.facts
     from prag_asp.scene.load import parse_scene
 
     return parse_scene(
-        domain.settings.scene, domain.facts.parents, entities, folder=domain.folder, trust=domain.trusted
+        domain.settings.scene, facts.class_names, facts.entity_names, folder=domain.folder, trust=domain.trusted
     )
 
 

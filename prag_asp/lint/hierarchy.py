@@ -93,7 +93,7 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     for entity, name in facts.entities.items():
         if not ENTITY.fullmatch(str(entity)):
             yield Problem(
-                *origins.place("entity", entity, clingo.parse_term(name)),
+                *origins.place("entity", entity, name),
                 f"{entity} cannot be the name of an entity; write it in lower case, without quotes",
             )
 

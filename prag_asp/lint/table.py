@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from string import Formatter
 from typing import Any
 
-from prag_asp.atom import Atom
+from prag_asp.atom import atom_of
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
@@ -66,8 +66,8 @@ def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
 def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     actions = {action.name for action in facts.actions}
-    entities = set(map(str, facts.entities))
-    known = Counter([*actions, *entities, *facts.parents, *(str(each) for each in facts.actions if each.arguments)])
+    entities = set(facts.entity_names)
+    known = Counter([*actions, *entities, *facts.class_names, *(str(each) for each in facts.actions if each.arguments)])
     for key in settings.weights:
         parts = key.split(">")
         for part in parts:
@@ -117,10 +117,11 @@ def _is_template(sentence: str, arity: int) -> bool:
 
 def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     """Yield the problems of the scene; one of a table follows from one within it."""
-    entities = {str(entity): name for entity, name in facts.entities.items()}
-    fluents = [Atom(fluent.name, tuple(map(str, fluent.arguments))) for fluent in facts.fluents]
+    fluents = list(map(atom_of, facts.fluents))
+    classes, entities, folder = facts.class_names, facts.entity_names, settings.path.parent
+    found = scene_problems(settings.scene, classes, entities, fluents, folder=folder)
     reported: set[str] = set()
-    for key, text in scene_problems(settings.scene, facts.parents, entities, fluents, folder=settings.path.parent):
+    for key, text in found:
         if not any(f"{each}.".startswith(f"{key}.") for each in reported):
             reported.add(key)
             yield Problem(

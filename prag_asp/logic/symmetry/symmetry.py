@@ -34,7 +34,7 @@ START = 2**32
 def interchangeable(facts: Facts, ground: GroundStep) -> list[tuple[clingo.Symbol, ...]]:
     """Return the groups of two or more interchangeable entities, each in clingo's order of terms."""
     entities = sorted(facts.entities)
-    by_class: dict[str, list[int]] = {}
+    by_class: dict[clingo.Symbol, list[int]] = {}
     for number, each in enumerate(entities):
         by_class.setdefault(facts.entities[each], []).append(number)
     classes = [members for members in by_class.values() if len(members) > 1]
