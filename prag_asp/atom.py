@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from prag_asp.errors import QueryError
+
+if TYPE_CHECKING:
+    import clingo
 
 
 class Atom(NamedTuple):
@@ -16,6 +19,25 @@ class Atom(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.name}({','.join(self.arguments)})" if self.arguments else self.name
+
+
+def atom_of(term: clingo.Symbol) -> Atom:
+    """Return a term of clingo as an atom: terms are symbols inside, and atoms where users see them."""
+    return Atom(term.name, tuple(map(str, term.arguments)))
+
+
+def symbol_of(atom: Atom | str) -> clingo.Symbol:
+    """Return an atom that a user gives, or its text, as a term of clingo.
+
+    Raises:
+        QueryError: it is not a ground term.
+    """
+    import clingo  # noqa: PLC0415 - an atom is a plain value: whoever has only atoms needs no solver
+
+    try:
+        return clingo.parse_term(str(atom), logger=lambda *_: None)
+    except RuntimeError:
+        raise QueryError(f"{str(atom)!r} is not a ground atom; write it like grasp(panda,apple_1)") from None
 
 
 def parse_atom(text: str) -> Atom:

@@ -1,4 +1,4 @@
-"""The known name that an unknown one is most likely a misspelling of."""
+"""How messages are worded: names that are nearly known, numbers with their nouns."""
 
 from __future__ import annotations
 
@@ -7,13 +7,32 @@ from contextlib import contextmanager
 
 from prag_asp.errors import QueryError
 
+SIMILAR = 0.6
+"""The share of their letters, in order, that two names have in common where one may be meant by the other."""
 
-def most_similar(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
-    """Return the most similar of the names `known`, None where none is as similar as `cutoff`, from 0 to 1."""
+LISTED = 8
+"""Known names that a message lists at most."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that another is most likely a misspelling of, None where no other is similar."""
     import difflib  # noqa: PLC0415 - most names are right, and the command starts faster without
 
-    near = difflib.get_close_matches(name, sorted(known), n=1, cutoff=cutoff)
+    near = difflib.get_close_matches(name, sorted({*known} - {name}), n=1, cutoff=SIMILAR)
     return near[0] if near else None
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Return ``did you mean ...?`` where a known name is near; where none is, `otherwise` or what is known."""
+    names = {*known}
+    near = nearest(name, names)
+    return f"did you mean {near}?" if near else otherwise or f"known are {listed(names)}"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return names in order, as many as a message has room for."""
+    ordered = sorted(names)
+    return f"{', '.join(ordered[:LISTED])}{' ...' if len(ordered) > LISTED else ''}" if ordered else "none"
 
 
 def is_slip(one: str, two: str) -> bool:
@@ -35,10 +54,8 @@ def plural(number: int, one: str, several: str = "") -> str:
 
 def unknown(text: str, known: Iterable[str], kind: str) -> str:
     """Return the message for a word that is not among those known."""
-    known = sorted(known)
-    near = most_similar(text, known)
-    hint = f"did you mean {near}?" if near else f"there are {', '.join(known[:8])}{' ...' if len(known) > 8 else ''}"
-    return f"no {kind} {text!r}; {hint}"
+    names = {*known}
+    return f"no {kind} {text!r}; {did_you_mean(text, names, f'there are {listed(names)}')}"
 
 
 @contextmanager

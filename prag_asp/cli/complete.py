@@ -98,7 +98,7 @@ def prefix(context: click.Context, typed: str) -> Iterable[str]:
 def names(context: click.Context, typed: str) -> Iterable[str]:
     """Offer the names of actions, classes and entities."""
     facts = _domain(context).facts
-    return [*_names_of(facts.actions), *sorted(facts.parents), *map(str, facts.entities)]
+    return [*_names_of(facts.actions), *sorted(facts.class_names), *map(str, facts.entities)]
 
 
 @_offers
@@ -111,7 +111,9 @@ def conditions(context: click.Context, typed: str) -> Iterator[str]:
         yield from begun
         return
     facts = _domain(context).facts
-    found = [*map(str, facts.entities), *sorted(facts.parents)] if begun[0] in ENTITIES else _names_of(facts.actions)
+    found = (
+        [*map(str, facts.entities), *sorted(facts.class_names)] if begun[0] in ENTITIES else _names_of(facts.actions)
+    )
     yield from (f"{begun[0]} {each}" for each in found)
 
 

@@ -124,11 +124,11 @@ def load_scene(domain: Domain) -> Scene:
             told = f"{domain.name}: files have no [scene] of their own; give settings"
             raise SceneError(f"{told} (--settings FILE), or draw with --no-physics")
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
+    facts = domain.facts
     from prag_asp.scene.load import parse_scene
 
-    folder = domain.settings.path.parent
-    return parse_scene(domain.settings.scene, domain.facts.parents, entities, folder=folder, trust=domain.trusted)
+    folder, trust = domain.settings.path.parent, domain.trusted
+    return parse_scene(domain.settings.scene, facts.class_names, facts.entity_names, folder=folder, trust=trust)
 
 
 def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import clingo
 
-from prag_asp.lint.cycle import find_cycle
 from prag_asp.lint.effects import Findings
 from prag_asp.lint.origin import Origins, Place
+from prag_asp.program.composition import composite_sizes, find_cycle, inner_composites
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 
@@ -36,8 +36,7 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     yield from misplaced
     if undeclared or misplaced:
         return
-    inner = {c: [part for _, part in facts.stages[c] if part in facts.stages] for c in facts.composites}
-    cycle = find_cycle(inner)
+    cycle = find_cycle(inner_composites(facts))
     if cycle:
         number = next(number for number, part in facts.stages[cycle[0]] if part == cycle[1])
         place = origins.place("stage", cycle[0], number, cycle[1])
@@ -50,7 +49,7 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
             f"has {size} actions, more than {MOST_ACTIONS}",
             "split it",
         )
-        for composite, size in _sizes(facts).items()
+        for composite, size in composite_sizes(facts).items()
         if size > MOST_ACTIONS
     )
 
@@ -117,17 +116,3 @@ def _out_of_order(
         return Complaint(composite, place, f"has two parts at stage {number}, {other} and {part}", "keep one")
     words = f"has a stage {number} where its stage {expected} should be"
     return Complaint(composite, place, words, "number its stages 1, 2, 3, ...")
-
-
-def _sizes(facts: Facts) -> Mapping[Symbol, int]:
-    """Return the number of actions of each composite; composites form no cycle."""
-    sizes: dict[Symbol, int] = {}
-    waiting = list(facts.composites)
-    while waiting:
-        parts = [part for _, part in facts.stages[waiting[-1]]]
-        unknown = [part for part in parts if part in facts.stages and part not in sizes]
-        if unknown:
-            waiting += unknown
-        else:
-            sizes[waiting.pop()] = sum(sizes.get(part, 1) for part in parts)
-    return sizes

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from prag_asp.program.problem import Problem, nearest, spelled
-from prag_asp.program.syntax import TIMED_PARTS, Statement, below, names
+from prag_asp.program.problem import Problem
+from prag_asp.program.syntax import TIMED_PARTS, Statement, below, names, spelled
+from prag_asp.wording import nearest
 
 REFUSED: Mapping[ASTType, str] = {
     ASTType.Script: "#script is refused: a domain is data and runs no code; remove it",

@@ -8,37 +8,31 @@ from dataclasses import dataclass, field
 import clingo
 
 from prag_asp.lint.origin import Origins, Place
-from prag_asp.program.facts import Facts, rows
-from prag_asp.program.problem import Problem, nearest, suggestion
+from prag_asp.program.facts import Facts, rows, unsorted_rows
+from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
+from prag_asp.wording import did_you_mean
 
 Symbol = clingo.Symbol
 Row = tuple[Symbol, ...]
-BOOLEAN = ("true", "false")
-VALUES = {"postcondition": (*BOOLEAN, "unknown")}
+ASSIGNED = {"precondition": 3, "postcondition": 3, "initially": 2, "goal": 2}
+"""The predicates that give fluents values, with their numbers of arguments; an action comes first where it is 3."""
+
+BOOLEAN = tuple(map(clingo.Function, ("true", "false")))
+VALUES = {"postcondition": (*BOOLEAN, clingo.Function("unknown"))}
 
 
-def effect_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
+def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield what speaks of undeclared fluents or actions, has a wrong value, or has two values at once."""
     if not facts.actions:
         yield Problem(*origins.place("action"), "the domain has no action; state one with action(...)")
     findings = Findings(origins, facts)
-    for predicate, table in (("precondition", facts.preconditions), ("postcondition", facts.postconditions)):
-        findings.undeclared_actions(predicate, table)
-        for action, values in table.items():
-            findings.assigned(predicate, values, (action,))
-    findings.assigned("initially", facts.initially)
-    findings.assigned("goal", facts.goal)
-    for predicate, pairs in _pairs(facts).items():
-        for pair in pairs:
-            for fluent in pair:
-                findings.declared(fluent, predicate, pair)
+    for predicate, arity in ASSIGNED.items():
+        findings.assigned(predicate, unsorted_rows(control, predicate, arity))
+    for predicate in ("exclusive", "implies", "impossible"):
+        findings.paired(predicate, unsorted_rows(control, predicate, 2))
     yield from findings.problems()
     yield from _doubled(facts, origins)
-
-
-def _pairs(facts: Facts) -> dict[str, tuple[Row, ...]]:
-    return {"exclusive": facts.exclusive, "implies": facts.implies, "impossible": facts.impossible}
 
 
 @dataclass
@@ -60,39 +54,40 @@ class Findings:
         self._actions = set(facts.actions)
         self._culprits: dict[tuple[str, str], _Culprit] = {}
 
-    def undeclared_actions(self, predicate: str, table: Iterable[Symbol]) -> None:
-        """Find the actions of a table that are not declared."""
-        rows = {"precondition": self._facts.preconditions, "postcondition": self._facts.postconditions}[predicate]
-        for action in table:
-            if action not in self._actions:
-                fluent, value = rows[action][0]
-                row = (action, fluent, clingo.parse_term(value))
-                self.undeclared("action", action, self._facts.actions, predicate, row)
-
-    def assigned(self, predicate: str, values: Iterable[tuple[Symbol, str]], before: Row = ()) -> None:
-        """Find the fluents that are not declared, and the values that are none."""
-        for fluent, value in values:
-            if fluent not in self._fluents:
-                self.declared(fluent, predicate, (*before, fluent, clingo.parse_term(value)))
-            allowed = VALUES.get(predicate, BOOLEAN)
+    def assigned(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
+        """Find the actions and fluents that are not declared, and the values that are none."""
+        fluents, actions, allowed = self._fluents, self._actions, VALUES.get(predicate, BOOLEAN)
+        wrong = (
+            row
+            for row in rows
+            if row[-2] not in fluents or row[-1] not in allowed or (len(row) == 3 and row[0] not in actions)
+        )
+        told: set[Symbol] = set()
+        for *before, fluent, value in sorted(wrong):
+            row = (*before, fluent, value)
+            if before and before[0] not in actions and before[0] not in told:
+                told.add(before[0])
+                self.undeclared("action", before[0], self._facts.actions, predicate, row)
+            if fluent not in fluents:
+                self.undeclared("fluent", fluent, self._facts.fluents, predicate, row)
             if value not in allowed:
-                row = (*before, fluent, clingo.parse_term(value))
-                hint = f"use {', '.join(allowed[:-1])} or {allowed[-1]}"
-                self._add(("value", value), f"{predicate} of {fluent} has the value {value}", hint, predicate, row)
+                hint = f"use {', '.join(map(str, allowed[:-1]))} or {allowed[-1]}"
+                self._add(("value", str(value)), f"{predicate} of {fluent} has the value {value}", hint, predicate, row)
 
-    def declared(self, fluent: Symbol, predicate: str, row: Row) -> None:
-        """Find a fluent that is not declared."""
-        if fluent not in self._fluents:
-            self.undeclared("fluent", fluent, self._facts.fluents, predicate, row)
+    def paired(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
+        """Find the fluents of an invariant that are not declared."""
+        for row in sorted(row for row in rows if not self._fluents.issuperset(row)):
+            for fluent in row:
+                if fluent not in self._fluents:
+                    self.undeclared("fluent", fluent, self._facts.fluents, predicate, tuple(row))
 
     def undeclared(self, kind: str, term: Symbol, known: Iterable[Symbol], predicate: str, row: Row) -> None:
         """Report a term that is not among the `known` ones of its kind."""
         same = next((each for each in known if _name(each) == _name(term)), None)
-        near = nearest(_name(term), {_name(each) for each in known})
         if same is not None:
             hint = f"declared are such as {same}; mend its arguments, or declare {kind}({term})"
         else:
-            hint = f"did you mean {near}?" if near else f"declare it with {kind}({term})"
+            hint = did_you_mean(_name(term), map(_name, known), f"declare it with {kind}({term})")
         self._add((kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row)
 
     def _add(self, key: tuple[str, str], text: str, hint: str, predicate: str, row: Row) -> None:
@@ -141,7 +136,7 @@ def limit_problems(
         if str(name) not in names:
             spelled = name.name if name.type == clingo.SymbolType.Function else str(name)
             hint = f"actions are {', '.join(sorted(names))}"
-            hint = f"give the name alone, {spelled}" if spelled in names else suggestion(spelled, names, hint)
+            hint = f"give the name alone, {spelled}" if spelled in names else did_you_mean(spelled, names, hint)
             yield Problem(*place, f"at_most speaks of {name}, which is not the name of an action; {hint}")
         elif most.type != clingo.SymbolType.Number or most.number < 0:
             yield Problem(*place, f"{name} cannot occur at most {most} times; write a number, as in at_most({name},2)")

@@ -13,17 +13,17 @@ from typing import NamedTuple
 import clingo
 
 from prag_asp.lint.composites import Complaint, grouped
-from prag_asp.lint.occurrence import STATE_PREDICATES, STEP, literals, unchanging
+from prag_asp.lint.occurrence import STATE_PREDICATES, STEP, fluent_values, unchanging
 from prag_asp.lint.origin import Origins
 from prag_asp.program.composition import Actions, composite_actions
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.invariants import Graph, Literal, conflict, entailed, invariant_graph, spell
+from prag_asp.program.invariants import FluentValue, Graph, conflict, entailed, invariant_graph, spell
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Statement
 
-Known = frozenset[Literal]
+Known = frozenset[FluentValue]
 
 
 class _Failure(NamedTuple):
@@ -51,7 +51,7 @@ def execution_problems(
     if never:
         yield from grouped(_never(facts, words, {each: failures[each] for each in never}, origins))
         return
-    initial = literals(facts.initially)
+    initial = fluent_values(facts.initially)
     units = {**words, **{action: (action,) for action in facts.free}}
     if len(execution.failures(units, frozenset(initial))) == len(units) == len(_confirmed(program, units, initial)):
         yield Problem(
@@ -100,12 +100,12 @@ class _Execution:
         return frozenset(after)
 
 
-def _of(table: Mapping[clingo.Symbol, Assignment], action: clingo.Symbol) -> list[Literal]:
-    return literals(table.get(action, ()))
+def _of(table: Mapping[clingo.Symbol, Assignment], action: clingo.Symbol) -> list[FluentValue]:
+    return fluent_values(table.get(action, ()))
 
 
 def _confirmed(
-    program: Program, words: Mapping[clingo.Symbol, Actions], known: Sequence[Literal]
+    program: Program, words: Mapping[clingo.Symbol, Actions], known: Sequence[FluentValue]
 ) -> list[clingo.Symbol]:
     """Return those of some words that the encodings reject where just `known` is known."""
     found = []

@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import clingo
 
-from prag_asp.lint.cycle import find_cycle
 from prag_asp.lint.directives import STATED
 from prag_asp.lint.origin import Origins, Place
+from prag_asp.program.composition import find_cycle
 from prag_asp.program.facts import Facts, rows
-from prag_asp.program.problem import Problem, suggestion
+from prag_asp.program.problem import Problem
+from prag_asp.wording import did_you_mean
 
 Symbol = clingo.Symbol
 
@@ -25,7 +26,7 @@ def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Pr
     for child, parent in pairs:
         parents.setdefault(child, []).append(parent)
         if parent not in declared:
-            hint = suggestion(str(parent), map(str, declared), f"declare class({parent})")
+            hint = did_you_mean(str(parent), map(str, declared), f"declare class({parent})")
             yield Problem(*origins.place("class", child, parent), f"unknown class {parent} above {child}; {hint}")
     cycle = find_cycle(parents)
     if cycle:
@@ -55,7 +56,7 @@ def _entity_problems(
         else:
             first[entity] = name
     for (place, name), several in homeless.items():
-        hint = suggestion(str(name), map(str, declared), f"declare class({name})")
+        hint = did_you_mean(str(name), map(str, declared), f"declare class({name})")
         yield Problem(*place, f"unknown class {name} of {', '.join(map(str, several))}; {hint}")
 
 
@@ -92,7 +93,7 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     for entity, name in facts.entities.items():
         if not ENTITY.fullmatch(str(entity)):
             yield Problem(
-                *origins.place("entity", entity, clingo.parse_term(name)),
+                *origins.place("entity", entity, name),
                 f"{entity} cannot be the name of an entity; write it in lower case, without quotes",
             )
 

@@ -15,7 +15,7 @@ import clingo
 from prag_asp.lint.origin import Origins, Place
 from prag_asp.program.facts import Assignment, Facts, rows
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.invariants import Graph, Literal, Reasons, conflict, entailed, invariant_graph, spell
+from prag_asp.program.invariants import FluentValue, Graph, Reasons, conflict, entailed, invariant_graph, spell
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
 
@@ -29,7 +29,7 @@ class Reason(NamedTuple):
     """Why an action is rejected: the predicate and the literal that state it, and the reason in words."""
 
     predicate: str
-    literal: Literal
+    literal: FluentValue
     text: str
 
 
@@ -37,7 +37,7 @@ def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield why no initial state or no goal state satisfies the invariants."""
     graph = invariant_graph(facts)
     for predicate, values in (("initially", facts.initially), ("goal", facts.goal)):
-        pair = conflict(entailed(literals(values), graph))
+        pair = conflict(entailed(fluent_values(values), graph))
         if pair:
             place = max(_place(origins, predicate, literal) for literal in pair)
             yield Problem(*place, f"{predicate} makes {_together(pair)}, but the invariants forbid it; change one")
@@ -52,7 +52,7 @@ def occurrence_problems(
     suspects = {action: _reason(action, facts, graph, fixed) for action in facts.actions}
     reasons = {action: reason for action, reason in suspects.items() if reason is not None}
     yield from _rejections(_rejected(grounder, reasons, fixed), reasons, origins)
-    pair = conflict(entailed(literals(facts.goal), graph), fixed)
+    pair = conflict(entailed(fluent_values(facts.goal), graph), fixed)
     if pair:
         yield Problem(
             *_place(origins, "goal", pair[1]),
@@ -61,19 +61,19 @@ def occurrence_problems(
         )
 
 
-def unchanging(control: clingo.Control, facts: Facts, statements: Iterable[Statement]) -> list[Literal]:
+def unchanging(control: clingo.Control, facts: Facts, statements: Iterable[Statement]) -> list[FluentValue]:
     """Return what is known at the start and what no action and no own rule changes."""
     if any(atom.signature in STATE_PREDICATES for each in statements if each.own and each.timed for atom in each.heads):
         return []
     changing = {fluent for values in facts.postconditions.values() for fluent, _ in values}
     start = clingo.Number(0)
     initial = [(fluent, str(value)) for fluent, value, time in rows(control, "holds", 3) if time == start]
-    return [literal for literal in literals(initial) if literal[0] not in changing]
+    return [literal for literal in fluent_values(initial) if literal[0] not in changing]
 
 
 def _reason(action: clingo.Symbol, facts: Facts, graph: Graph, fixed: Reasons) -> Reason | None:
     """Return why the invariants and what never changes reject an action, None where they do not."""
-    needed = entailed(literals(facts.preconditions.get(action, ())), graph)
+    needed = entailed(fluent_values(facts.preconditions.get(action, ())), graph)
     pair = conflict(needed)
     if pair:
         return Reason("precondition", pair[1], f"it needs {_together(pair)}{_forbidden(pair)}")
@@ -84,7 +84,7 @@ def _reason(action: clingo.Symbol, facts: Facts, graph: Graph, fixed: Reasons) -
     effects = facts.postconditions.get(action, ())
     changed = {fluent for fluent, _ in effects}
     kept = [literal for literal in needed if literal[0] not in changed]
-    made = literals(effects)
+    made = fluent_values(effects)
     after = entailed([*kept, *made], graph)
     pair = conflict(after) or conflict(after, fixed)
     if pair:
@@ -96,7 +96,7 @@ def _reason(action: clingo.Symbol, facts: Facts, graph: Graph, fixed: Reasons) -
 
 
 def _rejected(
-    grounder: Grounder, suspects: Mapping[clingo.Symbol, Reason], fixed: Iterable[Literal]
+    grounder: Grounder, suspects: Mapping[clingo.Symbol, Reason], fixed: Iterable[FluentValue]
 ) -> Iterator[clingo.Symbol]:
     """Yield the suspects that the encodings reject in a step from a state where only `fixed` is known."""
     if not suspects:
@@ -129,18 +129,18 @@ def _rejections(
         )
 
 
-def literals(values: Assignment | list[tuple[clingo.Symbol, str]]) -> list[Literal]:
+def fluent_values(values: Assignment | list[tuple[clingo.Symbol, str]]) -> list[FluentValue]:
     """Return what values state as literals; unknown ones state nothing."""
     return [(fluent, value == "true") for fluent, value in values if value in ("true", "false")]
 
 
-def _place(origins: Origins, predicate: str, literal: Literal, *before: clingo.Symbol) -> Place:
+def _place(origins: Origins, predicate: str, literal: FluentValue, *before: clingo.Symbol) -> Place:
     return origins.place(predicate, *before, literal[0], clingo.Function("true" if literal[1] else "false"))
 
 
-def _together(pair: tuple[Literal, Literal]) -> str:
+def _together(pair: tuple[FluentValue, FluentValue]) -> str:
     return spell(pair[0]) if pair[0] == pair[1] else f"{spell(pair[0])} and {spell(pair[1])}"
 
 
-def _forbidden(pair: tuple[Literal, Literal]) -> str:
+def _forbidden(pair: tuple[FluentValue, FluentValue]) -> str:
     return "" if pair[0] != pair[1] and pair[0][0] == pair[1][0] else ", which the invariants forbid"

@@ -12,8 +12,8 @@ from clingo.ast import ASTType
 
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.problem import Problem, Signature
-from prag_asp.program.syntax import Atom, Statement, atoms, names, variables
+from prag_asp.program.problem import Problem
+from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, variables
 
 READS = frozenset([("holds", 3), ("known", 3)])
 READ, UNSURE = "_read", "_unsure"
@@ -61,7 +61,7 @@ def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
 
 
 def _read_fluent(
-    control: clingo.Control, part: str, atom: Atom, conditions: Sequence[str], unsure: Iterable[clingo.Symbol]
+    control: clingo.Control, part: str, atom: AtomNode, conditions: Sequence[str], unsure: Iterable[clingo.Symbol]
 ) -> clingo.Symbol | None:
     """Return the first fluent of `unsure` that a rule reads at an atom, None where it reads none of them."""
     numbers = itertools.count()
@@ -98,7 +98,7 @@ def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
             yield text
 
 
-def _timeless(atom: Atom, statement: Statement, timed: set[Signature]) -> str | None:
+def _timeless(atom: AtomNode, statement: Statement, timed: set[Signature]) -> str | None:
     """Return an atom as a condition on the base part: what occurs is an action."""
     if atom.signature == ("occurs", 2):
         return f"action({atom.arguments[0]})"

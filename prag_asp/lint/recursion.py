@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from prag_asp.program.problem import Problem, Signature
-from prag_asp.program.syntax import VARIABLE, Atom, Statement, plain_atom, variables
+from prag_asp.program.problem import Problem
+from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, Statement, plain_atom, variables
 
 LARGER = re.compile(r"[a-z]\w*\(|\([A-Z]\w*[+-]\d+\)$|\(\d+\+[A-Z]\w*\)$")
 """The terms that are larger than a variable in them: functions, and sums as clingo writes them."""
@@ -40,7 +40,7 @@ def _grows(rule: Statement, reads: Mapping[Signature, set[Signature]]) -> bool:
     return False
 
 
-def _at_one_time(rule: Statement, head: Atom) -> bool:
+def _at_one_time(rule: Statement, head: AtomNode) -> bool:
     """Return whether a rule derives its head from atoms of the same step: over the steps, terms may grow."""
     return not rule.timed or all(atom.arguments[-1:] == head.arguments[-1:] for atom in rule.body)
 

@@ -79,7 +79,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
     grounder.ground([("base", [])])
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, origins)
-    raise_problems(effect_problems(facts, origins))
+    raise_problems(effect_problems(grounder.control, facts, origins))
     return facts
 
 
@@ -109,7 +109,7 @@ def _facts(grounder: Grounder, origins: Origins) -> Facts:
 def _check_facts(grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins) -> None:
     raise_problems(term_problems(facts, origins))
     raise_problems(hierarchy_problems(grounder.control, origins))
-    raise_problems(effect_problems(facts, origins))
+    raise_problems(effect_problems(grounder.control, facts, origins))
     raise_problems(composite_problems(facts, origins))
     raise_problems(limit_problems(grounder.control, facts, statements, origins))
     raise_problems(state_problems(facts, origins))

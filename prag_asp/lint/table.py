@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping
 from string import Formatter
 from typing import Any
 
-from prag_asp.atom import Atom
+from prag_asp.atom import atom_of
 from prag_asp.program.facts import Facts
-from prag_asp.program.problem import Problem, suggestion
+from prag_asp.program.problem import Problem
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
 from prag_asp.scene.load import scene_problems
+from prag_asp.wording import did_you_mean
 
 TYPES: Mapping[str, tuple[type, str]] = {
     "title": (str, 'a string, such as "Blocks on a table"'),
@@ -27,7 +28,7 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
     path = settings.path
     for key, value in table.items():
         if key not in KEYS:
-            hint = suggestion(key, KEYS, f"known are {', '.join(KEYS)}")
+            hint = did_you_mean(key, KEYS)
             yield Problem(path, settings.line_of(key), f"unknown key {key}; {hint}")
         elif not isinstance(value, TYPES[key][0]):
             yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
@@ -65,17 +66,17 @@ def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
 def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     actions = {action.name for action in facts.actions}
-    entities = set(map(str, facts.entities))
-    known = Counter([*actions, *entities, *facts.parents, *(str(each) for each in facts.actions if each.arguments)])
+    entities = set(facts.entity_names)
+    known = Counter([*actions, *entities, *facts.class_names, *(str(each) for each in facts.actions if each.arguments)])
     for key in settings.weights:
         parts = key.split(">")
         for part in parts:
             if len(parts) > 1 and part not in actions:
-                hint = suggestion(part, actions, f"actions are {', '.join(sorted(actions))}")
+                hint = did_you_mean(part, actions, f"actions are {', '.join(sorted(actions))}")
                 text = f"weight of {key}: there is no action {part or '(empty)'}; {hint}"
                 yield _problem(settings, "weights", key, text)
             elif part not in known:
-                hint = suggestion(part, known, "give the name of an action, a class or an entity")
+                hint = did_you_mean(part, known, "give the name of an action, a class or an entity")
                 text = f"weight of {part}: no action, class or entity has that name; {hint}"
                 yield _problem(settings, "weights", key, text)
             elif len(parts) == 1 and known[part] > 1:
@@ -92,7 +93,7 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
     for name, sentence in settings.language.items():
         if name not in arities:
-            hint = suggestion(name, arities, "give the name of an action or a fluent")
+            hint = did_you_mean(name, arities, "give the name of an action or a fluent")
             text = f"sentence of {name}: no action or fluent has that name; {hint}"
             yield _problem(settings, "language", name, text)
         elif not _is_template(sentence, arities[name]):
@@ -116,10 +117,11 @@ def _is_template(sentence: str, arity: int) -> bool:
 
 def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     """Yield the problems of the scene; one of a table follows from one within it."""
-    entities = {str(entity): name for entity, name in facts.entities.items()}
-    fluents = [Atom(fluent.name, tuple(map(str, fluent.arguments))) for fluent in facts.fluents]
+    fluents = list(map(atom_of, facts.fluents))
+    classes, entities, folder = facts.class_names, facts.entity_names, settings.path.parent
+    found = scene_problems(settings.scene, classes, entities, fluents, folder=folder)
     reported: set[str] = set()
-    for key, text in scene_problems(settings.scene, facts.parents, entities, fluents, folder=settings.path.parent):
+    for key, text in found:
         if not any(f"{each}.".startswith(f"{key}.") for each in reported):
             reported.add(key)
             yield Problem(

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from prag_asp.program.problem import Problem, Signature, nearest, spelled, suggestion
+from prag_asp.program.problem import Problem
 from prag_asp.program.sources import HIERARCHY
-from prag_asp.program.syntax import Atom, Statement, names, plain_atom
+from prag_asp.program.syntax import AtomNode, Signature, Statement, names, plain_atom, spelled
+from prag_asp.wording import did_you_mean, nearest
 
 BY_LIBRARY = {("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2), ("introduces_late", 2), ("successor", 2)}
 """What the encodings in ``rules`` and ``conditions`` derive, which join the program where they are asked for."""
@@ -57,9 +58,11 @@ def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
                 yield statement.problem(text, atom.line)
 
 
-def _unread_heads(statements: Iterable[Statement], contract: set[Signature]) -> dict[Signature, tuple[Statement, Atom]]:
+def _unread_heads(
+    statements: Iterable[Statement], contract: set[Signature]
+) -> dict[Signature, tuple[Statement, AtomNode]]:
     """Return the own heads outside of the contract that no body reads, where they first stand."""
-    found: dict[Signature, tuple[Statement, Atom]] = {}
+    found: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
             for atom in statement.heads:
@@ -86,14 +89,14 @@ def _unread(signature: Signature, near: str | None, others: Sequence[int]) -> st
 
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
-) -> dict[Signature, tuple[Statement, Atom]]:
+) -> dict[Signature, tuple[Statement, AtomNode]]:
     """Return the atoms of own bodies that are in no head and not in the contract, where they first stand."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}
         if statement.own and statement.kind == ASTType.Defined:
             defined.add((statement.node.name, statement.node.arity))
-    found: dict[Signature, tuple[Statement, Atom]] = {}
+    found: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
             for atom in statement.body:
@@ -105,17 +108,17 @@ def _undefined_atoms(
 def _undefined_problems(
     statements: Iterable[Statement],
     contract: set[Signature],
-    undefined: Mapping[Signature, tuple[Statement, Atom]],
+    undefined: Mapping[Signature, tuple[Statement, AtomNode]],
 ) -> Iterator[Problem]:
     defined = contract | {atom.signature for statement in statements for atom in statement.heads}
     for signature, (statement, atom) in undefined.items():
         name = signature[0]
         others = " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
-        near = nearest(name, {other for other, _ in defined})
         if others:
             hint = f"{name} takes {others} arguments"
         else:
-            hint = f"did you mean {near}?" if near else "define it in a fact or a rule, or remove it"
+            known = {other for other, _ in defined}
+            hint = did_you_mean(name, known, "define it in a fact or a rule, or remove it")
         yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line)
 
 
@@ -128,7 +131,7 @@ def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
             for atom in statement.body:
                 for name in sorted(names(atom.arguments) - made - seen - set(statement.parameters)):
                     seen.add(name)
-                    hint = suggestion(name, made, "declare it, or remove the rule")
+                    hint = did_you_mean(name, made, "declare it, or remove the rule")
                     yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", atom.line)
 
 

@@ -1,8 +1,9 @@
-"""The actions that a composite stands for."""
+"""What composites stand for: their actions; and cycles among declarations that may have none."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from graphlib import CycleError, TopologicalSorter
 
 import clingo
 
@@ -12,16 +13,47 @@ Actions = tuple[clingo.Symbol, ...]
 
 
 def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
-    """Return the atomic actions of each composite, in their order; the composites have to form no cycle."""
+    """Return the atomic actions of each composite, in their order; the composites have to form no cycle.
+
+    A composite comes after the ones that it contains.
+    """
     found: dict[clingo.Symbol, Actions] = {}
-    waiting = list(reversed(facts.composites))
-    while waiting:
-        composite = waiting[-1]
-        parts = [part for _, part in facts.stages[composite]]
-        unknown = [part for part in parts if part in facts.stages and part not in found]
-        if unknown:
-            waiting += unknown
-        else:
-            waiting.pop()
-            found[composite] = tuple(action for part in parts for action in found.get(part, (part,)))
+    for composite in _innermost_first(facts):
+        parts = (part for _, part in facts.stages[composite])
+        found[composite] = tuple(action for part in parts for action in found.get(part, (part,)))
     return found
+
+
+def composite_sizes(facts: Facts) -> Mapping[clingo.Symbol, int]:
+    """Return the number of actions of each composite, however large; the composites have to form no cycle."""
+    sizes: dict[clingo.Symbol, int] = {}
+    for composite in _innermost_first(facts):
+        sizes[composite] = sum(sizes.get(part, 1) for _, part in facts.stages[composite])
+    return sizes
+
+
+def inner_composites(facts: Facts) -> Mapping[clingo.Symbol, list[clingo.Symbol]]:
+    """Return the composites that are stages of each composite."""
+    return {c: [part for _, part in facts.stages.get(c, ()) if part in facts.stages] for c in facts.composites}
+
+
+def _innermost_first(facts: Facts) -> Iterable[clingo.Symbol]:
+    return TopologicalSorter(inner_composites(facts)).static_order()
+
+
+def find_cycle(successors: Mapping[clingo.Symbol, Iterable[clingo.Symbol]]) -> list[clingo.Symbol]:
+    """Return a term, the successor of each, and the term again; nothing where no term comes after itself.
+
+    The least term of the cycle comes first. Which one of several cycles it is depends on the terms alone.
+    """
+    sorter: TopologicalSorter[clingo.Symbol] = TopologicalSorter()
+    for term, others in sorted(successors.items()):
+        for other in sorted(others):
+            sorter.add(other, term)
+    try:
+        sorter.prepare()
+    except CycleError as error:
+        cycle: list[clingo.Symbol] = error.args[1][1:]
+        least = cycle.index(min(cycle))
+        return [*cycle[least:], *cycle[:least], cycle[least]]
+    return []

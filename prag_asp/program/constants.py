@@ -9,10 +9,11 @@ from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
 from prag_asp.program.parse import parse_sources
-from prag_asp.program.problem import raise_problems, suggestion
+from prag_asp.program.problem import raise_problems
 from prag_asp.program.sources import Source
 from prag_asp.program.syntax import Statement
 from prag_asp.program.tokens import blanked
+from prag_asp.wording import did_you_mean
 
 Constant = int | str | clingo.Symbol
 """A value: a whole number, a term or the text of one."""
@@ -48,7 +49,9 @@ def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domai
         if name not in declared:
             there_are = f"there {'is' if len(declared) == 1 else 'are'} {', '.join(sorted(declared))}"
             otherwise = there_are if declared else f"declare it there with #const {name} = ..."
-            raise DomainError(f"constant {name}: {domain} has no such #const; {suggestion(name, declared, otherwise)}")
+            raise DomainError(
+                f"constant {name}: {domain} has no such #const; {did_you_mean(name, declared, otherwise)}"
+            )
         raise_problems(
             each.problem(f"#const {name} says [override], so it cannot be set; remove [override]")
             for each in declared[name]

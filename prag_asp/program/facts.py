@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from operator import itemgetter
 
 import clingo
@@ -26,9 +27,9 @@ class Facts:
     it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``.
     """
 
-    parents: Mapping[str, tuple[str, ...]]
-    entities: Mapping[clingo.Symbol, str]
-    memberships: frozenset[tuple[clingo.Symbol, str]]
+    parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
+    entities: Mapping[clingo.Symbol, clingo.Symbol]
+    memberships: frozenset[tuple[clingo.Symbol, clingo.Symbol]]
     fluents: tuple[clingo.Symbol, ...]
     actions: tuple[clingo.Symbol, ...]
     preconditions: Mapping[clingo.Symbol, Assignment]
@@ -41,6 +42,21 @@ class Facts:
     composites: tuple[clingo.Symbol, ...]
     stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
     free: tuple[clingo.Symbol, ...]
+
+    @property
+    def classes(self) -> set[clingo.Symbol]:
+        """All classes, declared or only named above others."""
+        return {name for _, name in self.memberships}.union(self.parents)
+
+    @cached_property
+    def entity_names(self) -> Mapping[str, str]:
+        """The entities with their classes, as text."""
+        return {str(entity): str(name) for entity, name in self.entities.items()}
+
+    @cached_property
+    def class_names(self) -> Mapping[str, tuple[str, ...]]:
+        """The classes with those right above them, as text."""
+        return {str(name): tuple(map(str, above)) for name, above in self.parents.items()}
 
     @property
     def closed(self) -> bool:
@@ -65,17 +81,17 @@ def read_facts(control: clingo.Control) -> Facts:
     Raises:
         DomainError: a predicate of the contract depends on a choice.
     """
-    parents: dict[str, tuple[str, ...]] = {str(name): () for (name,) in rows(control, "class", 1)}
+    parents: dict[clingo.Symbol, tuple[clingo.Symbol, ...]] = {name: () for (name,) in rows(control, "class", 1)}
     for child, parent in rows(control, "class", 2):
-        parents[str(child)] = (*parents.get(str(child), ()), str(parent))
+        parents[child] = (*parents.get(child, ()), parent)
     fluents = tuple(fluent for (fluent,) in rows(control, "fluent", 1))
     stages: dict[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]] = {}
     for composite, number, part in rows(control, "stage", 3):
         stages[composite] = (*stages.get(composite, ()), (number, part))
     return Facts(
         parents=parents,
-        entities={entity: str(name) for entity, name in rows(control, "entity", 2)},
-        memberships=frozenset((entity, str(name)) for entity, name in rows(control, "is_a", 2)),
+        entities={entity: name for entity, name in rows(control, "entity", 2)},  # noqa: C416 - a row is a list
+        memberships=frozenset((entity, name) for entity, name in rows(control, "is_a", 2)),
         fluents=fluents,
         actions=tuple(action for (action,) in rows(control, "action", 1)),
         preconditions=_by_action(control, "precondition", fluents),
@@ -97,10 +113,15 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
     Raises:
         DomainError: one of them depends on a choice.
     """
-    return sorted(_unsorted_rows(control, predicate, arity))
+    return sorted(unsorted_rows(control, predicate, arity))
 
 
-def _unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
+def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
+    """Yield the arguments of every ground atom of a predicate, in no order: clingo's terms are slow to compare.
+
+    Raises:
+        DomainError: one of them depends on a choice.
+    """
     for atom in control.symbolic_atoms.by_signature(predicate, arity):
         if not atom.is_fact:
             raise DomainError(f"{atom.symbol} depends on a choice; what a domain states must follow from facts")
@@ -117,7 +138,7 @@ def _by_action(
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}
     found: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {}
-    for action, fluent, value in _unsorted_rows(control, predicate, 3):
+    for action, fluent, value in unsorted_rows(control, predicate, 3):
         rank, known = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
         word = spelled.get(value) or spelled.setdefault(value, str(value))
         found.setdefault(action, []).append((rank, word, known))

@@ -1,4 +1,4 @@
-"""What follows from literals by the invariants, and which of them cannot hold together."""
+"""What follows from values of fluents by the invariants, and which of them cannot hold together."""
 
 from __future__ import annotations
 
@@ -8,39 +8,41 @@ import clingo
 
 from prag_asp.program.facts import Facts
 
-Literal = tuple[clingo.Symbol, bool]
-Graph = Mapping[Literal, tuple[Literal, ...]]
-Reasons = Mapping[Literal, Literal]
-"""Which literal each one was found to follow from."""
+FluentValue = tuple[clingo.Symbol, bool]
+"""A fluent with its value."""
+
+Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
+Reasons = Mapping[FluentValue, FluentValue]
+"""Which value each one was found to follow from."""
 
 
 def invariant_graph(facts: Facts) -> Graph:
-    """Return what each literal entails by one invariant."""
-    graph: dict[Literal, list[Literal]] = {}
+    """Return what each value entails by one invariant."""
+    graph: dict[FluentValue, list[FluentValue]] = {}
     for first, second in facts.exclusive:
         graph.setdefault((first, True), []).append((second, False))
         graph.setdefault((second, True), []).append((first, False))
     for first, second in facts.implies:
         graph.setdefault((first, True), []).append((second, True))
         graph.setdefault((second, False), []).append((first, False))
-    return {literal: tuple(entailed) for literal, entailed in graph.items()}
+    return {value: tuple(entailed) for value, entailed in graph.items()}
 
 
-def entailed(known: Iterable[Literal], graph: Graph) -> dict[Literal, Literal]:
+def entailed(known: Iterable[FluentValue], graph: Graph) -> dict[FluentValue, FluentValue]:
     """Return what is known and all that follows from it, each with what it follows from."""
-    reasons: dict[Literal, Literal] = {}
+    reasons: dict[FluentValue, FluentValue] = {}
     for start in known:
         stack = [start]
         while stack:
-            literal = stack.pop()
-            if literal not in reasons:
-                reasons[literal] = start
-                stack += graph.get(literal, ())
+            value = stack.pop()
+            if value not in reasons:
+                reasons[value] = start
+                stack += graph.get(value, ())
     return reasons
 
 
-def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[Literal, Literal] | None:
-    """Return two literals whose consequences contradict each other: the same one twice, where its own do.
+def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[FluentValue, FluentValue] | None:
+    """Return two values whose consequences contradict each other: the same one twice, where its own do.
 
     With `given`, the first of them is one of its reasons.
     """
@@ -54,6 +56,6 @@ def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[Literal, L
     return None
 
 
-def spell(literal: Literal) -> str:
-    """Return a literal as text: ``open(door) = true``."""
-    return f"{literal[0]} = {'true' if literal[1] else 'false'}"
+def spell(value: FluentValue) -> str:
+    """Return a value as text: ``open(door) = true``."""
+    return f"{value[0]} = {'true' if value[1] else 'false'}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.wording import most_similar
+from prag_asp.wording import did_you_mean
 
 BY_LIBRARY = frozenset(["canonical_names", "weights"])
 """Rules that the library adds itself, together with facts that only it knows."""
@@ -52,6 +52,5 @@ def domain_folder(name_or_path: str | Path) -> Path:
         raise DomainError(f"{folder}: this folder has no domain.lp; `prag-asp new NAME` writes one")
     if folder.is_file():
         raise DomainError(f"{folder}: a file, but its name does not end in .lp; rename it, or give the domain's folder")
-    near = most_similar(str(name_or_path), shipped)
-    hint = f"did you mean {near}?" if near else f"shipped are {', '.join(shipped)}; or give a folder or files"
+    hint = did_you_mean(str(name_or_path), shipped, f"shipped are {', '.join(shipped)}; or give a folder or files")
     raise DomainError(f"{name_or_path}: no such domain; {hint}")

@@ -7,10 +7,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from prag_asp.errors import DomainError
-from prag_asp.wording import most_similar
-
-Signature = tuple[str, int]
-"""The name and the number of arguments of a predicate or a term."""
 
 
 class Problem(NamedTuple):
@@ -33,19 +29,3 @@ def raise_problems(problems: Iterable[Problem]) -> None:
     lines = list(dict.fromkeys(map(str, problems)))
     if lines:
         raise DomainError("\n".join(lines))
-
-
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that `name` is most likely a misspelling of."""
-    return most_similar(name, set(known) - {name}, cutoff=0.7)
-
-
-def suggestion(name: str, known: Iterable[str], otherwise: str) -> str:
-    """Return ``did you mean ...?`` where a known name is near, and `otherwise` where none is."""
-    near = nearest(name, known)
-    return f"did you mean {near}?" if near else otherwise
-
-
-def spelled(signature: Signature) -> str:
-    """Return a signature as clingo writes it: ``holds/3``."""
-    return f"{signature[0]}/{signature[1]}"

@@ -8,8 +8,8 @@ from prag_asp.atom import parse_atom
 from prag_asp.errors import DomainError
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.paths import rule_names
-from prag_asp.program.problem import suggestion
 from prag_asp.program.sources import Source, read_sources
+from prag_asp.wording import did_you_mean
 
 
 def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
@@ -23,7 +23,7 @@ def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
     known = rule_names(encodings)
     if atom.name not in known:
         otherwise = f"there are {', '.join(known) or 'none'} in {folder}"
-        raise DomainError(f"{rule}: no such rule; {suggestion(atom.name, known, otherwise)}")
+        raise DomainError(f"{rule}: no such rule; {did_you_mean(atom.name, known, otherwise)}")
     sources = read_sources(folder / f"{atom.name}.lp", encodings)
     if not atom.arguments:
         return sources

@@ -10,7 +10,10 @@ from pathlib import Path
 
 from clingo.ast import AST, ASTType
 
-from prag_asp.program.problem import Problem, Signature
+from prag_asp.program.problem import Problem
+
+Signature = tuple[str, int]
+"""The name and the number of arguments of a predicate or a term."""
 
 TIMED_PARTS = ("step", "check")
 STRING = re.compile(r'"(?:\\.|[^"\\])*"')
@@ -20,7 +23,7 @@ PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\(
 
 
 @dataclass(frozen=True)
-class Atom:
+class AtomNode:
     """An atom of a rule: its predicate, ``-`` before it where strongly negated, and its arguments as text."""
 
     name: str
@@ -37,6 +40,13 @@ class Atom:
     def line(self) -> int:
         """The line of the file."""
         return int(self.node.location.begin.line)
+
+    @property
+    def terms(self) -> list[AST]:
+        """The arguments as nodes of the syntax tree, which clingo is slow to hand out."""
+        node = self.node.atom.symbol if self.node.ast_type == ASTType.Literal else self.node
+        function: AST = node.argument if node.ast_type == ASTType.UnaryOperation else node
+        return list(function.arguments)
 
     def __str__(self) -> str:
         return f"{self.name}({','.join(self.arguments)})" if self.arguments else self.name
@@ -73,17 +83,17 @@ class Statement:
         return tuple((node, str(node)) for node in getattr(self.node, "body", ()))
 
     @cached_property
-    def heads(self) -> tuple[Atom, ...]:
+    def heads(self) -> tuple[AtomNode, ...]:
         """The atoms that a rule derives."""
         return tuple(self._head[0])
 
     @cached_property
-    def body(self) -> tuple[Atom, ...]:
+    def body(self) -> tuple[AtomNode, ...]:
         """The atoms that a statement reads, those of conditions included."""
         return (*self._head[1], *(atom for node, text in self.literals for atom in atoms(node, text)))
 
     @cached_property
-    def _head(self) -> tuple[list[Atom], list[Atom]]:
+    def _head(self) -> tuple[list[AtomNode], list[AtomNode]]:
         return head_atoms(self.node.head) if self.is_rule else ([], [])
 
     def problem(self, text: str, line: int | None = None) -> Problem:
@@ -91,7 +101,7 @@ class Statement:
         return Problem(self.path, self.line if line is None else line, text)
 
 
-def head_atoms(head: AST) -> tuple[list[Atom], list[Atom]]:
+def head_atoms(head: AST) -> tuple[list[AtomNode], list[AtomNode]]:
     """Return the atoms that the head of a rule derives, and those of the conditions that it derives them under."""
     plain = plain_atom(head, str(head))
     if plain:
@@ -114,7 +124,7 @@ def _split_head(head: AST) -> tuple[list[AST], list[AST]]:
     return [each.literal for each in elements], [literal for each in elements for literal in each.condition]
 
 
-def atoms(node: AST, text: str) -> Iterator[Atom]:
+def atoms(node: AST, text: str) -> Iterator[AtomNode]:
     """Yield the atoms of a literal, an aggregate or a condition, whose text is `text`."""
     plain = plain_atom(node, text)
     if plain:
@@ -127,10 +137,10 @@ def atoms(node: AST, text: str) -> Iterator[Atom]:
             yield from _symbolic_atoms(node.symbol, negated)
         else:
             inner = bool(node.sign) if node.ast_type == ASTType.Literal else negated
-            stack += [(child, inner) for child in reversed(_children(node))]
+            stack += [(child, inner) for child in reversed(children_of(node))]
 
 
-def plain_atom(node: AST, text: str) -> Atom | None:
+def plain_atom(node: AST, text: str) -> AtomNode | None:
     """Return the atom of a literal without strings and pools from its text, which is fast; None of others."""
     match = PLAIN_ATOM.match(text)
     if not match or '"' in text or ";" in text:
@@ -138,7 +148,7 @@ def plain_atom(node: AST, text: str) -> Atom | None:
     arguments = split_arguments(match["arguments"]) if match["arguments"] is not None else []
     if arguments is None:
         return None
-    return Atom(match["name"], tuple(arguments), bool(match["sign"]), node)
+    return AtomNode(match["name"], tuple(arguments), bool(match["sign"]), node)
 
 
 def split_arguments(text: str) -> list[str] | None:
@@ -156,17 +166,18 @@ def split_arguments(text: str) -> list[str] | None:
     return [*arguments, text[start:]] if depth == 0 else None
 
 
-def _symbolic_atoms(symbol: AST, negated: bool, prefix: str = "") -> Iterator[Atom]:
+def _symbolic_atoms(symbol: AST, negated: bool, prefix: str = "") -> Iterator[AtomNode]:
     if symbol.ast_type == ASTType.Pool:
         for each in symbol.arguments:
             yield from _symbolic_atoms(each, negated, prefix)
     elif symbol.ast_type == ASTType.UnaryOperation:
         yield from _symbolic_atoms(symbol.argument, negated, "" if prefix else "-")
     elif symbol.ast_type == ASTType.Function:
-        yield Atom(prefix + symbol.name, tuple(map(str, symbol.arguments)), negated, symbol)
+        yield AtomNode(prefix + symbol.name, tuple(map(str, symbol.arguments)), negated, symbol)
 
 
-def _children(node: AST) -> list[AST]:
+def children_of(node: AST) -> list[AST]:
+    """Return the nodes right below a node of a syntax tree."""
     found: list[AST] = []
     for key in node.child_keys:
         child = getattr(node, key)
@@ -183,7 +194,12 @@ def below(node: AST) -> Iterator[AST]:
     while stack:
         node = stack.pop()
         yield node
-        stack += _children(node)
+        stack += children_of(node)
+
+
+def spelled(signature: Signature) -> str:
+    """Return a signature as clingo writes it: ``holds/3``."""
+    return f"{signature[0]}/{signature[1]}"
 
 
 def names(texts: Iterable[str]) -> set[str]:

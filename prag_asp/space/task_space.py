@@ -11,17 +11,18 @@ from fractions import Fraction
 from itertools import islice
 from typing import TYPE_CHECKING, overload
 
-from prag_asp.atom import Atom, parse_atom
+from prag_asp.atom import Atom, parse_atom, symbol_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
+from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level
 from prag_asp.space.engines.prefix import parse_prefix
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.plans.canonical import canonical_names, canonical_prefix, renamed
+from prag_asp.space.plans.canonical import canonical_names, canonical_prefix
 from prag_asp.space.shared import Shared
 from prag_asp.space.weighing.weights import Number, Weights, parse_weights
 from prag_asp.task import Task
@@ -199,9 +200,11 @@ class TaskSpace:
         Raises:
             QueryError: it is no task of this space.
         """
-        actions = task.actions if isinstance(task, Task) else [parse_atom(str(action)) for action in task]
-        names = canonical_names(actions, self._shared.model.groups(self.length))
-        word = tuple(str(action) for action in renamed(actions, names))
+        given = task.actions if isinstance(task, Task) else task
+        actions = [action if isinstance(action, Atom) else parse_atom(action) for action in given]
+        plan = [symbol_of(action) for action in actions]
+        names = canonical_names(plan, self._shared.model.groups(self.length))
+        word = tuple(str(renamed(action, names)) for action in plan)
         rank = self._engine("task").rank(word) if len(word) == self.length else None
         if rank is None:
             raise QueryError(f"no task of {self!r}: {' '.join(map(str, actions))}")

@@ -238,9 +238,8 @@ def test_furniture_that_cannot_be_built_is_refused_with_its_key(table, message):
 def test_only_furniture_can_be_open(domain):
     table = {**domain.settings.scene, "predicates": {"open": "is_open", "empty": "gripper_open"}}
     shapes = {**table["shapes"], "drawer": {"kind": "container", "size": [0.2, 0.2, 0.1]}}
-    entities = {str(entity): name for entity, name in domain.facts.entities.items()}
     fluents = list(state("open(drawer_1)"))
-    told = scene_problems({**table, "shapes": shapes}, domain.facts.parents, entities, fluents)
+    told = scene_problems({**table, "shapes": shapes}, domain.facts.class_names, domain.facts.entity_names, fluents)
     assert [problem.message for problem in told] == [
         "open(drawer_1) needs drawer_1 to be of the kind drawer or cupboard where it means is_open; "
         "let it mean something else, or change scene.shapes.drawer"

@@ -29,8 +29,6 @@ def explain(*, asked: Asked, words: tuple[str, ...]) -> None:
     Actions are arguments of their own, or several in one, separated by blanks or commas. Ends with code 1 where it is
     no plan, with 0 where it is one.
     """
-    import clingo
-
     from prag_asp.logic.formula.explain import explain as reasons_against
     from prag_asp.logic.model import Model
     from prag_asp.space.engines.prefix import parse_prefix
@@ -41,12 +39,12 @@ def explain(*, asked: Asked, words: tuple[str, ...]) -> None:
         raise QueryError(f"{texts[0]!r} is no action; write actions, such as grasp(panda,apple_1), or none")
     domain = replace(asked, names=names).domain()
     plan = parse_prefix(actions, "plan", domain.facts)
-    known = set(map(str, domain.facts.actions))
+    known = {str(action): action for action in domain.facts.actions}
     for action in plan:
         if action not in known:
             example = min(each for each in known if each.startswith(f"{action}("))
             raise QueryError(f"{action} is the name of several actions; give one in full, such as {example}")
-    found = reasons_against(Model(domain), [clingo.parse_term(action) for action in plan])
+    found = reasons_against(Model(domain), [known[action] for action in plan])
     if found is None:
         click.echo(f"a plan of {domain.label}")
         return

@@ -12,8 +12,8 @@ from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder, Part
-from prag_asp.program.rule_atoms import Signature
 from prag_asp.program.sources import Program
+from prag_asp.program.syntax import Signature
 
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""

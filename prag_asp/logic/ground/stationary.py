@@ -15,11 +15,12 @@ import clingo
 from clingo.ast import AST, ASTType, parse_string
 
 from prag_asp.logic.ground.growth import growing_heads
-from prag_asp.program.rule_atoms import BEFORE, NOW, Signature, children_of
 from prag_asp.program.sources import Program
-from prag_asp.program.syntax import STRING, Atom, atoms, head_atoms, plain_atom
+from prag_asp.program.syntax import STRING, AtomNode, Signature, atoms, children_of, head_atoms, plain_atom
 
-START = "0"
+NOW, BEFORE, START = "t", "(t-1)", "0"
+"""How the times of a step are written, and that of the start."""
+
 PARTS = ("base", "step", "check")
 NUMBER = clingo.Function("t", [])
 """The number of the step."""
@@ -54,11 +55,11 @@ class _Rule:
         return str(self.node)
 
     @cached_property
-    def _head(self) -> tuple[list[Atom], list[Atom]]:
+    def _head(self) -> tuple[list[AtomNode], list[AtomNode]]:
         return head_atoms(self.node.head)
 
     @property
-    def heads(self) -> list[Atom]:
+    def heads(self) -> list[AtomNode]:
         """The atoms that the rule derives."""
         return self._head[0]
 
@@ -67,7 +68,7 @@ class _Rule:
         """The literals of the body, each with its text."""
         return tuple((literal, str(literal)) for literal in self.node.body)
 
-    def atoms(self) -> Iterator[Atom]:
+    def atoms(self) -> Iterator[AtomNode]:
         """Yield all atoms, those of conditions included."""
         for found in self._head:
             yield from found
@@ -108,7 +109,7 @@ def read_step(program: Program) -> StepReads:
             if obstacle:
                 path, line = program.locate(rule.node.location.begin.line)
                 obstacles.append(f"{path}:{line}: {obstacle}")
-    growing = {head for rule in rules["step"] for head in growing_heads(rule.node, timed)}
+    growing = {head for rule in rules["step"] for head in growing_heads(rule.heads, rule.literals, timed)}
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing))
 
 
@@ -132,13 +133,13 @@ def _obstacle(rule: _Rule, part: str, timed: Collection[Signature], previous: se
     return None
 
 
-def _read_elsewhere(atom: Atom, timed: Collection[Signature]) -> str | None:
+def _read_elsewhere(atom: AtomNode, timed: Collection[Signature]) -> str | None:
     if atom.signature in timed and _time_of(atom) != START:
         return "is read outside of the parts step(t) and check(t)"
     return None
 
 
-def _misread(atom: Atom, part: str, timed: Collection[Signature]) -> str | None:
+def _misread(atom: AtomNode, part: str, timed: Collection[Signature]) -> str | None:
     time = _time_of(atom)
     if atom.name.startswith("-") and (time in (NOW, BEFORE) or atom.signature in timed):
         return "is strongly negated; carry a predicate of another name along instead"
@@ -149,7 +150,7 @@ def _misread(atom: Atom, part: str, timed: Collection[Signature]) -> str | None:
     return None
 
 
-def _time_of(atom: Atom) -> str:
+def _time_of(atom: AtomNode) -> str:
     return atom.arguments[-1] if atom.arguments else ""
 
 
@@ -171,7 +172,7 @@ def _has_number(node: AST) -> bool:
     return any(map(_has_number, children_of(node)))
 
 
-def _depends_on_number(atom: Atom) -> bool:
+def _depends_on_number(atom: AtomNode) -> bool:
     """Return whether an argument of an atom other than its time has the number of the step."""
     others = atom.arguments[:-1] if _time_of(atom) in (NOW, BEFORE) else atom.arguments
     return any(SPELLED_NUMBER.search(STRING.sub("", argument)) for argument in others)

@@ -17,10 +17,10 @@ from prag_asp.logic.ground.ground import GroundStep, Rule
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.program.facts import Facts
 
-Literal = tuple[int, int, int]
+SpelledLiteral = tuple[int, int, int]
 """An atom by its number, whether it is negated (1) or not (0), and its weight."""
 
-SpelledBody = tuple[bool, int, frozenset[Literal]]
+SpelledBody = tuple[bool, int, frozenset[SpelledLiteral]]
 """Whether the head is a choice, the sum that the body has to reach, and its literals."""
 
 Key = Shaped | frozenset[SpelledBody] | int
@@ -34,7 +34,7 @@ START = 2**32
 def interchangeable(facts: Facts, ground: GroundStep) -> list[tuple[clingo.Symbol, ...]]:
     """Return the groups of two or more interchangeable entities, each in clingo's order of terms."""
     entities = sorted(facts.entities)
-    by_class: dict[str, list[int]] = {}
+    by_class: dict[clingo.Symbol, list[int]] = {}
     for number, each in enumerate(entities):
         by_class.setdefault(facts.entities[each], []).append(number)
     classes = [members for members in by_class.values() if len(members) > 1]
@@ -176,18 +176,18 @@ def _tables(atoms: _Atoms) -> list[_Table]:
         (frozenset(map(atoms.number, rule.heads)), atoms.body(rule)) for rule in atoms.rules
     }
     spelled |= {(frozenset({atom}), (False, START, frozenset())) for atom in atoms.start}
-    forms: dict[tuple[int, bool, int, int], list[tuple[frozenset[int], Sequence[Literal]]]] = {}
+    forms: dict[tuple[int, bool, int, int], list[tuple[frozenset[int], Sequence[SpelledLiteral]]]] = {}
     for heads, (choice, bound, literals) in spelled:
         form = (len(heads), choice, bound, len(literals))
         forms.setdefault(form, []).append((heads, sorted(literals)))
     return [_table(atoms, rules) for rules in forms.values()]
 
 
-def _table(atoms: _Atoms, rules: Iterable[tuple[frozenset[int], Sequence[Literal]]]) -> _Table:
+def _table(atoms: _Atoms, rules: Iterable[tuple[frozenset[int], Sequence[SpelledLiteral]]]) -> _Table:
     rows: list[list[int]] = []
     having: dict[int, list[int]] = {}
     heads: frozenset[int] = frozenset()
-    literals: Sequence[Literal] = ()
+    literals: Sequence[SpelledLiteral] = ()
     for row, (heads, literals) in enumerate(rules):
         inside = [*heads, *(atom for atom, _, _ in literals)]
         rows.append([*heads, *(2 * atom + sign for atom, sign, _ in literals), *(weight for _, _, weight in literals)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from prag_asp.atom import parse_atom
+from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates import PREDICATES, Gripper
 from prag_asp.physics.predicates.gripper import CLEARANCE
@@ -20,7 +20,7 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
     sizes that of the smallest.
     """
     found: dict[tuple[str, float, float], list[str]] = {}
-    for fluent in map(parse_atom, map(str, domain.facts.fluents)):
+    for fluent in map(atom_of, domain.facts.fluents):
         meaning = PREDICATES.get(scene.meaning(fluent) or "")
         if meaning is None or meaning.gripper is not Gripper.HOLDS:
             continue
@@ -40,7 +40,7 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
 
 def _place(domain: Domain, entity: str) -> str:
     """Return the file and the line of the shape of an entity."""
-    classes = {str(each): name for each, name in domain.facts.entities.items()}
+    facts = domain.facts
     given = domain.settings.scene["shapes"]
-    owner = next(name for name in ancestors(classes[entity], domain.facts.parents) if name in given)
+    owner = next(name for name in ancestors(facts.entity_names[entity], facts.class_names) if name in given)
     return f"{domain.settings.path}:{domain.settings.line_of('scene', 'shapes', owner)}"

@@ -13,7 +13,7 @@ from itertools import combinations
 
 import clingo
 
-from prag_asp.atom import Atom, parse_atom
+from prag_asp.atom import Atom, atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.proofs.prover import Prover
@@ -71,7 +71,7 @@ def unproved(domain: Domain, scene: Scene) -> Iterator[Fluents]:
     """
     prover, graph = Prover(scene), invariant_graph(domain.facts)
     for pair in domain.learned:
-        fluents = tuple(dict.fromkeys(parse_atom(str(fluent)) for fluent in pair))
+        fluents = tuple(dict.fromkeys(atom_of(fluent) for fluent in pair))
         if not _excluded(graph, *pair) and prover.refutation(facts(scene, dict.fromkeys(fluents, True))) is None:
             yield fluents
 
@@ -79,7 +79,7 @@ def unproved(domain: Domain, scene: Scene) -> Iterator[Fluents]:
 def _spatial(fluents: Iterable[clingo.Symbol], scene: Scene) -> Iterator[tuple[clingo.Symbol, Atom, Fact]]:
     """Yield the fluents that mean something to physics, and what they mean where they hold."""
     for symbol in fluents:
-        fluent = parse_atom(str(symbol))
+        fluent = atom_of(symbol)
         for fact in facts(scene, {fluent: True}):
             yield symbol, fluent, fact
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, product
 
-from prag_asp.atom import Atom
+from prag_asp.atom import Atom, atom_of
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.proofs.learning import Fluents, Proofs
 from prag_asp.program.facts import Facts
@@ -89,8 +89,8 @@ class _Folding:
         self._entities = {str(entity) for entity in stated.entities}
         self._members: dict[str, set[str]] = {ANYTHING: self._entities}
         for entity, kind in sorted(stated.memberships):
-            self._members.setdefault(kind, set()).add(str(entity))
-        self._fluents = [Atom(each.name, tuple(map(str, each.arguments))) for each in stated.fluents]
+            self._members.setdefault(str(kind), set()).add(str(entity))
+        self._fluents = list(map(atom_of, stated.fluents))
 
     def rules(self) -> list[Rule]:
         """Return the rules, in the order of the proofs that they state first."""

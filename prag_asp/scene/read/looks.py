@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from prag_asp.scene.model import Material, Shape
-from prag_asp.scene.read.report import Report, is_number, suggest
+from prag_asp.scene.read.report import Report, is_number
+from prag_asp.wording import did_you_mean
 
 LIMITS: Mapping[str, tuple[float, float, str]] = {
     "density": (1.0, 25000.0, "kilograms a cubic metre"),
@@ -54,7 +55,8 @@ def read_colors(report: Report, table: Mapping[str, Any], shapes: Mapping[str, S
     given = {name: report.color(f"scene.colors.{name}", color) for name, color in table.items()}
     for name in table:
         if name not in report.entities and name not in report.classes:
-            report.add(f"scene.colors.{name}", "unknown entity or class; " + suggest(name, report.entities))
+            hint = did_you_mean(name, [*report.entities, *report.classes])
+            report.add(f"scene.colors.{name}", f"unknown entity or class; {hint}")
     colors, position = {}, 0
     for entity, shape in shapes.items():
         own = next((given[name] for name in (entity, *report.line(entity)) if name in given), None)

@@ -19,8 +19,9 @@ from string import Formatter
 from typing import Any
 
 from prag_asp.scene.model import IGNORED, Bounds, Own
-from prag_asp.scene.read.report import Report, suggest
+from prag_asp.scene.read.report import Report
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
+from prag_asp.wording import did_you_mean
 
 ROLES = tuple(dict.fromkeys(role for roles in PREDICATE_ROLES.values() for role in roles))
 """What an argument of a spatial predicate can be."""
@@ -102,7 +103,7 @@ class _OwnReader:
         elif around is not None and len(roles) != 1:
             self.add(f"{key}.around", "stands in for a second argument; give it one object as its arguments")
         elif around is not None and str(around) not in self.report.entities:
-            self.add(f"{key}.around", f"unknown entity; {suggest(str(around), self.report.entities)}")
+            self.add(f"{key}.around", f"unknown entity; {did_you_mean(str(around), self.report.entities)}")
         inside = table.get("inside", INSIDE[0])
         if inside not in INSIDE:
             self.add(f"{key}.inside", f"needs one of {', '.join(INSIDE)} (what is in a box); got {inside!r}")
@@ -129,7 +130,7 @@ class _OwnReader:
             return Bounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         for name in value:
             if name not in AXES:
-                self.add(f"{key}.{name}", f"unknown key; {suggest(name, AXES)}")
+                self.add(f"{key}.{name}", f"unknown key; {did_you_mean(name, AXES)}")
         ends = [self.ends(f"{key}.{axis}", value.get(axis, list(ENDLESS))) for axis in AXES]
         (ax, bx), (ay, by), (az, bz) = ends
         return Bounds((ax, ay, az), (bx, by, bz))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from prag_asp.wording import most_similar
+from prag_asp.wording import did_you_mean, nearest
 
 MAX_LENGTH = 2.0
 SMALLEST = 0.003
@@ -39,13 +39,6 @@ def ancestors(name: str, classes: Mapping[str, Sequence[str]]) -> list[str]:
     return found
 
 
-def suggest(name: str, known: Iterable[str]) -> str:
-    """Return a hint that names the nearest of `known`, or all of them."""
-    options = sorted(known)
-    near = most_similar(name, options)
-    return f"did you mean {near}?" if near else f"known are {', '.join(options) or 'none'}"
-
-
 def is_number(value: object) -> bool:
     """Tell whether a TOML value is a number that can be a length or an angle: no NaN, and not beyond all measure."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1e9
@@ -75,8 +68,8 @@ class Report:
         """Report the keys of a table that are not known."""
         for name in table:
             if name not in known:
-                self.add(f"{key}.{name}", f"unknown key; {suggest(name, known)}")
-                meant = most_similar(name, sorted(known))
+                self.add(f"{key}.{name}", f"unknown key; {did_you_mean(name, known)}")
+                meant = nearest(name, known)
                 if meant is not None and meant not in table:
                     self.misspelt.add(f"{key}.{meant}")
 
@@ -116,14 +109,14 @@ class Report:
         """Tell whether a class exists, and report it otherwise."""
         if name in self.classes or any(name in parents for parents in self.classes.values()):
             return True
-        self.add(key, f"unknown class; {suggest(name, self.classes)}")
+        self.add(key, f"unknown class; {did_you_mean(name, self.classes)}")
         return False
 
     def known_entity(self, key: str, name: str) -> bool:
         """Tell whether an entity exists, and report it otherwise."""
         if name in self.entities:
             return True
-        self.add(key, f"unknown entity; {suggest(name, self.entities)}")
+        self.add(key, f"unknown entity; {did_you_mean(name, self.entities)}")
         return False
 
     def line(self, entity: str) -> list[str]:

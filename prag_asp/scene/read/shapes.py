@@ -8,8 +8,8 @@ from typing import Any
 from prag_asp.errors import SceneError
 from prag_asp.scene.kinds import KINDS
 from prag_asp.scene.model import Shape, Size
-from prag_asp.scene.read.report import MAX_LENGTH, SMALLEST, Report, is_number, suggest
-from prag_asp.wording import most_similar
+from prag_asp.scene.read.report import MAX_LENGTH, SMALLEST, Report, is_number
+from prag_asp.wording import did_you_mean, nearest
 
 TRIPLE = 3
 SIZES = 8
@@ -29,8 +29,9 @@ def read_shapes(report: Report, table: Mapping[str, Any]) -> dict[str, tuple[Sha
     for name, value in table.items():
         if report.known_class(f"scene.shapes.{name}", name):
             by_class[name] = _shapes(report, f"scene.shapes.{name}", value)
-        elif (meant := most_similar(name, report.classes)) and meant not in table:
-            by_class[meant] = ()
+        else:
+            meant = nearest(name, report.classes)
+            by_class |= {} if meant is None or meant in table else {meant: ()}
     found = {}
     for entity in report.entities:
         shapes = next((by_class[name] for name in report.line(entity) if name in by_class), None)
@@ -48,7 +49,7 @@ def _shapes(report: Report, key: str, value: object) -> tuple[Shape, ...]:
         return ()
     kind = value.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
-        report.add(f"{key}.kind", f"unknown shape {kind!r}; {suggest(str(kind), KINDS)}")
+        report.add(f"{key}.kind", f"unknown shape {kind!r}; {did_you_mean(str(kind), KINDS)}")
         return ()
     before, traits = len(report.problems), KINDS[kind]
     report.unknown(key, value, ("kind", *traits.keys))

@@ -13,12 +13,13 @@ from typing import Any
 from prag_asp.scene.model import IGNORED, Own, Scene, Shape, Table
 from prag_asp.scene.read.looks import read_colors, read_materials
 from prag_asp.scene.read.places import place_problems, read_fixed, read_table, read_workspace
-from prag_asp.scene.read.report import Report, is_number, suggest
+from prag_asp.scene.read.report import Report, is_number
 from prag_asp.scene.read.robots import base_problems, read_robots
 from prag_asp.scene.read.shapes import read_shapes
 from prag_asp.scene.read.stability import falls
 from prag_asp.scene.robots import ROBOTS
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
+from prag_asp.wording import did_you_mean
 
 FRAMES = ("robot", "viewer")
 SCENE_KEYS = (
@@ -100,7 +101,7 @@ def _predicates(report: Report, value: Mapping[str, Any], own: Mapping[str, Own]
     known = [*PREDICATE_ROLES, *own, IGNORED]
     for fluent, predicate in value.items():
         if predicate not in known and str(predicate) not in report.doubtful:
-            hint = suggest(str(predicate), known)
+            hint = did_you_mean(str(predicate), known)
             report.add(f"scene.predicates.{fluent}", f"unknown spatial predicate {predicate!r}; {hint}")
     return {fluent: str(predicate) for fluent, predicate in value.items()}
 

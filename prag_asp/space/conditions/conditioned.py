@@ -59,4 +59,5 @@ def _goal(clause: Clause, facts: Facts) -> list[tuple[clingo.Symbol, str]] | Non
     found = clause.conjunctions(facts)
     if len(found) != 1:
         return None
-    return [(clingo.parse_term(fluent), "true" if value else "false") for fluent, value in found[0].items()]
+    fluents = {str(fluent): fluent for fluent in facts.fluents}
+    return [(fluents[fluent], "true" if value else "false") for fluent, value in found[0].items()]

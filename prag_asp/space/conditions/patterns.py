@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import clingo
 
-from prag_asp.atom import parse_atom
+from prag_asp.atom import atom_of, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
@@ -51,7 +51,7 @@ class Pattern:
             return False
         if self.arguments is None:
             return True
-        given = parse_atom(str(action)).arguments
+        given = atom_of(action).arguments
         return len(given) == len(self.arguments) and all(
             wanted in (ANY, argument) for wanted, argument in zip(self.arguments, given, strict=True)
         )
@@ -66,7 +66,7 @@ def class_members(kind: str, facts: Facts) -> Iterator[clingo.Symbol]:
     entities = {str(entity): entity for entity in facts.entities}
     if kind in entities:
         return iter([entities[kind]])
-    classes = {name for _, name in facts.memberships} | set(facts.parents)
+    classes = {str(name): name for name in facts.classes}
     if kind not in classes:
         raise QueryError(unknown(kind, [*entities, *classes], "entity or class"))
-    return iter(sorted(entity for entity in facts.entities if (entity, kind) in facts.memberships))
+    return iter(sorted(entity for entity in facts.entities if (entity, classes[kind]) in facts.memberships))

@@ -13,6 +13,7 @@ from fractions import Fraction
 from itertools import compress
 from typing import Any
 
+import clingo
 import numpy as np
 from numpy.typing import NDArray
 
@@ -106,15 +107,15 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
     """Return the letters that name each entity, and those that name one of each class."""
     symbols = {str(action): action for action in facts.actions}
     by_entity: dict[str, set[int]] = {str(entity): set() for entity in facts.entities}
-    by_class: dict[str, set[int]] = {name: set() for _, name in sorted(facts.memberships, key=str)}
-    classes: dict[str, list[str]] = {}
+    by_class: dict[str, set[int]] = {str(name): set() for _, name in sorted(facts.memberships, key=str)}
+    classes: dict[clingo.Symbol, list[str]] = {}
     for entity, name in facts.memberships:
-        classes.setdefault(str(entity), []).append(name)
+        classes.setdefault(entity, []).append(str(name))
     for number, letter in enumerate(letters):
         for entity in mentioned_entities(symbols[letter], facts.entities):
             by_entity[str(entity)].add(number)
-            for name in classes.get(str(entity), ()):
-                by_class[name].add(number)
+            for kind in classes.get(entity, ()):
+                by_class[kind].add(number)
     return by_entity, by_class
 
 

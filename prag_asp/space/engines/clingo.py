@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 
 import clingo
@@ -31,7 +31,8 @@ class ClingoEngine:
         self._level = level
         self._progress = progress
         self._unrolled: tuple[int, _Unrolled] | None = None
-        self.letters = all_letters(model, level)
+        self._symbols = all_letters(model, level)
+        self.letters = tuple(self._symbols)
 
     def count(self, length: int, prefix: Letters = ()) -> int:
         """Return the number of words of a length, by enumerating them all.
@@ -101,16 +102,16 @@ class ClingoEngine:
     def _plans(self, length: int) -> _Unrolled:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
-            self._unrolled = (length, _Unrolled(program, length, self._level, self.letters))
+            self._unrolled = (length, _Unrolled(program, length, self._level, self._symbols))
         return self._unrolled[1]
 
 
 class _Unrolled:
     """The ground program of all plans of one length."""
 
-    def __init__(self, program: Program, length: int, level: Level, letters: Letters) -> None:
+    def __init__(self, program: Program, length: int, level: Level, letters: Mapping[str, clingo.Symbol]) -> None:
         self._shown = "named" if level == "skeleton" else "occurs"
-        self._letters = frozenset(letters)
+        self._letters = letters
         projected = f"{self._shown}(X,t) : {self._shown}(X,t)"
         grounder = Grounder(program, "0", "--project=project", "--stats")
         self._control = grounder.control
@@ -126,7 +127,8 @@ class _Unrolled:
         found = []
         for step, letter in enumerate(letters, 1):
             predicate = self._shown if letter in self._letters else "named"
-            symbol = clingo.Function(predicate, [clingo.parse_term(letter), clingo.Number(step)])
+            term = self._letters[letter] if letter in self._letters else clingo.Function(letter)
+            symbol = clingo.Function(predicate, [term, clingo.Number(step)])
             atom = self._control.symbolic_atoms[symbol]
             if atom is None:
                 return None

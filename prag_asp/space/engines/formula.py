@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,7 +25,7 @@ class WordFormula:
     cnf: Cnf
     level: Level
     length: int
-    letters: tuple[str, ...]
+    letters: Mapping[str, clingo.Symbol]
 
     def beginning(self, prefix: Sequence[str]) -> list[Literal] | None:
         """Return the literals that say that a word begins with `prefix`, or None where none can."""
@@ -36,7 +36,7 @@ class WordFormula:
 
     def fits(self, letter: str, wanted: Sequence[str]) -> bool:
         """Return whether a letter is the first of those wanted, or an action of that name, if any is wanted."""
-        return not wanted or letter == wanted[0] or (wanted[0] not in self._numbers and _name(letter) == wanted[0])
+        return not wanted or letter == wanted[0] or (wanted[0] not in self.letters and _name(letter) == wanted[0])
 
     def word(self, model: Sequence[Literal]) -> Letters:
         """Return the word that a model is.
@@ -52,10 +52,6 @@ class WordFormula:
         if any(len(letters) != 1 for letters in word):
             raise EngineError("a step does not have exactly one action; restore that rule of step.lp")
         return tuple(letters[0] for letters in word)
-
-    @cached_property
-    def _numbers(self) -> dict[str, int]:
-        return {letter: number for number, letter in enumerate(self.letters)}
 
     @cached_property
     def _shown(self) -> list[tuple[Literal, int, str]]:
@@ -74,8 +70,9 @@ class WordFormula:
         return [tuple(letter for at, letter in facts if at == step) for step in range(1, self.length + 1)]
 
     def _atom(self, letter: str, step: int) -> clingo.Symbol:
-        predicate = SHOWN[self.level] if letter in self._numbers else "named"
-        return clingo.Function(predicate, [clingo.parse_term(letter), clingo.Number(step)])
+        known = letter in self.letters
+        term = self.letters[letter] if known else clingo.Function(letter)
+        return clingo.Function(SHOWN[self.level] if known else "named", [term, clingo.Number(step)])
 
 
 def word_formula(model: Model, level: Level, length: int) -> WordFormula:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal, Protocol
 
+import clingo
+
 from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.space.limits import Limits
@@ -78,7 +80,9 @@ Progress = Callable[[str], None]
 MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
 
 
-def all_letters(model: Model, level: Level) -> Letters:
-    """Return the letters of a level in order: the texts of all actions, or their names."""
+def all_letters(model: Model, level: Level) -> dict[str, clingo.Symbol]:
+    """Return the letters of a level with their terms, in order: the texts of all actions, or their names."""
     actions = model.domain.facts.actions
-    return tuple(sorted({action_name(action) for action in actions}) if level == "skeleton" else map(str, actions))
+    if level == "skeleton":
+        return {name: clingo.Function(name) for name in sorted(set(map(action_name, actions)))}
+    return {str(action): action for action in actions}

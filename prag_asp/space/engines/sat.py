@@ -33,7 +33,7 @@ class SatEngine:
         self._level = level
         self._progress = progress
         self._search: _Search | None = None
-        self.letters = all_letters(model, level)
+        self.letters = tuple(all_letters(model, level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:
         """Return the number of words of a length, by finding them one by one and forbidding each.

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import clingo
 
-from prag_asp.atom import Atom, parse_atom
+from prag_asp.atom import symbol_of
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import mentioned_entities
-from prag_asp.logic.symmetry.renaming import renamed as renamed_term
+from prag_asp.logic.symmetry.renaming import renamed
 
 
 def canonical_names(
-    plan: Iterable[Atom], groups: Sequence[Sequence[clingo.Symbol]]
+    plan: Iterable[clingo.Symbol], groups: Sequence[Sequence[clingo.Symbol]]
 ) -> dict[clingo.Symbol, clingo.Symbol]:
     """Return new names for the entities of `groups` that a plan uses: in each group, the first used is the first."""
     group_of = {entity: group for group in groups for entity in group}
     names: dict[clingo.Symbol, clingo.Symbol] = {}
     introduced: dict[clingo.Symbol, int] = {}
     for action in plan:
-        for entity in mentioned_entities(clingo.parse_term(str(action)), group_of):
+        for entity in mentioned_entities(action, group_of):
             if entity not in names:
                 group = group_of[entity]
                 names[entity] = group[introduced.setdefault(group[0], 0)]
@@ -37,21 +37,16 @@ def canonical_prefix(
         QueryError: after a mere name, an action speaks of an interchangeable entity for the first time.
     """
     named = set(names)
-    actions = [parse_atom(item) for item in prefix if item not in named]
-    renaming = canonical_names(actions, groups)
+    actions = {item: symbol_of(item) for item in prefix if item not in named}
+    renaming = canonical_names((actions[item] for item in prefix if item in actions), groups)
     grouped = {entity for group in groups for entity in group}
     introduced: set[clingo.Symbol] = set()
     for place, item in enumerate(prefix):
-        used = set(mentioned_entities(clingo.parse_term(item), grouped)) if item not in named else set()
+        used = set(mentioned_entities(actions[item], grouped)) if item in actions else set()
         if used - introduced and any(earlier in named for earlier in prefix[:place]):
             raise QueryError(
                 f"{item} names the interchangeable {min(map(str, used - introduced))}, but it comes after a mere name: "
                 "give the actions before it in full, or count plans"
             )
         introduced |= used
-    return tuple(item if item in named else str(renamed([parse_atom(item)], renaming)[0]) for item in prefix)
-
-
-def renamed(plan: Iterable[Atom], names: Mapping[clingo.Symbol, clingo.Symbol]) -> list[Atom]:
-    """Return a plan with other names for its entities."""
-    return [parse_atom(str(renamed_term(clingo.parse_term(str(action)), names))) for action in plan]
+    return tuple(str(renamed(actions[item], renaming)) if item in actions else item for item in prefix)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import clingo
 import numpy as np
 
-from prag_asp.atom import Atom, parse_atom
+from prag_asp.atom import Atom, atom_of
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.program import mentioned_entities
 from prag_asp.logic.model import Model
@@ -101,8 +101,8 @@ class Narrator:
     def _classes_of(self, used: Entities) -> FrozenDict[str, str]:
         found = self._classes.get(used)
         if found is None:
-            entities = enumerate(self._model.domain.facts.entities.items())
-            found = FrozenDict({str(entity): name for place, (entity, name) in entities if used >> place & 1})
+            entities = enumerate(self._model.domain.facts.entity_names.items())
+            found = FrozenDict({entity: name for place, (entity, name) in entities if used >> place & 1})
             self._classes[used] = found
         return found
 
@@ -118,7 +118,7 @@ class Narrator:
 
     @cached_property
     def _fluents(self) -> list[Atom]:
-        return [parse_atom(str(fluent)) for fluent in self._model.domain.facts.fluents]
+        return [atom_of(fluent) for fluent in self._model.domain.facts.fluents]
 
     @cached_property
     def _named_by_fluent(self) -> list[Entities]:
@@ -129,7 +129,7 @@ class Narrator:
         facts = self._model.domain.facts
         return {
             str(action): _Action(
-                parse_atom(str(action)), _values(facts.postconditions.get(action, ())), self._mentioned(action)
+                atom_of(action), _values(facts.postconditions.get(action, ())), self._mentioned(action)
             )
             for action in facts.actions
         }
@@ -147,4 +147,4 @@ class Narrator:
 
 
 def _values(values: Assignment) -> Known:
-    return FrozenDict({parse_atom(str(fluent)): value == "true" for fluent, value in values if value != "unknown"})
+    return FrozenDict({atom_of(fluent): value == "true" for fluent, value in values if value != "unknown"})

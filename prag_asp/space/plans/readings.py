@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from prag_asp.atom import Atom, parse_atom
+from prag_asp.atom import Atom, atom_of
 from prag_asp.program.composition import composite_actions
 from prag_asp.program.facts import Facts
 
@@ -61,7 +61,7 @@ def hierarchy_of(facts: Facts) -> Hierarchy:
     """Return what the composites and the free actions of a domain are."""
     if not facts.composites:
         return Hierarchy(None)
-    atoms = {term: parse_atom(str(term)) for term in (*facts.actions, *facts.composites)}
+    atoms = {term: atom_of(term) for term in (*facts.actions, *facts.composites)}
     whole: dict[Atom, Composite] = {}
     units: dict[tuple[Atom, ...], tuple[Atom | Composite, ...]] = {(atoms[a],): (atoms[a],) for a in facts.free}
     words = composite_actions(facts)

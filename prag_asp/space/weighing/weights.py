@@ -67,7 +67,7 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
         QueryError: a key is unknown or ambiguous, or a weight is not a number of at least 0.
     """
     names = {action_name(action) for action in facts.actions}
-    classes = {name for _, name in facts.memberships} | set(facts.parents)
+    classes = {str(name): name for name in facts.classes}
     entities = {str(entity): entity for entity in facts.entities}
     actions = {str(action): action for action in facts.actions}
     found_names: dict[str, Fraction] = {}
@@ -91,7 +91,7 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
             by_entity[entities[key]] *= weight
         elif key in classes:
             for entity in facts.entities:
-                if (entity, key) in facts.memberships:
+                if (entity, classes[key]) in facts.memberships:
                     by_entity[entity] *= weight
         else:
             raise QueryError(unknown(key, sorted({*names, *classes, *entities}), "action, class or entity"))
@@ -165,7 +165,7 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
     """Return the facts for ``rules/weights.lp``, and the atoms that then tell what an edge weighs."""
-    pairs = [clingo.Function("weighed", [clingo.parse_term(name) for name in pair]) for pair in sorted(weights.pairs)]
+    pairs = [clingo.Function("weighed", list(map(clingo.Function, pair))) for pair in sorted(weights.pairs)]
     entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
     found = [clingo.Function("follows", pair.arguments) for pair in pairs]
     found += [clingo.Function("first_use", entity.arguments) for entity in entities]
