@@ -6,8 +6,6 @@ import shlex
 import sys
 from importlib import import_module
 from types import ModuleType
-from urllib.parse import urlsplit
-from urllib.request import url2pathname
 
 from prag_asp.errors import PhysicsMissingError
 
@@ -24,7 +22,11 @@ def needed(module: str) -> ModuleType:
     try:
         return import_module(module)
     except ImportError as error:
-        raise PhysicsMissingError(_told(error, module)) from None
+        if error.name == module:
+            told = f"physics needs PyBullet and frankik; {advice(sys.version_info[:2])}"
+        else:
+            told = f"physics needs {module}, which cannot be loaded: {' '.join(str(error).split())}; install it anew"
+        raise PhysicsMissingError(told) from None
 
 
 def require_physics(reason: str = "") -> None:
@@ -39,28 +41,28 @@ def require_physics(reason: str = "") -> None:
         raise PhysicsMissingError(f"{reason}, and {error}" if reason else str(error)) from None
 
 
-def _told(error: ImportError, module: str) -> str:
-    """Return what is wrong with a module, and what to do."""
-    version = ".".join(map(str, sys.version_info[:2]))
-    if error.name != module:
-        return f"physics needs {module}, which cannot be loaded: {' '.join(str(error).split())}; install it anew"
-    if sys.version_info[:2] <= NEWEST:
-        fork = sys.platform != "linux" or sys.version_info >= (3, 12)
-        return f"physics needs PyBullet and frankik: pip install {'pybullet-arm64' if fork else 'pybullet'} frankik"
-    newest = ".".join(map(str, NEWEST))
+def advice(version: tuple[int, int]) -> str:
+    """Return how a Python of some version gets what is missing."""
+    if version <= NEWEST:
+        fork = version >= (3, 12) or sys.platform != "linux"
+        return f"install them: pip install {'pybullet-arm64' if fork else 'pybullet'} frankik"
+    (major, minor), newest = version, ".".join(map(str, NEWEST))
     return (
-        f"physics needs PyBullet and frankik, which have no wheels for Python {version}; take an older Python, "
-        f"for instance by: uv tool install --python {newest} {_origin()}; or build both from source"
+        f"there are no wheels for Python {major}.{minor}: take Python {newest}, for instance by "
+        f"uv tool install --python {newest} {_origin()}; or build both from source"
     )
 
 
 def _origin() -> str:
-    """Return what prag_asp is installed from: a folder or a file, otherwise its name."""
+    """Return what prag_asp was installed from: a folder or a file, otherwise its name."""
     import json  # noqa: PLC0415 - only what goes wrong needs these
     from importlib.metadata import PackageNotFoundError, distribution  # noqa: PLC0415
+    from urllib.parse import urlsplit  # noqa: PLC0415
+    from urllib.request import url2pathname  # noqa: PLC0415
 
     try:
-        url = json.loads(distribution("prag_asp").read_text("direct_url.json") or "{}").get("url", "")
+        told = distribution("prag_asp").read_text("direct_url.json")
     except PackageNotFoundError:
-        url = ""
-    return shlex.quote(url2pathname(urlsplit(url).path)) if url.startswith("file:") else "prag_asp"
+        told = None
+    url = urlsplit(json.loads(told)["url"] if told else "")
+    return shlex.quote(url2pathname(url.path)) if url.scheme == "file" else "prag_asp"

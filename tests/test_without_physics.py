@@ -1,0 +1,149 @@
+"""Where PyBullet, frankik and Pillow are not installed, all of logic works, and the rest says in a line what to do."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.errors import PhysicsMissingError
+from prag_asp.physics.missing import NEWEST, advice, needed
+from tests.bare import LINUX, ROOT, bare_python, required
+
+ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak")
+LOGIC = (
+    "tests/dataset", "tests/domain", "tests/logic", "tests/space/test_engines.py", "tests/space/test_frozen.py",
+    "tests/space/test_kitchen_counts.py", "tests/space/test_limits.py", "tests/space/test_ranges.py",
+    "tests/space/test_ranks.py",
+)  # fmt: skip
+CHEAP = "not slow and not hypothesis"
+"""Tests of logic that take less than a minute together; random input would find the same with PyBullet as without."""
+
+
+@pytest.fixture(scope="module")
+def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return bare_python(tmp_path_factory.mktemp("bare") / "venv", "pytest", "hypothesis")
+
+
+def run(python: Path, *arguments: str | Path, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    command = [str(python), "-I", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=600, check=False)
+
+
+def prag(python: Path, *arguments: str | Path, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    return run(python, "-c", "from prag_asp.cli import main; main()", *arguments, cwd=cwd)
+
+
+def test_the_environment_lacks_what_it_is_to_lack(python: Path) -> None:
+    for name in ABSENT:
+        assert f"No module named '{name}'" in run(python, "-c", f"import {name}").stderr
+
+
+@pytest.mark.slow
+def test_the_suite_of_logic_passes(python: Path) -> None:
+    done = run(python, "-m", "pytest", "-q", "-x", "-m", CHEAP, "-o", "addopts=", "-p", "no:cacheprovider", *LOGIC)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert int(done.stdout.split(" passed")[0].split()[-1]) > 390
+
+
+@pytest.mark.parametrize("name", ["tabletop", "kitchen", "two_arms", "blocks"])
+def test_check_reads_a_scene_and_learns_which_grips_fail(python: Path, name: str) -> None:
+    done = prag(python, "check", name)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith(f"{name}: ok; ")
+
+
+def test_draws_are_the_same_without_physics(python: Path) -> None:
+    domain = load_domain("tabletop")
+    tasks = TaskSpace(domain, 3).sample(4, seed=7, weights=dict(domain.settings.weights))
+    done = prag(python, "sample", "tabletop", "-n", "3", "--count", "4", "--seed", "7", "--no-physics")
+    assert (done.returncode, done.stdout.splitlines()) == (0, list(map(str, tasks)))
+
+
+@pytest.fixture(scope="module")
+def tasks(python: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("tasks") / "tasks.jsonl"
+    drawn = ("sample", "tabletop", "-n", "2", "--count", "2", "--no-physics", "--format", "jsonl", "-o", file)
+    assert prag(python, *drawn).returncode == 0
+    return file
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("sample", "tabletop", "-n", "3"),
+        ("sample", "tabletop", "-n", "3", "--physics", "--workers", "2", "-o", "drawn.txt"),
+        ("sample", "two_arms", "-n", "3", "--demonstrate", "recordings"),
+        ("learn", "tabletop", "-n", "2"),
+        ("validate", "{tasks}"),
+        ("validate", "{tasks}", "--witness-only"),
+        ("validate", "{tasks}", "--demonstrate", "recordings"),
+        ("render", "{tasks}"),
+    ],
+    ids=" ".join,
+)
+def test_what_needs_physics_says_so_in_a_line_and_writes_nothing(
+    python: Path, tasks: Path, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    done = prag(python, *(each.format(tasks=tasks) for each in arguments), cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    (line,) = done.stderr.splitlines()
+    assert "physics needs PyBullet and frankik; " in line
+    assert ("--no-physics draws without" in line) == (arguments[0] == "sample")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_curve_says_what_draws_it(python: Path) -> None:
+    done = prag(python, "stats", "prag", "-n", "2", "--plot", "curve.png")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "a curve needs matplotlib: pip install 'prag_asp[pictures]'\n"
+
+
+def test_python_gets_an_error_of_the_packages_own_and_every_name_that_computes_no_motion(python: Path) -> None:
+    code = """
+from prag_asp import PragError
+import prag_asp.physics as physics
+for name in physics.__all__:
+    try:
+        getattr(physics, name)
+    except PragError as error:
+        assert type(error) is physics.PhysicsMissingError and str(error).count("\\n") == 0
+        print(name)
+"""
+    done = run(python, "-c", code)
+    assert done.returncode == 0, done.stderr
+    missing = set(done.stdout.split())
+    assert {"validate_task", "validate_tasks", "open_validator", "check_witness", "settle", "film_strip"} <= missing
+    assert not missing & {
+        "PREDICATES", "TIERS", "Budget", "Demonstration", "Moment", "Predicate", "Verdict", "Waypoint", "Witness",
+        "check_demonstration", "physical_task", "require_physics",
+    }  # fmt: skip
+
+
+def test_the_advice_fits_the_python() -> None:
+    assert advice((3, 11)) == "install them: pip install pybullet frankik"
+    assert advice((3, 13)) == "install them: pip install pybullet-arm64 frankik"
+    new = advice((3, 14))
+    assert new.startswith("there are no wheels for Python 3.14: take Python 3.13, for instance by uv tool install ")
+    assert new.endswith("; or build both from source")
+
+
+def test_a_package_that_is_there_but_broken_is_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "torn.py").write_text("raise ImportError('libnothing.so: cannot open\\nshared object file')")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(PhysicsMissingError, match=r"torn, which cannot be loaded: libnothing.so: cannot open shared "):
+        needed("torn")
+
+
+def test_pip_asks_for_physics_exactly_where_there_are_wheels() -> None:
+    simulators = {"pybullet", "pybullet-arm64"}
+    for minor in range(10, 17):
+        names = set(required(f"3.{minor}"))
+        wheels = (3, minor) <= NEWEST
+        assert len(names & simulators) == wheels and ("frankik" in names) == wheels
+        assert {"clingo", "numpy", "python-sat", "click"} <= names
+    assert "pybullet" in required("3.11") and "pybullet-arm64" in required("3.12")
+    assert not simulators & set(required("3.12", {**LINUX, "platform_machine": "aarch64"}))
+    mac = {"sys_platform": "darwin", "platform_machine": "arm64"}
+    assert "pybullet-arm64" in required("3.10", mac) and not simulators & set(required("3.14", mac))
