@@ -11,6 +11,7 @@ from prag_asp.errors import SceneError
 from prag_asp.lint import check, check_learned
 from prag_asp.program.facts import Facts
 from prag_asp.program.paths import data_folder, domain_folder
+from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
@@ -26,7 +27,7 @@ class Domain:
 
     `program` is the whole logic program (the encodings, the domain's own files and the rules asked for), `facts` what
     its base part states. Physics runs the Python files of the domain only where it is `trusted`. `learned` are the
-    impossible fluents that only the file of learned invariants states.
+    impossible fluents that only the file of learned invariants states, `warnings` what is strange, but well defined.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Domain:
     settings: Settings
     trusted: bool = False
     learned: tuple[tuple[clingo.Symbol, clingo.Symbol], ...] = ()
+    warnings: tuple[Problem, ...] = ()
 
 
 def load_domain(
@@ -47,6 +49,7 @@ def load_domain(
     flat: bool = False,
     trust: bool = False,
     learned: bool = True,
+    strict: bool = False,
 ) -> Domain:
     """Read and check a domain, given as a shipped name or as a folder.
 
@@ -54,7 +57,7 @@ def load_domain(
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
     of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
     that its domain.toml names; nothing else does. Without `learned`, the file of learned invariants is left out; it is
-    read where the folder has one.
+    read where the folder has one. With `strict`, warnings are errors.
 
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
@@ -68,12 +71,16 @@ def load_domain(
     known = {source.path.resolve() for source in core}
     extra = tuple(source for source in (*hierarchy, *own, *asked) if source.path.resolve() not in known)
     program = Program((*core, *_unique(extra)))
-    facts, settings = check(program, folder)
+    checked = check(program, folder)
+    if strict:
+        raise_problems(each.as_error() for each in first_of_each(checked.warnings))
+    facts, settings = checked.facts, checked.settings
     if flat:
         facts = replace(facts, composites=(), stages={}, free=())
     if not facts.composites:
         program = Program(tuple(source for source in program.sources if source not in hierarchy))
-    domain = Domain(folder.resolve().name, folder, encodings, program, facts, settings, trust)
+    name = folder.resolve().name
+    domain = Domain(name, folder, encodings, program, facts, settings, trust, warnings=checked.warnings)
     path = folder / LEARNED
     return with_learned(domain, read_sources(path, encodings)) if learned and path.is_file() else domain
 
