@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
@@ -9,6 +10,9 @@ from prag_asp.errors import QueryError
 
 SIMILAR = 0.6
 """The share of their letters, in order, that two names have in common where one may be meant by the other."""
+
+ALIKE = 0.7
+"""The share from which a name is held for a misspelling, and not only for one that may be meant."""
 
 LISTED = 8
 """Known names that a message lists at most."""
@@ -20,6 +24,16 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
     near = difflib.get_close_matches(name, sorted({*known} - {name}), n=1, cutoff=SIMILAR)
     return near[0] if near else None
+
+
+def is_misspelling(name: str, near: str) -> bool:
+    """Tell whether a name is hardly one of its own: another differs from it by more than a number or a whole word."""
+    import difflib  # noqa: PLC0415 - as above
+
+    words, others = set(name.split("_")), set(near.split("_"))
+    numbers, other_numbers = re.findall(r"\d+", name), re.findall(r"\d+", near)
+    alike = difflib.SequenceMatcher(None, name, near).ratio() >= ALIKE
+    return alike and numbers == other_numbers and not words < others and not others < words
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:

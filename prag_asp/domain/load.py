@@ -14,6 +14,7 @@ from prag_asp.lint import check, check_learned
 from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.facts import Facts
 from prag_asp.program.paths import data_folder
+from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
@@ -33,7 +34,8 @@ class Domain:
     `program` is the whole logic program (the encodings, the domain's own files and the rules asked for), `facts` what
     its base part states. `folder` is None where it was not given as a name or a folder. Physics runs the Python files
     of the domain only where it is `trusted`. `learned` are the impossible fluents that only the file of learned
-    invariants states, `constants` the terms that its ``#const``s were set to, by their names.
+    invariants states, `constants` the terms that its ``#const``s were set to, by their names, `warnings` what is
+    strange, but well defined.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Domain:
     trusted: bool = False
     learned: tuple[tuple[clingo.Symbol, clingo.Symbol], ...] = ()
     constants: Mapping[str, str] = field(default_factory=dict)
+    warnings: tuple[Problem, ...] = ()
 
     @property
     def label(self) -> str:
@@ -63,6 +66,7 @@ def load_domain(
     flat: bool = False,
     trust: bool = False,
     learned: bool = True,
+    strict: bool = False,
 ) -> Domain:
     """Read and check a domain, given as a shipped name, as a folder, as files that end in .lp, or as a text.
 
@@ -74,7 +78,8 @@ def load_domain(
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
     of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
     that its domain.toml names; nothing else does. Without `learned`, the file of learned invariants is left out; it is
-    read where a folder has one, unless `settings` give another scene than it was learned from.
+    read where a folder has one, unless `settings` give another scene than it was learned from. With `strict`, warnings
+    are errors.
 
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
@@ -90,12 +95,17 @@ def load_domain(
     known = {source.path.resolve() for source in core}
     extra = tuple(source for source in (*hierarchy, *own, *asked) if source.path.resolve() not in known)
     program = Program((*core, *_unique(extra)))
-    facts, table = check(program, _settings_file(settings, found.folder))
+    checked = check(program, _settings_file(settings, found.folder))
+    if strict:
+        raise_problems(each.as_error() for each in first_of_each(checked.warnings))
+    facts, table = checked.facts, checked.settings
     if flat:
         facts = replace(facts, composites=(), stages={}, free=())
     if not facts.composites:
         program = Program(tuple(source for source in program.sources if source not in hierarchy))
-    domain = Domain(found.name, found.folder, encodings, program, facts, table, trust, constants=values)
+    domain = Domain(
+        found.name, found.folder, encodings, program, facts, table, trust, constants=values, warnings=checked.warnings
+    )
     path = found.folder / LEARNED if found.folder and settings is None else None
     return with_learned(domain, read_sources(path, encodings)) if learned and path and path.is_file() else domain
 

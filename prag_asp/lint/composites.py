@@ -32,6 +32,7 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield what is wrong with the composites, the stages and the free actions; each stage needs the ones before."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
+    yield from _needless(facts, origins)
     misplaced = [] if undeclared else list(grouped(_misplaced(facts, origins)))
     yield from misplaced
     if undeclared or misplaced:
@@ -54,15 +55,15 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     )
 
 
-def grouped(complaints: Iterable[Complaint]) -> Iterator[Problem]:
-    """Yield one problem for all composites of one name that one rule makes wrong."""
+def grouped(complaints: Iterable[Complaint], name: str = "") -> Iterator[Problem]:
+    """Yield one problem for all composites of one name that one rule makes wrong; with a `name`, a warning of it."""
     alike: dict[tuple[str, Place], list[Complaint]] = {}
     for complaint in complaints:
         alike.setdefault((complaint.composite.name, complaint.place), []).append(complaint)
     for (_, place), found in alike.items():
         composite, _, words, advice = found[0]
         more = f" (and {len(found) - 1} more like it)" if len(found) > 1 else ""
-        yield Problem(*place, f"{composite} {words}{more}; {advice}")
+        yield Problem(*place, f"{composite} {words}{more}; {advice}", name)
 
 
 def _undeclared(facts: Facts, origins: Origins) -> Iterator[Problem]:
@@ -79,18 +80,23 @@ def _undeclared(facts: Facts, origins: Origins) -> Iterator[Problem]:
         if action not in actions and action not in composites:
             findings.undeclared("action", action, facts.actions, "free", (action,))
     yield from findings.problems()
+
+
+def _needless(facts: Facts, origins: Origins) -> Iterator[Problem]:
+    """Yield what is said to be free though it is so anyway."""
     if facts.free and not facts.composites:
-        place = origins.place("free", facts.free[0])
-        yield Problem(*place, "without a composite, every action is free; declare a composite, or remove free(...)")
+        text = "without a composite, every action is free; declare a composite, or remove free(...)"
+        yield Problem(*origins.place("free", facts.free[0]), text, "no-effect")
+    words = "is a composite, which may occur anyway"
+    both = (each for each in facts.composites if each in facts.free)
+    complaints = (Complaint(each, origins.place("free", each), words, f"remove free({each})") for each in both)
+    yield from grouped(complaints, "no-effect")
 
 
 def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
     """Yield the composites without stages, with gaps in them, or with two parts at one."""
     actions = set(facts.actions)
     for composite in facts.composites:
-        if composite in facts.free:
-            place = origins.place("free", composite)
-            yield Complaint(composite, place, "is a composite, which may occur anyway", f"remove free({composite})")
         stages = facts.stages.get(composite, ())
         if composite in actions:
             place = origins.place("composite", composite)

@@ -6,14 +6,14 @@ every state. The invariants tell which sequences are suspect and why; the encodi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
 import clingo
 
 from prag_asp.lint.composites import Complaint, grouped
-from prag_asp.lint.occurrence import STATE_PREDICATES, STEP, fluent_values, unchanging
+from prag_asp.lint.occurrence import STATE_PREDICATES, STEP, Occurrence, fluent_values, holding
 from prag_asp.lint.origin import Origins
 from prag_asp.program.composition import Actions, composite_actions
 from prag_asp.program.facts import Assignment, Facts
@@ -33,27 +33,44 @@ class _Failure(NamedTuple):
     reason: str
 
 
-def execution_problems(
-    program: Program, control: clingo.Control, facts: Facts, statements: Sequence[Statement], origins: Origins
-) -> Iterator[Problem]:
-    """Yield the composites that are rejected in every state, or else a start from which none can begin.
+class Execution(NamedTuple):
+    """Which composites can never occur, why those that are no matter of a single action, and whether none can begin."""
 
-    Nothing is told where own rules of a step change the state.
+    never: frozenset[clingo.Symbol]
+    failures: Mapping[clingo.Symbol, _Failure]
+    stuck: bool
+
+
+def find_execution(
+    program: Program, facts: Facts, occurrence: Occurrence, statements: Sequence[Statement]
+) -> Execution:
+    """Return the composites that are rejected in every state, and whether a plan can begin with any.
+
+    What own rules of a step may change is not second-guessed: then only actions that never occur tell of composites.
     """
-    own = [each for each in statements if each.own and each.timed]
-    if not facts.composites or any(atom.signature in STATE_PREDICATES for each in own for atom in each.heads):
-        return
     words = composite_actions(facts)
-    fixed = unchanging(control, facts, statements)
+    broken = {composite for composite, word in words.items() if not occurrence.rejected.keys().isdisjoint(word)}
+    own = [each for each in statements if each.own and each.timed]
+    if any(atom.signature in STATE_PREDICATES for each in own for atom in each.heads):
+        return Execution(frozenset(broken), {}, stuck=False)
     execution = _Execution(facts)
-    failures = execution.failures(words, frozenset(fixed))
-    never = _confirmed(program, {composite: words[composite] for composite in failures}, fixed)
-    if never:
-        yield from grouped(_never(facts, words, {each: failures[each] for each in never}, origins))
-        return
+    whole = {composite: word for composite, word in words.items() if composite not in broken}
+    failures = execution.failures(whole, frozenset(occurrence.fixed))
+    confirmed = _confirmed(program, {composite: words[composite] for composite in failures}, occurrence.fixed)
+    failures = {composite: failures[composite] for composite in confirmed}
     initial = fluent_values(facts.initially)
-    units = {**words, **{action: (action,) for action in facts.free}}
-    if len(execution.failures(units, frozenset(initial))) == len(units) == len(_confirmed(program, units, initial)):
+    free = set(facts.free).difference(words, occurrence.rejected)
+    units = {**whole, **{action: (action,) for action in free}}
+    stuck = len(execution.failures(units, frozenset(initial))) == len(units) == len(_confirmed(program, units, initial))
+    return Execution(frozenset({*broken, *failures}), failures, stuck)
+
+
+def execution_problems(found: Execution, facts: Facts, origins: Origins) -> Iterator[Problem]:
+    """Yield the composites that are rejected in every state: an error where there are no others and no free action."""
+    complaints = list(_never(facts, composite_actions(facts), found.failures, origins))
+    hopeless = found.stuck and bool(complaints) and len(found.never) == len(facts.composites)
+    yield from grouped(complaints, "" if hopeless else "never-occurs")
+    if found.stuck and not hopeless:
         yield Problem(
             *origins.place("composite", facts.composites[0]),
             "no composite and no free action can begin at the start, so there is no plan; "
@@ -105,16 +122,16 @@ def _of(table: Mapping[clingo.Symbol, Assignment], action: clingo.Symbol) -> lis
 
 
 def _confirmed(
-    program: Program, words: Mapping[clingo.Symbol, Actions], known: Sequence[FluentValue]
+    program: Program, words: Mapping[clingo.Symbol, Actions], known: Collection[FluentValue]
 ) -> list[clingo.Symbol]:
     """Return those of some words that the encodings reject where just `known` is known."""
     found = []
     for length, keys in groupby(sorted(words, key=lambda key: len(words[key])), key=lambda key: len(words[key])):
         grounder = Grounder(program)
-        facts = (f"holds({fluent},{str(value).lower()},{STEP - 1})." for fluent, value in known)
-        grounder.control.add("known", [], "\n".join(facts))
         steps = [clingo.Number(STEP + place) for place in range(length)]
-        grounder.ground([("base", []), ("known", []), *(("step", [step]) for step in steps)])
+        grounder.ground([("base", [])])
+        grounder.state(holding(known, STEP - 1))
+        grounder.ground([("step", [step]) for step in steps])
         atoms = grounder.control.symbolic_atoms
         for key in keys:
             occurring = [atoms[clingo.Function("occurs", [a, s])] for a, s in zip(words[key], steps, strict=True)]

@@ -11,6 +11,7 @@ from prag_asp.lint.directives import STATED
 from prag_asp.lint.origin import Origins, Place
 from prag_asp.program.composition import find_cycle
 from prag_asp.program.facts import Facts, rows
+from prag_asp.program.names import ambiguity, shared_names
 from prag_asp.program.problem import Problem
 from prag_asp.wording import did_you_mean
 
@@ -74,6 +75,7 @@ def _empty_classes(
         yield Problem(
             *origins.place("class", *arguments),
             f"class {name} has no entity; add entity(..., {name}), or remove it",
+            "empty-class",
         )
 
 
@@ -96,6 +98,18 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
                 *origins.place("entity", entity, name),
                 f"{entity} cannot be the name of an entity; write it in lower case, without quotes",
             )
+
+
+def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
+    """Yield the names that a class, an entity and an action have in common, where the last of them is declared."""
+    entities = {str(entity): (entity, name) for entity, name in facts.entities.items()}
+    for text in shared_names(facts):
+        places = [origins.place("entity", *entities[text])] if text in entities else []
+        for name in (each for each in facts.classes if str(each) == text):
+            places.append(origins.place("class", name, *facts.parents.get(name, ())[:1]))
+        for action in [each for each in facts.declared_actions if text in (each.name, str(each))][:1]:
+            places.append(origins.place("action", action))
+        yield Problem(*max(places), f"{ambiguity(text, facts)}", "same-name")
 
 
 def choice_problems(control: clingo.Control, origins: Origins) -> Iterator[Problem]:

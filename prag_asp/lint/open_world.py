@@ -34,6 +34,8 @@ def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[S
     unsure = _unsure(grounder.control, facts)
     if not unsure:
         return
+    grounder.control.add("left_out", [], " ".join(f"left_out({term})." for term in facts.left_out))
+    grounder.ground([("left_out", [])])
     timed = {atom.signature for each in statements if each.timed for atom in each.heads}
     seen: set[tuple[Path, int]] = set()
     for number, (statement, atom) in enumerate(readings):
@@ -101,7 +103,7 @@ def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
 def _timeless(atom: AtomNode, statement: Statement, timed: set[Signature]) -> str | None:
     """Return an atom as a condition on the base part: what occurs is an action."""
     if atom.signature == ("occurs", 2):
-        return f"action({atom.arguments[0]})"
+        return f"action({atom.arguments[0]}); not left_out({atom.arguments[0]})"
     if atom.signature in timed or atom.signature in READS or names(atom.arguments) & set(statement.parameters):
         return None
     return str(atom)

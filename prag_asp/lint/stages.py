@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
+from prag_asp.lint.allowed import Allowed, allowance_problems, allowed_names
 from prag_asp.lint.composites import composite_problems
+from prag_asp.lint.demands import demand_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
 from prag_asp.lint.effects import effect_problems, limit_problems
-from prag_asp.lint.execution import execution_problems
-from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, term_problems
-from prag_asp.lint.occurrence import occurrence_problems, state_problems
+from prag_asp.lint.execution import execution_problems, find_execution
+from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
+from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
 from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.table import name_problems, table_problems
 from prag_asp.lint.vocabulary import vocabulary_problems
-from prag_asp.program.facts import Facts, read_facts
+from prag_asp.program.facts import Facts, read_facts, without
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
@@ -34,9 +37,40 @@ STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 LEARNED_INVARIANT = ("impossible", 2)
 """What a file of learned invariants may state."""
 
+LEFT_OUT = ("left_out", 1)
+"""What keeps steps from trying an action that can never occur."""
 
-def check(program: Program, path: Path) -> tuple[Facts, Settings]:
-    """Return what a domain states and its settings, those of the file `path`, if nothing is wrong with them.
+
+@dataclass(frozen=True)
+class Checked:
+    """A domain that means something: what it states of what can occur, its settings, and what is strange about it."""
+
+    facts: Facts
+    settings: Settings
+    warnings: tuple[Problem, ...]
+
+
+class _Report:
+    """Raises errors as they are found, and keeps the warnings that no comment allows."""
+
+    def __init__(self, allowed: Allowed) -> None:
+        self._allowed = allowed
+        self.warnings: dict[Problem, None] = {}
+
+    def take(self, problems: Iterable[Problem]) -> None:
+        """Take what a stage has found.
+
+        Raises:
+            DomainError: some of it are errors.
+        """
+        found = list(problems)
+        raise_problems(each for each in found if not each.is_warning)
+        kept = (each for each in found if each.name not in self._allowed.get((each.path, each.line), ()))
+        self.warnings |= dict.fromkeys(kept)
+
+
+def check(program: Program, path: Path) -> Checked:
+    """Return what a domain states, its settings, those of the file `path`, and its warnings.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
@@ -45,18 +79,21 @@ def check(program: Program, path: Path) -> tuple[Facts, Settings]:
     statements, problems = parse_sources(owned)
     table = read_table(path)
     settings = settings_of(table, path)
-    raise_problems([*problems, *table_problems(table, settings)])
-    raise_problems(directive_problems(statements))
-    raise_problems([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
+    allowed = allowed_names((source for source, own in owned if own), settings)
+    report = _Report(allowed)
+    report.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
+    report.take(directive_problems(statements))
+    report.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
     plain = _one_free_step(program, owned)
     grounder = Grounder(plain)
     grounder.ground([("base", [])])
+    report.take(demand_problems(grounder.control, statements))
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, origins)
-    _check_facts(grounder, facts, statements, origins)
-    raise_problems(execution_problems(plain, grounder.control, facts, statements, origins))
-    raise_problems(name_problems(settings, facts))
-    return facts, settings
+    _check_facts(report, grounder, facts, statements, origins)
+    left = _check_steps(report, plain, grounder, facts, statements, origins)
+    report.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
+    return Checked(left, settings, tuple(report.warnings))
 
 
 def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
@@ -106,17 +143,40 @@ def _facts(grounder: Grounder, origins: Origins) -> Facts:
         raise
 
 
-def _check_facts(grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins) -> None:
-    raise_problems(term_problems(facts, origins))
-    raise_problems(hierarchy_problems(grounder.control, origins))
-    raise_problems(effect_problems(grounder.control, facts, origins))
-    raise_problems(composite_problems(facts, origins))
-    raise_problems(limit_problems(grounder.control, facts, statements, origins))
-    raise_problems(state_problems(facts, origins))
+def _check_facts(
+    report: _Report, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
+) -> None:
+    """Check what the base part states."""
+    report.take(term_problems(facts, origins))
+    report.take(hierarchy_problems(grounder.control, origins))
+    report.take(effect_problems(grounder.control, facts, origins))
+    report.take(composite_problems(facts, origins))
+    report.take(limit_problems(grounder.control, facts, statements, origins))
+    report.take(state_problems(facts, origins))
     if grounder.control.is_conflicting:
-        raise_problems(_violations(origins))
-    raise_problems(open_world_problems(grounder, facts, statements))
-    raise_problems(occurrence_problems(grounder, facts, statements, origins))
+        report.take(_violations(origins))
+
+
+def _check_steps(
+    report: _Report, plain: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
+) -> Facts:
+    """Check what can occur, and return what the domain states of that."""
+    occurrence = find_occurrence(plain, grounder.control, facts, statements)
+    report.take(occurrence_problems(occurrence, facts, origins))
+    left_out = set(occurrence.rejected)
+    report.take(goal_problems(occurrence, facts, origins))
+    if facts.composites:
+        execution = find_execution(plain, facts, occurrence, statements)
+        report.take(execution_problems(execution, facts, origins))
+        left_out |= execution.never
+    left = without(facts, left_out) if _can_leave_out(statements) else facts
+    report.take(open_world_problems(grounder, left, statements))
+    return left
+
+
+def _can_leave_out(statements: Sequence[Statement]) -> bool:
+    """Return whether the encodings in use read what is left out: copies of older ones do not."""
+    return any(atom.signature == LEFT_OUT for each in statements if not each.own for atom in each.body)
 
 
 def _encodings_folder(program: Program) -> Path:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from string import Formatter
 from typing import Any
 
 from prag_asp.atom import atom_of
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import ambiguity, named, shared_names
 from prag_asp.program.problem import Problem
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
 from prag_asp.scene.load import scene_problems
-from prag_asp.wording import did_you_mean
+from prag_asp.wording import did_you_mean, is_misspelling, nearest
 
 TYPES: Mapping[str, tuple[type, str]] = {
     "title": (str, 'a string, such as "Blocks on a table"'),
@@ -28,8 +28,10 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
     path = settings.path
     for key, value in table.items():
         if key not in KEYS:
-            hint = did_you_mean(key, KEYS)
-            yield Problem(path, settings.line_of(key), f"unknown key {key}; {hint}")
+            near = nearest(key, KEYS)
+            slip = near is not None and is_misspelling(key, near)
+            text = f"unknown key {key}; {did_you_mean(key, KEYS)}"
+            yield Problem(path, settings.line_of(key), text, "" if slip else "no-effect")
         elif not isinstance(value, TYPES[key][0]):
             yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
         elif key == "scene" and not value:
@@ -51,7 +53,10 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
 
 
 def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    """Yield the weights, the sentences and the parts of the scene that do not fit what the logic declares."""
+    """Yield the weights, the sentences and the parts of the scene that do not fit what the logic declares.
+
+    An action that is left out is declared all the same.
+    """
     yield from _weight_problems(settings, facts)
     yield from _language_problems(settings, facts)
     if settings.scene:
@@ -65,9 +70,8 @@ def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
 
 def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    actions = {action.name for action in facts.actions}
-    entities = set(facts.entity_names)
-    known = Counter([*actions, *entities, *facts.class_names, *(str(each) for each in facts.actions if each.arguments)])
+    actions = {action.name for action in facts.declared_actions}
+    known, shared = set[str]().union(*named(facts).values()), shared_names(facts)
     for key in settings.weights:
         parts = key.split(">")
         for part in parts:
@@ -79,9 +83,8 @@ def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
                 hint = did_you_mean(part, known, "give the name of an action, a class or an entity")
                 text = f"weight of {part}: no action, class or entity has that name; {hint}"
                 yield _problem(settings, "weights", key, text)
-            elif len(parts) == 1 and known[part] > 1:
-                text = f"weight of {part}: more than one of action, class and entity has that name"
-                yield _problem(settings, "weights", key, f"{text}; rename one in domain.lp")
+            elif len(parts) == 1 and part in shared:
+                yield _problem(settings, "weights", key, f"weight of {part}: {ambiguity(part, facts)}")
         if len(parts) > 2:
             text = f"weight of {key}: more than two actions; write pairs such as grasp>move"
             yield _problem(settings, "weights", key, text)
@@ -89,21 +92,23 @@ def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
 
 def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     arities: dict[str, int] = {}
-    for term in (*facts.fluents, *facts.actions):
+    for term in (*facts.fluents, *facts.declared_actions):
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
     for name, sentence in settings.language.items():
         if name not in arities:
+            near = nearest(name, arities)
+            slip = near is not None and is_misspelling(name, near)
             hint = did_you_mean(name, arities, "give the name of an action or a fluent")
             text = f"sentence of {name}: no action or fluent has that name; {hint}"
-            yield _problem(settings, "language", name, text)
+            yield _problem(settings, "language", name, text, "" if slip else "no-effect")
         elif not _is_template(sentence, arities[name]):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
             text = f"sentence of {name} has braces that name no argument; use {places}"
             yield _problem(settings, "language", name, text)
 
 
-def _problem(settings: Settings, table: str, key: str, text: str) -> Problem:
-    return Problem(settings.path, settings.line_of(table, key), text)
+def _problem(settings: Settings, table: str, key: str, text: str, name: str = "") -> Problem:
+    return Problem(settings.path, settings.line_of(table, key), text, name)
 
 
 def _is_template(sentence: str, arity: int) -> bool:

@@ -1,4 +1,4 @@
-"""Predicates and names that are misspelt, for clingo says nothing about them."""
+"""Predicates that are misspelt, for clingo says nothing about them."""
 
 from __future__ import annotations
 
@@ -8,17 +8,21 @@ from clingo.ast import ASTType
 
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import HIERARCHY
-from prag_asp.program.syntax import AtomNode, Signature, Statement, names, plain_atom, spelled
-from prag_asp.wording import did_you_mean, nearest
+from prag_asp.program.syntax import AtomNode, Signature, Statement, spelled
+from prag_asp.wording import is_misspelling, nearest
 
-BY_LIBRARY = {("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2), ("introduces_late", 2), ("successor", 2)}
-"""What the encodings in ``rules`` and ``conditions`` derive, which join the program where they are asked for."""
+BY_LIBRARY = {
+    **dict.fromkeys([("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2)], "conditions and tasks"),
+    **dict.fromkeys([("introduces_late", 2), ("successor", 2)], "conditions and tasks"),
+    ("left_out", 1): "the library, which leaves out what can never occur",
+}
+"""What the library and its encodings for ``rules`` and ``conditions`` derive where they are asked for."""
 
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
 
 
 def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the heads that nothing reads, the atoms that nothing defines, and the names that nothing has."""
+    """Yield the heads that nothing reads, and the atoms that nothing defines."""
     contract = contract_signatures(statements)
     unread = _unread_heads(statements, contract)
     undefined = _undefined_atoms(statements, contract)
@@ -28,9 +32,9 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         for missing in [each for each in undefined if each[0] == near]:
             del undefined[missing]
         others = sorted(arity for name, arity in contract if name == signature[0])
-        yield statement.problem(f"{_unread(signature, near, others)}", atom.line)
+        slip = bool(others) or (near is not None and is_misspelling(signature[0], near))
+        yield statement.problem(_unread(signature, near, others), atom.line, "" if slip else "unused")
     yield from _undefined_problems(statements, contract, undefined)
-    yield from _nameless_problems(statements)
     yield from _taken_problems(statements)
 
 
@@ -47,7 +51,7 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
 
 def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the own heads of predicates that only the library may derive."""
-    taken = dict.fromkeys(BY_LIBRARY, "conditions and tasks")
+    taken = dict(BY_LIBRARY)
     for each in statements:
         if not each.own and each.path.name == HIERARCHY:
             taken |= dict.fromkeys((atom.signature for atom in each.heads), "the hierarchy of actions")
@@ -114,35 +118,10 @@ def _undefined_problems(
     for signature, (statement, atom) in undefined.items():
         name = signature[0]
         others = " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
+        near = nearest(name, {other for other, _ in defined})
         if others:
             hint = f"{name} takes {others} arguments"
         else:
-            known = {other for other, _ in defined}
-            hint = did_you_mean(name, known, "define it in a fact or a rule, or remove it")
-        yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line)
-
-
-def _nameless_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the names in own bodies that no head can ever make, so that the atom never holds."""
-    made = _made_names(statements)
-    seen: set[str] = set()
-    for statement in statements:
-        if statement.own and statement.is_rule:
-            for atom in statement.body:
-                for name in sorted(names(atom.arguments) - made - seen - set(statement.parameters)):
-                    seen.add(name)
-                    hint = did_you_mean(name, made, "declare it, or remove the rule")
-                    yield statement.problem(f"no entity, fluent or action has the name {name}; {hint}", atom.line)
-
-
-def _made_names(statements: Iterable[Statement]) -> set[str]:
-    """Return every name that a ground atom can hold: stated by a head, or computed in a body."""
-    made: set[str] = set()
-    for statement in statements:
-        if statement.kind == ASTType.Definition:
-            made |= names([statement.node.name, str(statement.node.value)])
-        for atom in statement.heads:
-            made |= names(atom.arguments)
-        if statement.own:
-            made |= names(text for node, text in statement.literals if plain_atom(node, text) is None)
-    return made
+            hint = f"did you mean {near}?" if near else "define it in a fact or a rule, or remove it"
+        slip = bool(others) or (near is not None and is_misspelling(name, near))
+        yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line, "" if slip else "undefined")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 
@@ -24,7 +24,8 @@ class Facts:
     """The contract's predicates as they hold in the grounded base program.
 
     Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above
-    it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``.
+    it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``. `left_out`
+    are the actions and composites that are declared, but can never occur; nothing else of such an action is kept.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
@@ -42,6 +43,7 @@ class Facts:
     composites: tuple[clingo.Symbol, ...]
     stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
     free: tuple[clingo.Symbol, ...]
+    left_out: tuple[clingo.Symbol, ...] = ()
 
     @property
     def classes(self) -> set[clingo.Symbol]:
@@ -57,6 +59,12 @@ class Facts:
     def class_names(self) -> Mapping[str, tuple[str, ...]]:
         """The classes with those right above them, as text."""
         return {str(name): tuple(map(str, above)) for name, above in self.parents.items()}
+
+    @cached_property
+    def declared_actions(self) -> tuple[clingo.Symbol, ...]:
+        """The actions with those that are left out."""
+        composites = set(self.composites)
+        return (*self.actions, *(term for term in self.left_out if term not in composites))
 
     @property
     def closed(self) -> bool:
@@ -104,6 +112,24 @@ def read_facts(control: clingo.Control) -> Facts:
         composites=tuple(composite for (composite,) in rows(control, "composite", 1)),
         stages=stages,
         free=tuple(action for (action,) in rows(control, "free", 1)),
+    )
+
+
+def without(facts: Facts, left_out: Iterable[clingo.Symbol]) -> Facts:
+    """Return what a domain states, without actions and composites that can never occur.
+
+    A composite stays what it is: only where there is none, all actions are free.
+    """
+    gone = set(left_out)
+    if not gone:
+        return facts
+    return replace(
+        facts,
+        actions=tuple(action for action in facts.actions if action not in gone),
+        preconditions={action: values for action, values in facts.preconditions.items() if action not in gone},
+        postconditions={action: values for action, values in facts.postconditions.items() if action not in gone},
+        free=tuple(action for action in facts.free if action not in gone),
+        left_out=tuple(term for term in (*facts.actions, *facts.composites) if term in gone),
     )
 
 

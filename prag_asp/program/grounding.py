@@ -41,6 +41,12 @@ class Grounder:
         """
         self._run(lambda: self.control.ground(list(parts)))
 
+    def state(self, atoms: Iterable[clingo.Symbol]) -> None:
+        """State ground atoms, which the parts that are ground later read."""
+        with self.control.backend() as backend:
+            for atom in atoms:
+                backend.add_rule([backend.add_atom(atom)])
+
     def _run(self, work: Callable[[], None]) -> None:
         self._messages.clear()
         try:

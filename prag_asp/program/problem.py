@@ -1,23 +1,55 @@
-"""What the linter reports: a place, what is wrong there, and what to do."""
+"""What the linter reports: a place, what is wrong there, and what to do; an error, or a warning with a name."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from prag_asp.errors import DomainError
+from prag_asp.wording import plural
+
+WARNINGS: Mapping[str, str] = {
+    "empty-class": "a class that no entity belongs to",
+    "never-holds": "an atom of a rule that nothing stated can be",
+    "never-occurs": "an action or a composite that can never occur: it is left out",
+    "no-effect": "a statement, a key or a comment that changes nothing",
+    "same-name": "a name that a class, an entity and an action have in common",
+    "too-wide": "a body that no gripper closes around",
+    "undefined": "a predicate that is read, but that no rule defines",
+    "unused": "a predicate that no rule reads",
+}
+"""The warnings by their names: what is strange, but well defined."""
+
+SHOWN = 5
+"""Warnings of one name that are shown at once."""
 
 
 class Problem(NamedTuple):
-    """One line of the report; `text` reads ``what is wrong; what to do``."""
+    """One line of the report; `text` reads ``what is wrong; what to do``.
+
+    Without a name it is an error: the domain means nothing, or a count could be wrong. With the `name` of one of the
+    `WARNINGS` it is a warning, which the comment ``% lint: allow NAME`` on its line quiets.
+    """
 
     path: Path
     line: int
     text: str
+    name: str = ""
+
+    @property
+    def is_warning(self) -> bool:
+        """Whether the domain is well defined all the same."""
+        return bool(self.name)
+
+    def as_error(self) -> Problem:
+        """Return the same, not to be passed over."""
+        return Problem(self.path, self.line, f"{self.text} [{self.name}]") if self.name else self
 
     def __str__(self) -> str:
-        return f"{self.path}:{self.line}: {self.text}"
+        place = f"{self.path}:{self.line}"
+        return f"{place}: warning: {self.text} [{self.name}]" if self.name else f"{place}: {self.text}"
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:
@@ -29,3 +61,17 @@ def raise_problems(problems: Iterable[Problem]) -> None:
     lines = list(dict.fromkeys(map(str, problems)))
     if lines:
         raise DomainError("\n".join(lines))
+
+
+def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
+    """Yield the first warnings of each name, and after the last of them how many more there are."""
+    warnings = list(warnings)
+    total = Counter(each.name for each in warnings)
+    told: Counter[str] = Counter()
+    for each in warnings:
+        told[each.name] += 1
+        if told[each.name] < SHOWN or (told[each.name] == SHOWN and total[each.name] == SHOWN):
+            yield each
+        elif told[each.name] == SHOWN:
+            more = plural(total[each.name] - SHOWN, "more warning")
+            yield each._replace(text=f"{each.text} (and {more} like it)")

@@ -52,9 +52,9 @@ class AtomNode:
         return f"{self.name}({','.join(self.arguments)})" if self.arguments else self.name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Statement:
-    """One statement of a source, in its program part.
+    """One statement of a source, in its program part; each is itself alone.
 
     `own` tells the domain's files from the encodings, `parameters` are those of the part.
     """
@@ -92,13 +92,18 @@ class Statement:
         """The atoms that a statement reads, those of conditions included."""
         return (*self._head[1], *(atom for node, text in self.literals for atom in atoms(node, text)))
 
+    @property
+    def conditions(self) -> tuple[AtomNode, ...]:
+        """The atoms of the conditions that a rule derives its heads under."""
+        return tuple(self._head[1])
+
     @cached_property
     def _head(self) -> tuple[list[AtomNode], list[AtomNode]]:
         return head_atoms(self.node.head) if self.is_rule else ([], [])
 
-    def problem(self, text: str, line: int | None = None) -> Problem:
-        """Return a problem of this statement."""
-        return Problem(self.path, self.line if line is None else line, text)
+    def problem(self, text: str, line: int | None = None, name: str = "") -> Problem:
+        """Return a problem of this statement: an error, or the warning of a name."""
+        return Problem(self.path, self.line if line is None else line, text, name)
 
 
 def head_atoms(head: AST) -> tuple[list[AtomNode], list[AtomNode]]:

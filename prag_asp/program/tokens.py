@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 STRING = re.compile(r'"(?:\\["\\n]|[^"\\\n])*"')
 COMMENT_EDGE = re.compile(r"%\*|\*%")
@@ -19,6 +20,17 @@ def blanked(text: str) -> str:
         pieces.append(re.sub(r"[^\n\0]", " ", token) if hidden else token)
         position = end
     return "".join(pieces)
+
+
+def comments(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the comments of a logic program, each with the number of the line that it begins on."""
+    position, line = 0, 1
+    while position < len(text):
+        end = _token_end(text, position)
+        if text[position] == "%":
+            yield line, text[position:end]
+        line += text.count("\n", position, end)
+        position = end
 
 
 def open_comment(text: str) -> int | None:

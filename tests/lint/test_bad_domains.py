@@ -1,4 +1,4 @@
-"""Each malformed domain of bad_domains/ is told exactly the lines that its case expects.
+"""Each malformed domain of bad_domains/ is told exactly the lines that its case expects: errors, or else warnings.
 
 A case is a table of a file in bad_domains/. It patches the good domain bad_domains/base and says what is `told`, a line
 for each problem. For each file that it changes it has one or more of
@@ -67,6 +67,14 @@ def write(folder: Path, texts: Mapping[str, str], encoding: str = "utf-8") -> No
         (folder / file).write_bytes(text.encode(encoding))
 
 
+def told(folder: Path) -> list[str]:
+    """Return the lines that a domain is told: its errors, or else its warnings."""
+    try:
+        return list(map(str, load_domain(folder).warnings))
+    except DomainError as error:
+        return str(error).split("\n")
+
+
 def test_every_mistake_has_a_case_of_its_own_name() -> None:
     assert len({name for _, name in CASES}) == len(CASES) >= 127
 
@@ -74,7 +82,7 @@ def test_every_mistake_has_a_case_of_its_own_name() -> None:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_what_the_cases_patch_has_no_mistake(tmp_path: Path, family: str) -> None:
     write(tmp_path, base(family))
-    load_domain(tmp_path)
+    assert load_domain(tmp_path).warnings == ()
 
 
 @pytest.mark.parametrize(("family", "name"), CASES, ids=[name for _, name in CASES])
@@ -82,8 +90,6 @@ def test_one_mistake_is_told_in_one_line_with_its_place_and_what_to_do(tmp_path:
     case = FAMILIES[family][name]
     patches = {key: value for key, value in case.items() if key not in {"told", "encoding"}}
     write(tmp_path, patched(base(family), patches), case.get("encoding", "utf-8"))
-    with pytest.raises(DomainError) as caught:
-        load_domain(tmp_path)
     expected = case["told"].strip("\n").split("\n")
-    assert str(caught.value).split("\n") == [f"{tmp_path}/{line}" for line in expected]
+    assert told(tmp_path) == [f"{tmp_path}/{line}" for line in expected]
     assert all(";" in line for line in expected)

@@ -16,8 +16,8 @@ ADDED = Path("<added by the library>")
 
 
 def whole_program(domain: Domain) -> Program:
-    """Return the program of a domain with `name` and `mentions` for every action."""
-    return with_facts(domain.program, _naming_facts(domain.facts))
+    """Return the program of a domain with `name` and `mentions` for every action, and `left_out` for some."""
+    return with_facts(domain.program, _added_facts(domain.facts))
 
 
 def canonical_program(domain: Domain, groups: Iterable[tuple[clingo.Symbol, ...]]) -> Program:
@@ -29,7 +29,7 @@ def canonical_program(domain: Domain, groups: Iterable[tuple[clingo.Symbol, ...]
     known = {source.path.resolve() for source in domain.program.sources}
     program = Program((*domain.program.sources, *(rule for rule in rules if rule.path.resolve() not in known)))
     pairs = [f"successor({d},{e})." for group in groups for d, e in pairwise(group)]
-    return with_facts(program, [*_naming_facts(domain.facts), *pairs])
+    return with_facts(program, [*_added_facts(domain.facts), *pairs])
 
 
 def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
@@ -46,8 +46,8 @@ def action_name(action: clingo.Symbol) -> str:
     return action.name if action.type == clingo.SymbolType.Function and action.name else str(action)
 
 
-def _naming_facts(facts: Facts) -> list[str]:
-    added = []
+def _added_facts(facts: Facts) -> list[str]:
+    added = [f"left_out({term})." for term in facts.left_out]
     for action in facts.actions:
         added.append(f"name({action},{action_name(action)}).")
         for position, entity in enumerate(mentioned_entities(action, facts.entities), 1):

@@ -11,6 +11,7 @@ from prag_asp.atom import atom_of, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import refuse_ambiguous
 from prag_asp.wording import unknown
 
 ANY = "_"
@@ -61,8 +62,9 @@ def class_members(kind: str, facts: Facts) -> Iterator[clingo.Symbol]:
     """Return the entities that are called `kind` or belong to the class `kind`, in order of terms.
 
     Raises:
-        QueryError: there is no such entity or class.
+        QueryError: there is no such entity or class, or the name stands for something else as well.
     """
+    refuse_ambiguous(kind, facts)
     entities = {str(entity): entity for entity in facts.entities}
     if kind in entities:
         return iter([entities[kind]])

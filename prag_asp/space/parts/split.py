@@ -12,6 +12,7 @@ import clingo
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import refuse_ambiguous
 from prag_asp.space.weighing.weights import Number
 
 FEWEST_CLASSES = 20
@@ -49,8 +50,10 @@ def held_out(what: str, facts: Facts, groups: Sequence[Sequence[clingo.Symbol]])
     """Return the conditions that tasks have nothing, and something, of an entity, a class, an action, a name or a pair.
 
     Raises:
-        QueryError: it names an entity that is interchangeable with one that the tasks without it show.
+        QueryError: it names an entity that is interchangeable with one that the tasks without it show, or it stands
+            for more than one of class, entity and action.
     """
+    refuse_ambiguous(what.strip(), facts)
     actions = {str(action): action for action in facts.actions}
     spelled = what.replace(" ", "")
     for group in groups:

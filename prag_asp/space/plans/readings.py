@@ -61,7 +61,7 @@ def hierarchy_of(facts: Facts) -> Hierarchy:
     """Return what the composites and the free actions of a domain are."""
     if not facts.composites:
         return Hierarchy(None)
-    atoms = {term: atom_of(term) for term in (*facts.actions, *facts.composites)}
+    atoms = {term: atom_of(term) for term in (*facts.declared_actions, *facts.composites)}
     whole: dict[Atom, Composite] = {}
     units: dict[tuple[Atom, ...], tuple[Atom | Composite, ...]] = {(atoms[a],): (atoms[a],) for a in facts.free}
     words = composite_actions(facts)

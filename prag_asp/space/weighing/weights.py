@@ -22,6 +22,7 @@ from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import refuse_ambiguous, shared_names
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.wording import unknown
 
@@ -66,10 +67,11 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
     Raises:
         QueryError: a key is unknown or ambiguous, or a weight is not a number of at least 0.
     """
-    names = {action_name(action) for action in facts.actions}
+    names = {action_name(action) for action in facts.declared_actions}
     classes = {str(name): name for name in facts.classes}
     entities = {str(entity): entity for entity in facts.entities}
-    actions = {str(action): action for action in facts.actions}
+    actions = {str(action): action for action in facts.declared_actions}
+    shared = shared_names(facts)
     found_names: dict[str, Fraction] = {}
     pairs: dict[tuple[str, str], Fraction] = {}
     singles: dict[clingo.Symbol, Fraction] = {}
@@ -81,8 +83,8 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
             if first not in names or second not in names:
                 raise QueryError(unknown(first if first not in names else second, sorted(names), "action"))
             pairs[first, second] = weight
-        elif sum(key in kind for kind in (names, classes, entities)) > 1:
-            raise QueryError(f"weight of {key!r}: the name stands for more than one of action, class and entity")
+        elif key in shared:
+            refuse_ambiguous(key, facts)
         elif key in names:
             found_names[key] = weight
         elif key in actions:

@@ -1,0 +1,54 @@
+"""Comments that quiet warnings: ``% lint: allow unused, empty-class`` on the line that a warning is about."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from prag_asp.program.problem import WARNINGS, Problem
+from prag_asp.program.settings import Settings
+from prag_asp.program.sources import Source, read_text
+from prag_asp.program.tokens import comments
+from prag_asp.wording import did_you_mean
+
+ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
+"""What such a comment says, in a logic program (after %, or in %* *%) and in domain.toml (after #)."""
+
+TOML_COMMENT = re.compile(r"#(?P<words>[^#]*\blint:.*)$")
+
+Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
+"""The names that each line allows, known or not."""
+
+
+def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
+    """Return what the comments of sources and of a domain.toml allow."""
+    found: dict[tuple[Path, int], tuple[str, ...]] = {}
+    path = settings.path
+    for source in sources:
+        if "lint:" in source.text:
+            found |= {(source.path, line): names for line, names in _names(comments(source.text))}
+    if path.is_file():
+        lines = enumerate(read_text(path).split("\n"), 1)
+        spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
+        found |= {(path, line): names for line, names in _names(spoken)}
+    return found
+
+
+def _names(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:
+    for line, words in spoken:
+        match = ALLOW.search(words)
+        if match:
+            yield line, tuple(re.findall(r"[^\s,]+", match["names"]))
+
+
+def allowance_problems(allowed: Allowed) -> Iterator[Problem]:
+    """Yield the names that are allowed, but that no warning has."""
+    for (path, line), names in allowed.items():
+        for name in names:
+            if name not in WARNINGS:
+                hint = did_you_mean(name, WARNINGS, f"there are {', '.join(WARNINGS)}")
+                yield Problem(path, line, f"no warning is called {name}; {hint}", "no-effect")
+        if not names:
+            text = f"this comment allows nothing; name a warning, such as {min(WARNINGS)}"
+            yield Problem(path, line, text, "no-effect")

@@ -1,0 +1,284 @@
+"""Atoms of rules that can never hold, for a name in them is one that nothing stated has there.
+
+    precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).
+
+never fires where no action is called dorp, and clingo says nothing about it. Each name of a body is looked for in the
+ground atoms of its predicate, at its place in them. One that is not there may be missing for good reason: it is in the
+head of a rule that might fire if there were more entities. It is missing because of another name where the rules whose
+heads have it demand that one. What is left is told: a mistake where a known name is near, a warning otherwise.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import clingo
+from clingo.ast import ASTType
+
+from prag_asp.program.problem import Problem
+from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, plain_atom, split_arguments
+from prag_asp.wording import is_misspelling, nearest
+
+FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
+ACTION, FLUENT = ("action", 1), ("fluent", 1)
+DECLARING = {("occurs", 2): ACTION, **dict.fromkeys([("holds", 3), ("known", 3), ("changed", 2)], FLUENT)}
+"""What the base part declares the first argument of some predicates of steps with."""
+
+CLASS, CLASS_BELOW, BELONGING = ("class", 1), ("class", 2), ("entity", 2)
+"""What declares a class, and what says which entities it has."""
+
+NO_NAME: Signature = ("", -1)
+"""The name of a number, a string, or what is not there."""
+
+Step = tuple[str, int, int]
+"""One step down in a term: the name of the function there, its number of arguments, and which of them."""
+
+
+class Place(NamedTuple):
+    """Where in the atoms of a predicate a name stands: in which argument, and how far down in it."""
+
+    predicate: Signature
+    argument: int
+    below: tuple[Step, ...] = ()
+
+
+class Term(NamedTuple):
+    """A function or constant as it is written; an argument that is a variable, a number or computed is None."""
+
+    name: str
+    arguments: tuple[Term | None, ...]
+
+    @property
+    def signature(self) -> Signature:
+        """The name and the number of arguments."""
+        return self.name, len(self.arguments)
+
+
+class Demand(NamedTuple):
+    """A name that an atom of a rule demands; without a place, it may stand anywhere.
+
+    Where the atom is `necessary`, the rule never fires without the name.
+    """
+
+    rule: Statement
+    atom: AtomNode
+    place: Place | None
+    name: Signature
+    necessary: bool
+
+
+def demand_problems(control: clingo.Control, statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the names in bodies of own rules that no atom can have there."""
+    rules = [each for each in statements if each.is_rule]
+    stated = {head.signature for each in rules if not each.timed for head in each.heads}
+    timed = {head.signature for each in rules if each.timed for head in each.heads}
+    demands = list(_demands(rules, stated - timed))
+    anywhere = {each.name[0] for each in demands if each.place is None}
+    missing = _missing(control, demands)
+    if not missing and not anywhere:
+        return
+    makers = _Makers(statements)
+    unmade = anywhere - makers.names(set())
+    unmet = [each for each in demands if (each.name[0] in unmade if each.place is None else _is_unmet(each, missing))]
+    made = makers.names({each.rule for each in unmet if each.necessary}) if unmet else set()
+    first = {each.name[0]: each for each in reversed(list(makers.roots(unmet)))}
+    for each in reversed(first.values()):
+        yield _problem(each, control, made)
+
+
+def _problem(demand: Demand, control: clingo.Control, made: set[str]) -> Problem:
+    """Return what is told of a name that nothing has where it is demanded; `made` are the names that there are."""
+    name, arity = demand.name
+    rule, line = demand.rule, demand.atom.line
+    there = _names_at(control, demand.place) if demand.place else set()
+    taken = sorted(number for other, number in there if other == name)
+    if taken:
+        counts = " or ".join(map(str, taken))
+        text = f"{demand.atom} never holds: {name} takes {counts} arguments there, not {arity}"
+        return rule.problem(f"{text}; mend its arguments, or remove the rule", line)
+    if name in made:
+        return rule.problem(f"{demand.atom} never holds; state it, or remove the rule", line, "never-holds")
+    near = nearest(name, {other for other, _ in there}) or nearest(name, made)
+    hint = f"did you mean {near}?" if near else "declare it, or remove the rule"
+    slip = near is not None and is_misspelling(name, near)
+    text = f"no entity, fluent or action has the name {name}; {hint}"
+    return rule.problem(text, line, "" if slip else "never-holds")
+
+
+def _demands(rules: Iterable[Statement], stated: Collection[Signature]) -> Iterator[Demand]:
+    """Yield what the bodies of own rules demand of the predicates that are `stated` before any step, and of others."""
+    for rule in rules:
+        if rule.own:
+            for atom, necessary in _read_by(rule):
+                for place, name in _names_in(atom, stated):
+                    if name[1] or name[0] not in rule.parameters:
+                        yield Demand(rule, atom, place, name, necessary)
+
+
+def _read_by(rule: Statement) -> Iterator[tuple[AtomNode, bool]]:
+    """Yield the atoms that a rule reads, each with whether it has to hold for the rule to fire."""
+    for node, text in rule.literals:
+        plain = plain_atom(node, text)
+        if plain:
+            yield plain, not plain.negated
+        else:
+            yield from ((atom, False) for atom in atoms(node, text))
+    yield from ((atom, False) for atom in rule.conditions)
+
+
+def _names_in(atom: AtomNode, stated: Collection[Signature]) -> Iterator[tuple[Place | None, Signature]]:
+    """Yield the names in an atom with the places that they have in what is stated before any step."""
+    declaring = DECLARING.get(atom.signature)
+    predicate = declaring or atom.signature
+    for number, text in enumerate(atom.arguments):
+        term = read_term(text)
+        if term is not None and predicate in stated and (declaring is None or number == 0):
+            yield from _below(Place(predicate, number), term)
+        else:
+            yield from ((None, (name, 0)) for name in sorted(names([text])))
+
+
+def _below(place: Place, term: Term) -> Iterator[tuple[Place, Signature]]:
+    yield place, term.signature
+    for number, argument in enumerate(term.arguments):
+        if argument is not None:
+            yield from _below(place._replace(below=(*place.below, (*term.signature, number))), argument)
+
+
+def read_term(text: str) -> Term | None:
+    """Return a function or a constant from its text; None of a variable, a number, and what is computed."""
+    match = FUNCTION.fullmatch(text)
+    if not match or not text or '"' in text or ";" in text:
+        return None
+    name, inside = match["name"] or "", match["arguments"]
+    arguments = split_arguments(inside) if inside else []
+    if arguments is None or (not name and len(arguments) == 1):
+        return None
+    return Term(name, tuple(map(read_term, arguments if name or arguments[-1:] != [""] else arguments[:-1])))
+
+
+Missing = Collection[tuple[Place, Signature]]
+"""Names with places at which no ground atom has them."""
+
+
+def _missing(control: clingo.Control, demands: Iterable[Demand]) -> Missing:
+    wanted: dict[Signature, dict[Place, set[Signature]]] = {}
+    for each in demands:
+        if each.place is not None:
+            wanted.setdefault(each.place.predicate, {}).setdefault(each.place, set()).add(each.name)
+    for predicate, places in wanted.items():
+        for atom in control.symbolic_atoms.by_signature(*predicate):
+            for place, open_ in list(places.items()):
+                open_.discard(_name_at(atom.symbol, place))
+                if not open_:
+                    del places[place]
+            if not places:
+                break
+    return {(place, name) for places in wanted.values() for place, open_ in places.items() for name in open_}
+
+
+def _is_unmet(demand: Demand, missing: Missing) -> bool:
+    """Return whether the name of a demand is missing at its place, and none that it stands in."""
+    place = demand.place
+    if place is None or (place, demand.name) not in missing:
+        return False
+    above = (
+        (place._replace(below=place.below[:depth]), (name, arity)) for depth, (name, arity, _) in enumerate(place.below)
+    )
+    return not any(each in missing for each in above)
+
+
+def _names_at(control: clingo.Control, place: Place) -> set[Signature]:
+    """Return the names that ground atoms have at a place."""
+    atoms = control.symbolic_atoms.by_signature(*place.predicate)
+    return {_name_at(atom.symbol, place) for atom in atoms} - {NO_NAME}
+
+
+def _name_at(atom: clingo.Symbol, place: Place) -> Signature:
+    term = atom.arguments[place.argument]
+    for name, arity, number in place.below:
+        if _signature(term) != (name, arity):
+            return NO_NAME
+        term = term.arguments[number]
+    return _signature(term)
+
+
+def _signature(term: clingo.Symbol) -> Signature:
+    return (term.name, len(term.arguments)) if term.type == clingo.SymbolType.Function else NO_NAME
+
+
+class _Makers:
+    """Which rules can make which names, and where."""
+
+    def __init__(self, statements: Iterable[Statement]) -> None:
+        statements = list(statements)
+        definitions = [each.node for each in statements if each.kind == ASTType.Definition]
+        self._constants = names(text for node in definitions for text in (node.name, str(node.value)))
+        self._heads: dict[Signature, list[tuple[Statement, AtomNode]]] = {}
+        self._of_name: dict[str, set[Statement]] = {}
+        self._at_place: dict[Place, dict[Signature | None, set[Statement]]] = {}
+        for rule in statements:
+            computed = (text for node, text in rule.literals if rule.own and plain_atom(node, text) is None)
+            for head in rule.heads:
+                self._heads.setdefault(head.signature, []).append((rule, head))
+            for name in names([*(text for head in rule.heads for text in head.arguments), *computed]):
+                self._of_name.setdefault(name, set()).add(rule)
+
+    def roots(self, unmet: Sequence[Demand]) -> Iterator[Demand]:
+        """Yield the demands that no rule can meet, without those that follow from them.
+
+        A rule can meet them whose own demands are met. Where only rules without a chance would meet a demand, it
+        follows from theirs, unless they demand the same name.
+        """
+        dead = {each.rule for each in unmet if each.necessary}
+        while True:
+            hopeless = [each for each in unmet if not self._can_make(each, dead)]
+            still = {each.rule for each in hopeless if each.necessary}
+            if still == dead:
+                break
+            dead = still
+        alike: dict[Signature, set[Statement]] = {}
+        for each in hopeless:
+            alike.setdefault(each.name, set()).add(each.rule)
+        first = [each for each in hopeless if not self._can_make(each, alike[each.name])]
+        yield from first or hopeless[:1]
+
+    def names(self, dead: set[Statement]) -> set[str]:
+        """Return every name that a ground atom can hold: of a head, or computed in a body, but for some rules."""
+        return {name for name, rules in self._of_name.items() if not rules.issubset(dead)} | self._constants
+
+    def _can_make(self, demand: Demand, dead: set[Statement]) -> bool:
+        """Return whether a rule other than some may make a name where it is demanded."""
+        name = demand.name[0]
+        anywhere = name in self._constants or not self._of_name.get(name, set()) <= dead
+        if demand.place is None or name in self._constants:
+            return anywhere
+        there = self._rules_at(demand.place)
+        return not there.get(demand.name, set()) <= dead or (anywhere and not there.get(None, set()) <= dead)
+
+    def _rules_at(self, place: Place) -> dict[Signature | None, set[Statement]]:
+        """Return the rules that make each name at a place, and under None those that may make any."""
+        found = self._at_place.get(place)
+        if found is None:
+            found = self._at_place[place] = {}
+            places = [place]
+            if place.predicate == BELONGING and place.argument == 1:  # a class may come to have entities
+                places += [Place(CLASS, 0), Place(CLASS_BELOW, 0)]
+            for each in places:
+                for rule, head in self._heads.get(each.predicate, ()):
+                    found.setdefault(_written_at(head, each), set()).add(rule)
+        return found
+
+
+def _written_at(head: AtomNode, place: Place) -> Signature | None:
+    """Return the name that a head has at a place, None where it may have any."""
+    term = read_term(head.arguments[place.argument])
+    for name, arity, number in place.below:
+        if term is None:
+            return None
+        if term.signature != (name, arity):
+            return NO_NAME
+        term = term.arguments[number]
+    return None if term is None else term.signature

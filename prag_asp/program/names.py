@@ -1,0 +1,42 @@
+"""What a name stands for that a user gives: a class, an entity or an action; one that stands for several is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+
+from prag_asp.errors import QueryError
+from prag_asp.program.facts import Facts
+
+
+def named(facts: Facts) -> Mapping[str, set[str]]:
+    """Return the names of classes, of entities and of actions; an action is named by itself, too."""
+    return {
+        "class": set(map(str, facts.classes)),
+        "entity": set(facts.entity_names),
+        "action": {text for action in facts.declared_actions for text in (action.name, str(action))},
+    }
+
+
+def shared_names(facts: Facts) -> list[str]:
+    """Return the names that stand for more than one of class, entity and action."""
+    return sorted({name for one, other in combinations(named(facts).values(), 2) for name in one & other})
+
+
+def ambiguity(name: str, facts: Facts) -> str | None:
+    """Return what a name could stand for and what to do, None where it does not stand for several."""
+    kinds = [f"the {kind}" for kind, names in named(facts).items() if name in names]
+    if len(kinds) < 2:
+        return None
+    return f"{name} could be {', '.join(kinds[:-1])} or {kinds[-1]} of that name; rename one in domain.lp"
+
+
+def refuse_ambiguous(name: str, facts: Facts) -> None:
+    """Refuse a name that stands for more than one of class, entity and action.
+
+    Raises:
+        QueryError: it does.
+    """
+    told = ambiguity(name, facts)
+    if told:
+        raise QueryError(told)
