@@ -32,6 +32,7 @@ VOCABULARY: Mapping[str, Word] = {
     "rotated": Word(("object", "rotation"), "rotated"),
     "near": Word(("object", "object"), "near"),
     "far": Word(("object", "object"), "near"),
+    "touching": Word(("object", "object"), "touching"),
     "between": Word(("object", "object", "object"), "between"),
     "aligned": Word(("object", "object"), "aligned"),
     "upright": Word(("object",), "upright"),

@@ -116,6 +116,27 @@ def clearance(part: Part, at: Frame, points: Array) -> Array:
     return np.asarray(outside + np.minimum(beyond.max(axis=1), 0.0))
 
 
+def outlines_apart(one: Array, two: Array) -> float:
+    """Return how far two convex outlines are apart: by separating axes where they meet, else from corners to edges."""
+    edges = [np.roll(outline, -1, axis=0) - outline for outline in (one, two) if len(outline) > 1]
+    if edges:
+        ways = np.concatenate([*edges, *(-edge for edge in edges)])
+        normals = ways[:, ::-1] * [1.0, -1.0] / np.linalg.norm(ways, axis=1)[:, None]
+        apart = float((np.min(two @ normals.T, axis=0) - np.max(one @ normals.T, axis=0)).max())
+        if apart <= 0.0:
+            return apart
+    gaps = [_to_edges(corner, two) for corner in one] + [_to_edges(corner, one) for corner in two]
+    return min(gaps)
+
+
+def _to_edges(point: Array, outline: Array) -> float:
+    """Return the distance of a point from the nearest edge of an outline."""
+    ways = np.roll(outline, -1, axis=0) - outline
+    lengths = np.maximum((ways**2).sum(axis=1), 1e-300)
+    shares = np.clip(((point - outline) * ways).sum(axis=1) / lengths, 0.0, 1.0)
+    return float(np.linalg.norm(point - outline - shares[:, None] * ways, axis=1).min())
+
+
 def surface(part: Part, spacing: float) -> Array:
     """Return points on a primitive from its own middle, shape (n, 3): edges of a box, rims and sides of a cylinder."""
     return _surface(part.kind, tuple(part.half.tolist()), spacing)

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.independent.convex import reach
+from tests.independent.convex import outlines_apart, reach
 from tests.independent.frames import Array, Frame
 from tests.independent.tolerances import SLACK, TILT
 from tests.independent.world import Layout, World
 
 ROUND = ("cylinder", "sphere")
 HOLLOW = ("container", "drawer", "cupboard")
+LEANING = np.radians(2)
 PAD = 0.0176
 """How wide the pads of the fingers are in metres."""
 
@@ -98,6 +99,33 @@ def _near(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 def _far(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """From 25 cm apart on."""
     yield 0.25 - _gap(seen, arguments)
+
+
+def _touching(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
+    """The gap in space at most 2 mm, or bodies in each other by as much; what is no upright primitive is its box."""
+    (one, low, high, radius, ball), (two, other_low, other_high, other_radius, other_ball) = (
+        _prism(seen, name) for name in arguments
+    )
+    aside = outlines_apart(one, two) - radius - other_radius
+    above = max(low - other_high, other_low - high)
+    outside = float(np.linalg.norm(np.maximum([aside, above], 0.0)))
+    yield abs((outside or max(aside, above)) - ball - other_ball) - 0.002
+
+
+def _prism(seen: Seen, name: str) -> tuple[Array, float, float, float, float]:
+    """Return corners seen from above, bottom and top of what a body is around, and the radii of discs and of a ball."""
+    low, high = seen.layout.span(name)
+    middle, pose, kind = (low + high) / 2, seen.layout.pose(name), seen.world.kinds[name]
+    if kind == "sphere":
+        return middle[None, :2], middle[2], middle[2], 0.0, seen.world.halves[name][0]
+    signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    if kind in ("drawer", "cupboard", "table", "zone") or pose.turn[2, 2] < np.cos(LEANING):
+        return middle[:2] + signs * (high - low)[:2] / 2, low[2], high[2], 0.0, 0.0
+    if kind == "cylinder":
+        return middle[None, :2], low[2], high[2], seen.world.halves[name][0], 0.0
+    yaw = _yaw(pose)
+    turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    return middle[:2] + (signs * seen.world.halves[name][:2]) @ turn.T, low[2], high[2], 0.0, 0.0
 
 
 def _between(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
@@ -275,6 +303,7 @@ MEANINGS: Mapping[str, Callable[[Seen, Sequence[str]], Iterator[float]]] = {
     "behind": _beside(0, 1.0),
     "near": _near,
     "far": _far,
+    "touching": _touching,
     "between": _between,
     "aligned": _aligned,
     "upright": _upright,

@@ -1,0 +1,227 @@
+"""``touching``: two bodies touch: the gap between them is at most `TOLERANCE`, and they overlap by no more than that.
+
+The gap is the distance of the bodies in space; where they overlap it is negative, the shortest way apart. It is exact
+for boxes, cylinders and balls that stand upright, however they are turned about the vertical. Anything else, and what
+leans by more than `LEAN`, counts as the box around it: so what is inside a container overlaps it, and does not touch
+it. What stands on a body touches it, as does what stands against its side. The order of the two does not matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from prag_asp.physics.predicates.gaps import Demand, Gap, Z, along, between, bottom, centre, top
+from prag_asp.physics.predicates.predicate import Arguments, Predicate, words
+from prag_asp.physics.predicates.volume import Ring, Side, Volume, turned_box
+from prag_asp.physics.situation import Situation
+from prag_asp.scene.forms import rectangle
+from prag_asp.scene.geometry import (
+    Outline,
+    Point,
+    Quaternion,
+    Vector,
+    extents,
+    hull,
+    inside_by,
+    turn_between,
+    wrap,
+    yaw_of,
+    yaw_quaternion,
+)
+from prag_asp.scene.model import Scene, Shape
+
+TOLERANCE, MARGIN, HEIGHT_MARGIN = 0.002, 0.0005, 0.0002
+LEAN = math.radians(2)
+SECTOR, WHOLE_SECTOR = math.pi / 6, math.pi / 2
+"""Into how large angles the ring around a corner is cut, and the disc: the smaller, the less is drawn in vain."""
+
+Heights = tuple[float, float]
+
+
+class Core(NamedTuple):
+    """A body as all points near its core, which is a rectangle or a point seen from above: a box is its own core.
+
+    The `corners` of the core are counter-clockwise, it goes from `low` to `high`; a cylinder is a `disc` around each
+    point of its core, a `ball` is one around its centre. Metres; a radius that is 0 is none.
+    """
+
+    corners: Outline
+    low: float
+    high: float
+    disc: float = 0.0
+    ball: float = 0.0
+
+
+def _core(shape: Shape, at: Vector, half: Vector, quaternion: Quaternion) -> Core:
+    """Return the core of a body by the centre and half the sides of the box around it, in metres."""
+    (x, y, z), traits, yaw = at, shape.traits, yaw_of(quaternion)
+    if traits.round and not traits.flat:
+        return Core(((x, y),), z, z, ball=half[2])
+    low, high = z - half[2], z + half[2]
+    if traits.furniture or not traits.body or turn_between(quaternion, yaw_quaternion(yaw)) > LEAN:
+        return Core(rectangle(x, y, half[0], half[1], 0.0), low, high)
+    if traits.round:
+        return Core(((x, y),), low, high, disc=shape.half[0])
+    return Core(rectangle(x, y, shape.half[0], shape.half[1], yaw), low, high)
+
+
+def _placed(situation: Situation, entity: str) -> Core:
+    """Return the core of a body where it is."""
+    body = situation.body(entity)
+    return _core(situation.shape(entity), body.centre, body.half, body.pose.quaternion)
+
+
+def _ways(one: Outline, two: Outline) -> Outline:
+    """Return the ways from points of the second outline to points of the first, as an outline around where they are."""
+    return hull([(ax - bx, ay - by) for ax, ay in one for bx, by in two])
+
+
+def _beyond(outline: Outline, point: Point) -> float:
+    """Return how far a point is from a convex outline in metres; negative within it."""
+    depth = inside_by(outline, point)
+    if depth >= 0.0:
+        return -depth
+    return min(_from_edge(a, b, point) for a, b in zip(outline, outline[1:] + outline[:1], strict=True))
+
+
+def _from_edge(a: Point, b: Point, point: Point) -> float:
+    """Return how far a point is from the line between two others, in metres."""
+    (dx, dy), (px, py) = (b[0] - a[0], b[1] - a[1]), (point[0] - a[0], point[1] - a[1])
+    square = dx * dx + dy * dy
+    share = min(1.0, max(0.0, (px * dx + py * dy) / square)) if square > 0.0 else 0.0
+    return math.hypot(px - share * dx, py - share * dy)
+
+
+def gap(situation: Situation, arguments: Arguments) -> float:
+    """Return how wide the gap between two bodies is in metres, negative where they overlap."""
+    one, two = (_placed(situation, entity) for entity in arguments)
+    aside = _beyond(_ways(one.corners, two.corners), (0.0, 0.0)) - one.disc - two.disc
+    above = max(one.low - two.high, two.low - one.high)
+    apart = math.hypot(max(0.0, aside), max(0.0, above)) + min(0.0, max(aside, above))
+    return apart - one.ball - two.ball
+
+
+def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how many metres the gap is too wide, or the bodies are too deep in each other."""
+    yield abs(gap(situation, arguments)) - TOLERANCE
+
+
+def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
+    """Return what is beside the other body, on it and below it.
+
+    A ball that would touch an edge is left out, but for one on the floor on which the other body is.
+    """
+    subject, other = arguments
+    shape, there = situation.shape(subject), _placed(situation, other)
+    own = _core(shape, (0.0, 0.0, 0.0), extents(shape, quaternion), quaternion)
+    ways = _ways(there.corners, own.corners)
+    disc, ball = there.disc + own.disc, there.ball + own.ball
+    low, high = there.low - own.high, there.high - own.low
+    near, far = ball + MARGIN, ball + TOLERANCE - MARGIN
+    regions = [*_around(ways, disc + near, disc + far, (low + MARGIN, high - MARGIN))]
+    floor = there.low - there.ball - own.low + own.ball
+    # On one floor the core of one may be higher than that of the other: two balls of different sizes meet aslant.
+    aslant = max(low - floor, floor - high)
+    if ball > 0.0 and aslant > -MARGIN:
+        near, far = (math.sqrt(reach**2 - max(0.0, aslant) ** 2) for reach in (near, far))
+        regions += _around(ways, disc + near, disc + far, (floor - HEIGHT_MARGIN, floor + HEIGHT_MARGIN))
+    for level in (high + ball, low - ball):
+        regions += _over(ways, max(disc - MARGIN, 0.0), (level - MARGIN, level + MARGIN))
+    return Volume(unions=(tuple(regions),))
+
+
+def _over(outline: Outline, reach: float, heights: Heights) -> Iterator[Volume]:
+    """Yield regions that make up what is over a convex outline, or up to a reach in metres beside it."""
+    if len(outline) > 1:
+        edges = zip(outline, outline[1:] + outline[:1], strict=True)
+        sides = tuple(Side(a, b, a * x + b * y) for (x, y), (a, b) in ((one, _outward(one, two)) for one, two in edges))
+        yield Volume((-math.inf, -math.inf, heights[0]), (math.inf, math.inf, heights[1]), sides=sides)
+    yield from _around(outline, 0.0, max(reach, MARGIN), heights)
+
+
+def _around(outline: Outline, near: float, far: float, heights: Heights) -> Iterator[Volume]:
+    """Yield regions that make up what is between two distances from a convex outline, in metres, at some heights.
+
+    What is around the corners of a rectangle is left out where that is less than the tolerance.
+    """
+    if heights[0] > heights[1]:
+        return
+    low, high = (-math.inf, -math.inf, heights[0]), (math.inf, math.inf, heights[1])
+    normals = []
+    for one, two in zip(outline, outline[1:] + outline[:1], strict=True):
+        x, y = _outward(one, two)
+        normals.append(math.atan2(y, x))
+        middle = ((one[0] + two[0] + x * (near + far)) / 2, (one[1] + two[1] + y * (near + far)) / 2, 0.0)
+        half = (math.dist(one, two) / 2, (far - near) / 2)
+        if half[0] > 0.0:
+            yield Volume(low, high, sides=turned_box((middle, (-y, x)), half))
+    for i, corner in enumerate(outline if far >= TOLERANCE or len(outline) == 1 else ()):
+        turn = wrap(normals[i] - normals[i - 1]) if len(outline) > 1 else 2 * math.pi
+        count = math.ceil(turn / (SECTOR if near > 0.0 else WHOLE_SECTOR) - MARGIN)
+        for k in range(count):
+            ends = (normals[i - 1] + turn * k / count, normals[i - 1] + turn * (k + 1) / count)
+            yield Volume(low, high, sides=_sector(corner, ends, near, far), rings=(Ring(*corner, near, far),))
+
+
+def _outward(one: Point, two: Point) -> Point:
+    """Return the unit normal of an edge, outward where the outline is counter-clockwise."""
+    length = math.dist(one, two)
+    return ((two[1] - one[1]) / length, (one[0] - two[0]) / length) if length > 0.0 else (1.0, 0.0)
+
+
+def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -> tuple[Side, ...]:
+    """Return the half planes of a sector around a corner between two headings: from a chord out to a tangent."""
+    (x, y), (begin, end) = corner, ends
+    middle, chord = (begin + end) / 2, near * math.cos((end - begin) / 2)
+    return tuple(
+        Side(a, b, a * x + b * y + reach)
+        for a, b, reach in (
+            (math.sin(begin), -math.cos(begin), 0.0),
+            (-math.sin(end), math.cos(end), 0.0),
+            (-math.cos(middle), -math.sin(middle), -chord),
+            (math.cos(middle), math.sin(middle), far),
+        )
+    )
+
+
+def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
+    """Yield that neither body is beyond the other along any axis; nothing for the table and zones."""
+    one, two = arguments
+    if not all(scene.shapes[entity].traits.body for entity in arguments):
+        return
+    for axis in (0, 1):
+        reach = _broadest(one, axis, scene) + _broadest(two, axis, scene) + TOLERANCE
+        yield from along(axis, between(centre(one), centre(two), -reach, reach))
+    yield Z, Gap(bottom(one), top(two), -TOLERANCE)
+    yield Z, Gap(bottom(two), top(one), -TOLERANCE)
+
+
+def _broadest(entity: str, axis: int, scene: Scene) -> float:
+    """Return half the side of the bounding box of a body along an axis in metres, as large as it can be."""
+    shape, place = scene.shapes[entity], scene.fixed.get(entity)
+    if place is not None:
+        return extents(shape, yaw_quaternion(place[2]))[axis]
+    return math.hypot(shape.breadth(widest=True) / 2, shape.half[2]) if shape.traits.flat else shape.half[2]
+
+
+def _sentence(arguments: Arguments, value: bool = True) -> str:
+    """Return that the two touch, or that they do not."""
+    one, two = map(words, arguments)
+    return f"{one} touches {two}" if value else f"{one} does not touch {two}"
+
+
+TOUCHING = Predicate(
+    name="touching",
+    violations=_violations,
+    volume=_volume,
+    sentence=_sentence,
+    inverse="touching",
+    told=75,
+    rests_on_other=True,
+    apart=(0.0, TOLERANCE),
+    demands=_demands,
+)
+
+PREDICATES = {"touching": TOUCHING}
