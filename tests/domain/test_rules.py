@@ -50,12 +50,6 @@ def test_a_folder_without_a_contract_holds_no_encodings(tmp_path: Path) -> None:
         load_domain("hanoi", encodings=tmp_path)
 
 
-def test_a_file_is_no_domain_but_its_folder_is(tmp_path: Path) -> None:
-    folder = domain(tmp_path, SWITCH)
-    with pytest.raises(DomainError, match=r"domain\.lp: a file, not a folder; give the folder of the domain, "):
-        load_domain(folder / "domain.lp")
-
-
 def test_a_file_that_begins_with_a_byte_order_mark_is_read_with_its_lines_in_place(tmp_path: Path) -> None:
     settings = 'title = "Lamps"\n'
     (tmp_path / "domain.lp").write_bytes(b"\xef\xbb\xbf" + SWITCH.encode())
