@@ -6,10 +6,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from prag_asp.physics.missing import NEWEST, advice, needed
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.errors import PhysicsMissingError
+from prag_asp.missing import NEWEST, advice, needed
 from tests.bare import LINUX, ROOT, bare_python, required
 
 ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pty
+import re
 import select
 import shlex
 import subprocess
@@ -139,15 +140,14 @@ class Terminal:
     def __init__(self, file: int) -> None:
         self._file, self._shown = file, ""
 
-    def type(self, keys: str, until: str) -> str:
-        """Type, and return what is shown once it has some text."""
+    def type(self, keys: str, until: str) -> None:
+        """Type, and wait until what is shown from then on fits a regular expression."""
         os.write(self._file, keys.encode())
         end, begin = time.monotonic() + PATIENCE, len(self._shown)
-        while until not in self._shown[begin:]:
+        while not re.search(until, self._shown[begin:]):
             assert time.monotonic() < end, f"{keys!r} shows no {until!r} but {self._shown[begin:]!r}"
             if select.select([self._file], [], [], 0.1)[0]:
                 self._shown += os.read(self._file, 65536).decode(errors="replace")
-        return self._shown[begin:]
 
 
 @contextmanager
@@ -167,7 +167,7 @@ def bash(folder: Path) -> Iterator[Terminal]:
     os.close(end)
     try:
         terminal = Terminal(file)
-        terminal.type("bind 'set bell-style none'; stty columns 200; eval \"$(prag-asp completion bash)\"\n", "$ ")
+        terminal.type("bind 'set bell-style none'; stty columns 200; eval \"$(prag-asp completion bash)\"\n", r"\$ ")
         terminal.type("complete -p prag-asp\n", "-F _prag_asp_completion prag-asp")
         yield terminal
     finally:
@@ -180,12 +180,12 @@ def test_bash_completes_words_as_they_are_typed(tmp_path: Path) -> None:
     with bash(tmp_path) as terminal:
         terminal.type("prag-asp cou\t", "count ")
         terminal.type("tablet\t", "tabletop ")
-        terminal.type("-n 1\n", "15\r\n$ ")
-        terminal.type("prag-asp explain prag app\t", "'approach(panda,")
-        terminal.type("can\t", "can_1)' ")
-        terminal.type("'grasp(panda,can\t", "_1)' ")
-        terminal.type("\n", "a plan of prag\r\n$ ")
+        terminal.type("-n 1\n", r"\s15\s+\$ ")
+        terminal.type("prag-asp explain prag app\t", r"'approach\(panda,")
+        terminal.type("can\t", r"can_1\)' ")
+        terminal.type("'grasp(panda,can\t", r"_1\)' ")
+        terminal.type("\n", r"\sa plan of prag\s+\$ ")
         terminal.type("prag-asp count prag -n 1 --where us\t", "'uses ")
-        terminal.type("crat\t", "e")
-        terminal.type("_\t", "1' ")
-        terminal.type("\n", "9\r\n$ ")
+        terminal.type("crat\t", "crate")
+        terminal.type("_\t", "_1' ")
+        terminal.type("\n", r"\s9\s+\$ ")

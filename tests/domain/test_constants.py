@@ -141,7 +141,7 @@ def test_lines_stay_where_they_are() -> None:
     for order in (parts, [parts[1], parts[0], parts[2]]):
         text = LAMPS + "".join(order)
         with pytest.raises(DomainError) as caught:
-            load_domain(text=text, constants={"lamps": 3, "word": "b"})
+            load_domain(text=text, constants={"lamps": 3, "word": "b"}, strict=True)
         line = text[: text.index("unread")].count("\n") + 1
         assert re.match(rf"<text>:{line}: unknown predicate unread/1", str(caught.value))
         domain = load_domain(text=text.replace("unread(1).", ""), constants={"lamps": 3, "word": "b"})

@@ -86,13 +86,13 @@ def test_a_step_rule_counts_wherever_it_stands(folder: Path, engine: str) -> Non
 
 def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(DomainError, match=r"^<text>:6: unknown predicate spare/1"):
-        load_domain(text=f"{LAMPS}{ACTIONS}spare(1).")
+        load_domain(text=f"{LAMPS}{ACTIONS}spare(1).", strict=True)
     standard_input(monkeypatch, f"{ACTIONS}spare(.".encode())
     with pytest.raises(DomainError, match=r"^<stdin>:3: unexpected \. at column 7"):
         load_domain("lamps.lp", "-")
     (folder / "actions.lp").write_text(f"{ACTIONS}\nspare(1).", encoding="utf-8")
     with pytest.raises(DomainError, match=r"^actions\.lp:4: unknown predicate spare/1"):
-        load_domain("lamps.lp", "actions.lp")
+        load_domain("lamps.lp", "actions.lp", strict=True)
     standard_input(monkeypatch, b'a.\nb("\xff").')
     with pytest.raises(DomainError, match=r"^<stdin>:2: not UTF-8 text"):
         load_domain("-")

@@ -52,9 +52,7 @@ def test_a_folder_without_a_contract_holds_no_encodings(tmp_path: Path) -> None:
 
 def test_a_file_that_does_not_end_in_lp_is_no_domain(tmp_path: Path) -> None:
     path = domain(tmp_path, SWITCH) / "domain.lp"
-    with pytest.raises(
-        DomainError, match=r"domain\.txt: a file, but its name does not end in \.lp; rename it"
-    ):
+    with pytest.raises(DomainError, match=r"domain\.txt: a file, but its name does not end in \.lp; rename it"):
         load_domain(path.rename(path.with_suffix(".txt")))
 
 
