@@ -25,7 +25,7 @@ from rich.progress import track
 from rich.table import Table
 
 from prag_asp import Task, TaskSpace, load_domain
-from prag_asp.dataset.filtering import scene_of
+from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import TIERS, Budget, Verdict, open_validator
 from prag_asp.scene.model import Scene
 

@@ -24,7 +24,7 @@ from rich.progress import track
 from rich.table import Table
 
 from prag_asp import Task, TaskSpace, load_domain
-from prag_asp.dataset.filtering import scene_of
+from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import validate_tasks
 from prag_asp.scene.model import Scene
 

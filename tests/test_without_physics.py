@@ -14,9 +14,9 @@ from tests.bare import LINUX, ROOT, bare_python, required
 
 ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak")
 LOGIC = (
-    "tests/dataset", "tests/domain", "tests/logic", "tests/space/test_engines.py", "tests/space/test_frozen.py",
-    "tests/space/test_kitchen_counts.py", "tests/space/test_limits.py", "tests/space/test_ranges.py",
-    "tests/space/test_ranks.py",
+    "tests/dataset/test_jsonl.py", "tests/program", "tests/lint", "tests/domain", "tests/logic", "tests/test_task.py",
+    "tests/space/engines/test_engines.py", "tests/space/test_kitchen_counts.py", "tests/space/test_limits.py",
+    "tests/space/parts",
 )  # fmt: skip
 CHEAP = "not slow and not hypothesis"
 """Tests of logic that take less than a minute together; random input would find the same with PyBullet as without."""

@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.recordings import Recordings
+from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.tally import Tally
-from prag_asp.domain.load import load_scene
 from prag_asp.physics import Budget, Verdict, validate_tasks
-from prag_asp.physics.predicates import own_predicates
 
 if TYPE_CHECKING:
-    from prag_asp.domain.load import Domain
     from prag_asp.scene.model import Scene
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
@@ -75,14 +73,3 @@ def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
     """Return a budget with the tier of demonstrations where these are to be recorded."""
     budget = budget or Budget()
     return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
-
-
-def scene_of(domain: Domain) -> Scene:
-    """Return the scene of a domain, all its spatial predicates ready for use.
-
-    Raises:
-        SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
-    """
-    scene = load_scene(domain)
-    own_predicates(scene)
-    return scene

@@ -10,10 +10,11 @@ from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.filtering import budget_of, scene_of
+from prag_asp.dataset.filtering import budget_of
 from prag_asp.dataset.jsonl import Record, read_tasks
 from prag_asp.dataset.origin import foreign, index_of, named_domain, read_witness, told_with_place
 from prag_asp.dataset.recordings import Recordings
+from prag_asp.dataset.scenes import scene_of
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Demonstration, open_cascade, validate_numbered

@@ -23,7 +23,7 @@ def check(*, asked: Asked) -> None:
     """Check a domain and say what it declares."""
     domain = asked.domain()
     if "own" in domain.settings.scene:
-        from prag_asp.dataset.filtering import scene_of
+        from prag_asp.dataset.scenes import scene_of
 
         scene_of(domain)
     _require_proofs(domain)
@@ -51,7 +51,7 @@ def _require_proofs(domain: Domain) -> None:
     """
     if not domain.learned or domain.folder is None:
         return
-    from prag_asp.dataset.filtering import scene_of
+    from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import LEARNED
     from prag_asp.physics.proofs.learning import unproved
 
@@ -66,7 +66,7 @@ def _require_proofs(domain: Domain) -> None:
 def _warn_of_grips(domain: Domain) -> None:
     """Say which bodies of a domain are held by no proof too wide, and yet never grasped."""
     if domain.settings.scene:
-        from prag_asp.dataset.filtering import scene_of
+        from prag_asp.dataset.scenes import scene_of
         from prag_asp.physics.proofs.grips import never_gripped
 
         for warning in never_gripped(domain, scene_of(domain)):

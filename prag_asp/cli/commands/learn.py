@@ -41,7 +41,7 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     Prints the rules for the file learned.lp, and what they change: the numbers of plans, tasks and skeletons of length
     N, and how many of K uniformly drawn tasks pass physics. A learned.lp that is there already is left out.
     """
-    from prag_asp.dataset.filtering import scene_of
+    from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import LEARNED, with_learned
     from prag_asp.physics import require_physics
     from prag_asp.physics.proofs.learning import proved

@@ -131,8 +131,8 @@ class _Drawing:
             QueryError: it has no witness, and none is found; or the robot fails to perform it.
             OutputError: the file cannot be written.
         """
-        from prag_asp.dataset.filtering import scene_of
         from prag_asp.dataset.language import sentence
+        from prag_asp.dataset.scenes import scene_of
         from prag_asp.physics import Demonstration, animate, film_strip, still
 
         scene, task = scene_of(domain), record.task

@@ -16,20 +16,9 @@ from prag_asp.physics.predicates.gaps import Demand, Gap, Z, along, between, bot
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, words
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, turned_box
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.forms import rectangle
-from prag_asp.scene.geometry import (
-    Outline,
-    Point,
-    Quaternion,
-    Vector,
-    extents,
-    hull,
-    inside_by,
-    turn_between,
-    wrap,
-    yaw_of,
-    yaw_quaternion,
-)
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.forms import Outline, Point, rectangle
+from prag_asp.scene.geometry import Quaternion, extents, hull, inside_by, turn_between, wrap, yaw_of, yaw_quaternion
 from prag_asp.scene.model import Scene, Shape
 
 TOLERANCE, MARGIN, HEIGHT_MARGIN = 0.002, 0.0005, 0.0002

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.atom import Atom
-from prag_asp.dataset.filtering import scene_of
+from prag_asp.dataset.scenes import scene_of
 from prag_asp.domain.load import Domain, with_learned
 from prag_asp.errors import DomainError
 from prag_asp.physics import check_witness, validate_tasks

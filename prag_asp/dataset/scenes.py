@@ -1,0 +1,23 @@
+"""The scene of a domain, as physics uses it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from prag_asp.domain.load import load_scene
+from prag_asp.physics.predicates import own_predicates
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.scene.model import Scene
+
+
+def scene_of(domain: Domain) -> Scene:
+    """Return the scene of a domain, all its spatial predicates ready for use.
+
+    Raises:
+        SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
+    """
+    scene = load_scene(domain)
+    own_predicates(scene)
+    return scene
