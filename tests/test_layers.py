@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import prag_asp
 
 PACKAGE = Path(prag_asp.__file__).parent
@@ -53,7 +55,10 @@ def loaded_by(*arguments: str) -> set[str]:
 def test_counting_loads_neither_the_simulator_nor_data_packages() -> None:
     loaded = loaded_by("count", "prag", "--length", "3")
     assert "clingo" in loaded
-    assert not loaded & {"pybullet", "frankik", "pyarrow", "rich", "PIL", "multiprocessing", "pysat", "pyganak"}
+    assert not loaded & {
+        "pybullet", "frankik", "pyarrow", "rich", "PIL", "matplotlib", "multiprocessing", "pysat", "pyganak", "difflib",
+        "importlib.metadata",
+    }  # fmt: skip
 
 
 def test_counting_loads_only_those_of_our_own_modules_that_count() -> None:
@@ -64,6 +69,29 @@ def test_counting_loads_only_those_of_our_own_modules_that_count() -> None:
         "drawing", "merged", "narrate", "ranked", "readings", "shuffle", "split", "statistics", "stored", "temperature",
     }  # fmt: skip
     assert not loaded & {"prag_asp.space.conditions.clauses", "prag_asp.logic.symmetry.merging"}
+
+
+def test_a_count_that_was_kept_loads_no_code_for_merged_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
+    count = ("count", "tabletop", "--length", "5", "--by", "plan")
+    loaded_by(*count)
+    assert list(tmp_path.iterdir())
+    loaded = loaded_by(*count)
+    assert "prag_asp.space.engines.stored" in loaded
+    assert not loaded & {"prag_asp.space.automaton.merged", "prag_asp.logic.symmetry.patterns"}
+
+
+def test_counting_where_there_is_no_scene_loads_nothing_that_reads_one() -> None:
+    assert not {name for name in loaded_by("count", "hanoi", "--length", "3") if name.startswith("prag_asp.scene")}
+
+
+def test_what_computes_no_motion_loads_no_simulator() -> None:
+    names = "Budget, Demonstration, PREDICATES, Verdict, Witness, check_demonstration, physical_task"
+    code = f"import sys; from prag_asp.physics import {names}; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "prag_asp.physics.robot.panda" in loaded
+    assert not {"pybullet", "frankik", "PIL"} & set(loaded)
+    assert not {"pybullet", "frankik"} & loaded_by("check", "tabletop")
 
 
 def test_asking_for_help_loads_no_solver() -> None:

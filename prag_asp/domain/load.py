@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import clingo
 
@@ -14,7 +15,9 @@ from prag_asp.program.paths import data_folder, domain_folder
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
-from prag_asp.scene.model import Scene
+
+if TYPE_CHECKING:
+    from prag_asp.scene.model import Scene
 
 LEARNED = "learned.lp"
 """The file of invariants that physics has proved; `prag-asp learn` writes it."""

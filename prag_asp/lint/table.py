@@ -11,7 +11,6 @@ from prag_asp.atom import Atom
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem, suggestion
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
-from prag_asp.scene.load import scene_problems
 
 TYPES: Mapping[str, tuple[type, str]] = {
     "title": (str, 'a string, such as "Blocks on a table"'),
@@ -116,6 +115,8 @@ def _is_template(sentence: str, arity: int) -> bool:
 
 def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     """Yield the problems of the scene; one of a table follows from one within it."""
+    from prag_asp.scene.load import scene_problems  # noqa: PLC0415 - many domains have no scene
+
     entities = {str(entity): name for entity, name in facts.entities.items()}
     fluents = [Atom(fluent.name, tuple(map(str, fluent.arguments))) for fluent in facts.fluents]
     reported: set[str] = set()
