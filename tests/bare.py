@@ -36,7 +36,7 @@ def bare_python(folder: Path, *others: str) -> Path:
     """
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
     python = folder / "bin" / "python"
-    site = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
+    site = Path(sysconfig.get_path("purelib", "posix_prefix", {"base": str(folder)}))
     own = ["tomli"] if sys.version_info < (3, 11) else []
     for package in _with_what_they_need([*required("3.14"), *own, *others]):
         for name in {path.parts[0] for path in package.files or ()} - {"..", "__pycache__"}:

@@ -68,7 +68,20 @@ PUBLIC = {
     "Atom", "Condition", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "Scene",
     "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "load_domain", "load_scene", "parse_atom",
 }  # fmt: skip
-HEAVY = {"pybullet", "frankik", "msgspec", "rich", "PIL", "matplotlib", "plotly", "multiprocessing", "pysat", "pyganak"}
+HEAVY = {
+    "pybullet",
+    "frankik",
+    "msgspec",
+    "rich",
+    "PIL",
+    "matplotlib",
+    "plotly",
+    "multiprocessing",
+    "pysat",
+    "pyganak",
+    "difflib",
+    "importlib.metadata",
+}
 """What counting does not need."""
 
 
@@ -201,6 +214,29 @@ def test_counting_loads_only_those_of_our_own_modules_that_count() -> None:
     }  # fmt: skip
     assert "prag_asp.logic.symmetry.merging" not in loaded
     assert not {name for name in loaded if name.startswith(("prag_asp.physics", "prag_asp.dataset"))}
+
+
+def test_a_count_that_was_kept_loads_no_code_for_merged_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
+    count = ("count", "tabletop", "--length", "5", "--by", "plan")
+    loaded_by(*count)
+    assert list(tmp_path.iterdir())
+    loaded = loaded_by(*count)
+    assert "prag_asp.space.engines.stored" in loaded
+    assert not loaded & {"prag_asp.space.automaton.merged", "prag_asp.logic.symmetry.patterns"}
+
+
+def test_counting_where_there_is_no_scene_loads_nothing_that_reads_one() -> None:
+    assert not {name for name in loaded_by("count", "hanoi", "--length", "3") if name.startswith("prag_asp.scene")}
+
+
+def test_what_computes_no_motion_loads_no_simulator() -> None:
+    names = "Budget, Demonstration, PREDICATES, Verdict, Witness, check_demonstration, physical_task"
+    code = f"import sys; from prag_asp.physics import {names}; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "prag_asp.scene.robots.panda" in loaded
+    assert not {"pybullet", "frankik", "PIL"} & set(loaded)
+    assert not {"pybullet", "frankik"} & loaded_by("check", "tabletop")
 
 
 def test_asking_for_help_loads_no_solver() -> None:

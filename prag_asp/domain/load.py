@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import clingo
 
@@ -18,7 +19,9 @@ from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
-from prag_asp.scene.model import Scene
+
+if TYPE_CHECKING:
+    from prag_asp.scene.model import Scene
 
 LEARNED = "learned.lp"
 """The file of invariants that physics has proved; `prag-asp learn` writes it."""

@@ -11,7 +11,6 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.names import ambiguity, named, shared_names
 from prag_asp.program.problem import Problem
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
-from prag_asp.scene.load import scene_problems
 from prag_asp.wording import did_you_mean, is_misspelling, nearest
 
 TYPES: Mapping[str, tuple[type, str]] = {
@@ -122,6 +121,8 @@ def _is_template(sentence: str, arity: int) -> bool:
 
 def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     """Yield the problems of the scene; one of a table follows from one within it."""
+    from prag_asp.scene.load import scene_problems  # noqa: PLC0415 - many domains have no scene
+
     fluents = list(map(atom_of, facts.fluents))
     classes, entities, folder = facts.class_names, facts.entity_names, settings.path.parent
     found = scene_problems(settings.scene, classes, entities, fluents, folder=folder)

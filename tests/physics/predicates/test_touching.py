@@ -27,8 +27,8 @@ from tests.independent.check import problems
 from tests.independent.convex import Part, depth
 from tests.independent.frames import frame
 from tests.independent.world import world_of
-from tests.physics.test_proofs import OBJECTS, any_situation
-from tests.physics.test_proofs import scene as proof_scene
+from tests.physics.proofs.test_proofs import OBJECTS, any_situation
+from tests.physics.proofs.test_proofs import scene as proof_scene
 
 TOUCHING = PREDICATES["touching"]
 SHAPES = {
