@@ -80,10 +80,16 @@ def test_a_verdict_does_not_depend_on_where_the_task_stands_nor_on_the_workers(
     assert 5 < passed < 24 if drawn == ("--no-physics",) else passed == 24
 
 
-def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_path: Path) -> None:
-    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
-    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
-    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", "2"], tmp_path) as process:
+@pytest.fixture(scope="module")
+def many(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A file of tasks that take long to validate."""
+    file = tmp_path_factory.mktemp("many") / "tasks.jsonl"
+    ok("sample", "tabletop", "-n", "4", "--no-physics", "--count", "3000", "--format", "jsonl", "-o", str(file))
+    return str(file)
+
+
+def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(many: str, tmp_path: Path) -> None:
+    with interruptible([*PRAG, "validate", many, "--workers", "2"], tmp_path) as process:
         assert process.stdout is not None
         first = process.stdout.readline()
         time.sleep(1)
@@ -95,11 +101,9 @@ def test_an_interrupted_validation_keeps_its_lines_and_says_how_far_it_came(tmp_
 
 @pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
 def test_workers_that_are_just_being_started_leave_an_interruption_to_their_parent(
-    tmp_path: Path, delay: float
+    many: str, tmp_path: Path, delay: float
 ) -> None:
-    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
-    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
-    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", "2"], tmp_path) as process:
+    with interruptible([*PRAG, "validate", many, "--workers", "2"], tmp_path) as process:
         until = time.monotonic() + 60
         while len(children(process.pid)) < 2 and time.monotonic() < until:
             time.sleep(0.01)
@@ -111,11 +115,9 @@ def test_workers_that_are_just_being_started_leave_an_interruption_to_their_pare
 
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_validation_that_is_told_to_end_ends_as_an_interrupted_one_and_its_workers_with_it(
-    tmp_path: Path, workers: str
+    many: str, tmp_path: Path, workers: str
 ) -> None:
-    arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
-    ok(*arguments, "-o", "tasks.jsonl", cwd=tmp_path)
-    with interruptible([*PRAG, "validate", "tasks.jsonl", "--workers", workers], tmp_path) as process:
+    with interruptible([*PRAG, "validate", many, "--workers", workers], tmp_path) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "1\tfeasible\n"
         helpers = children(process.pid)
