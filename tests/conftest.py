@@ -1,8 +1,94 @@
-"""No test reads or writes the user's cache; processes that tests start need not compile the package each time."""
+"""No test reads or writes the user's cache; chance is the same in every run unless it is asked to be fresh."""
+
+from __future__ import annotations
 
 import os
+import secrets
 from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import is_hypothesis_test
+
+from tests import chance as chances
 
 os.environ["PRAG_ASP_CACHE"] = ""
-if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):  # processes that tests start need not compile the package each time
     os.environ["PYTHONPYCACHEPREFIX"] = str(Path(__file__).parents[1] / ".pytest_cache" / "compiled")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("chance", "random tests")
+    group.addoption(
+        "--fresh",
+        action="store_true",
+        help="Run the random tests alone, with fresh seeds and ten times the examples, and say with which seed.",
+    )
+    group.addoption("--seed", type=int, metavar="N", help="Do again what --fresh did with this seed.")
+    group.addoption(
+        "--found",
+        type=Path,
+        default=chances.FOUND,
+        metavar="FOLDER",
+        help="The examples that tests have failed for, which --fresh adds to.  [default: tests/found]",
+    )
+
+
+@pytest.hookimpl(tryfirst=True)  # before hypothesis reads its seed
+def pytest_configure(config: pytest.Config) -> None:
+    options = config.option
+    if options.fresh and options.seed is None:
+        options.seed = getattr(config, "workerinput", {}).get("seed") or secrets.randbelow(10**9)
+    if options.seed is None:
+        chances.fix(options.found)
+    else:
+        options.hypothesis_seed = str(options.seed)
+        chances.freshen(options.seed, options.found)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tell a process that runs a part of the tests the seed that they all have."""
+    node.workerinput["seed"] = node.config.option.seed
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    return _told(config)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    told = _told(config)
+    if told is not None and terminalreporter.stats.get("failed"):
+        terminalreporter.section("random tests")
+        terminalreporter.line(told)
+        terminalreporter.line(f"what hypothesis found is in {config.option.found}, and is tried first from now on")
+
+
+def _told(config: pytest.Config) -> str | None:
+    """Return how to do a fresh run again."""
+    seed = config.option.seed
+    return None if seed is None else f"random tests alone, with fresh seeds; again: pytest --seed {seed}"
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.option.seed is not None:
+        random = [item for item in items if _has_examples(item) or "chance" in getattr(item, "fixturenames", ())]
+        config.hook.pytest_deselected(items=[item for item in items if item not in random])
+        items[:] = random
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if _has_examples(item):
+        # Found examples go by the name: by default they go by a digest of the test's text, and an edit would lose them.
+        item.obj._hypothesis_internal_database_key = item.name.encode()  # type: ignore[attr-defined]
+
+
+def _has_examples(item: pytest.Item) -> bool:
+    """Tell whether hypothesis gives a test its examples."""
+    return is_hypothesis_test(getattr(item, "obj", None))
+
+
+@pytest.fixture(scope="session")
+def chance() -> chances.Chance:
+    """Seeds, generators and numbers of examples that are the same in every run, or fresh."""
+    return chances.now()

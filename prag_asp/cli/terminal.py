@@ -7,9 +7,11 @@ import os
 import signal
 import sys
 import threading
+from _thread import start_new_thread
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TextIO
 
 import click
@@ -28,7 +30,7 @@ COLLECT = (100_000, 50, 100)
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
 
-LATER = 0.01
+LATER = 0.05
 """Seconds after which an interruption that was dropped comes again."""
 
 
@@ -66,21 +68,27 @@ def _insisting() -> Iterator[None]:
     usual = sys.unraisablehook
 
     def again(dropped: sys.UnraisableHookArgs) -> None:
-        error, to = dropped.exc_value, threading.main_thread().ident
-        if not isinstance(error, KeyboardInterrupt) or to is None:
+        if isinstance(dropped.exc_value, Terminated):
+            signal.signal(signal.SIGTERM, _terminate)
+            start_new_thread(_send_later, (signal.SIGTERM,))
+        elif isinstance(dropped.exc_value, KeyboardInterrupt):
+            start_new_thread(_send_later, (signal.SIGINT,))
+        else:
             usual(dropped)
-            return
-        number = signal.SIGINT
-        if isinstance(error, Terminated):
-            number = signal.SIGTERM
-            signal.signal(number, _terminate)
-        threading.Timer(LATER, signal.pthread_kill, (to, number)).start()
 
     sys.unraisablehook = again
     try:
         yield
     finally:
         sys.unraisablehook = usual
+
+
+def _send_later(number: signal.Signals) -> None:
+    """Send the main thread a signal when Python has come to do something else."""
+    sleep(LATER)
+    main = threading.main_thread().ident
+    if main is not None:
+        signal.pthread_kill(main, number)
 
 
 def _end(error: BaseException) -> int:
@@ -206,8 +214,6 @@ def progress() -> Iterator[Tell]:
     if not sys.stderr.isatty():
         yield lambda words, done=0, total=None: None
         return
-    from time import monotonic
-
     begun = monotonic()
     shown: list[tuple[Progress, TaskID]] = []
     with ExitStack() as bars:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import DomainError
 from prag_asp.program.paths import shipped_domains
+from tests.chance import examples
 
 FILES = ("domain.lp", "domain.toml")
 TOKEN = re.compile(r"\w+|\s+|.")
@@ -48,7 +49,7 @@ def mutated(text: str, chance: random.Random) -> str:
     return "".join(tokens)
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=examples(200))
 @given(
     st.sampled_from(sorted(shipped_domains())),
     st.sampled_from(["domain.lp", "domain.toml"]),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from prag_asp.domain.load import load_domain
 from tests.brute_force import State, Toy, Values, agrees
+from tests.chance import examples
 from tests.lint.test_good_domains import SWITCH, domain
 from tests.lint.test_occurrence import plain, report
 from tests.strategies import hierarchies
@@ -37,7 +38,7 @@ def everywhere(toy: Toy) -> frozenset[State]:
     return frozenset(s for s in every if toy.allowed(s) and agrees(s, fixed))
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=examples(200))
 @given(st.one_of(hierarchies(closed=False), hierarchies(closed=True)))
 def test_a_composite_is_reported_if_and_only_if_no_state_executes_it(toy: Toy) -> None:
     toy = plain(toy)

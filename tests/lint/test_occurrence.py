@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import DomainError
 from tests.brute_force import State, Toy, Values, agrees
+from tests.chance import examples
 from tests.strategies import toys
 
 
@@ -47,7 +48,7 @@ def occurring(toy: Toy) -> set[int]:
         able = left
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=examples(150))
 @given(st.one_of(toys(closed=False), toys(closed=True)))
 def test_an_action_is_reported_if_and_only_if_no_state_executes_it(toy: Toy) -> None:
     toy = plain(toy)
@@ -65,7 +66,7 @@ def test_an_action_is_reported_if_and_only_if_no_state_executes_it(toy: Toy) -> 
     assert bool(said) == bool(reported)
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
+@settings(max_examples=examples(50))
 @given(toys(closed=False))
 def test_a_goal_is_refused_if_and_only_if_no_state_satisfies_it(toy: Toy) -> None:
     goal = replace(plain(toy), initially={}, goal=toy.goal, actions=(replace(toy.actions[0], before={}, after={}),))

@@ -206,17 +206,17 @@ def test_what_is_not_found_says_why(tabletop, initial, step, cause):
 
 
 @pytest.mark.parametrize("name", ["tabletop", "prag"])
-def test_random_tasks_of_the_shipped_domains_have_witnesses_that_pass(request, name):
+def test_random_tasks_of_the_shipped_domains_have_witnesses_that_pass(request, name, chance):
     scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
     outcomes: Counter[str] = Counter()
     for length in (3, 6):
-        for index, made in enumerate(islice(random_tasks(name, length, 11), 15)):
-            verdict = validator.validate(made, seed=4, index=index)
+        for index, made in enumerate(islice(random_tasks(name, length, chance.seed(11)), chance.examples(15))):
+            verdict = validator.validate(made, seed=chance.seed(4), index=index)
             outcomes[verdict.status] += 1
             assert verdict.status != "infeasible"
             if verdict.feasible:
                 assert check_witness(made, verdict.witness, scene) == []
-    assert outcomes["feasible"] >= 27
+    assert outcomes["feasible"] >= 0.9 * outcomes.total()
 
 
 def test_a_verdict_depends_on_the_seed_and_the_index_alone(tabletop, tabletop_validator):

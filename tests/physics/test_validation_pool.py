@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -24,10 +23,10 @@ from tests.processes import children, interrupt, interruptible
 ROOT = Path(__file__).parents[2]
 
 
-def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tabletop):
-    tasks = list(islice(random_tasks("tabletop", 4, 3), 24))
-    alone = list(validate_tasks(tasks, tabletop, seed=7, workers=1))
-    together = list(validate_tasks(tasks, tabletop, seed=7, workers=2))
+def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tabletop, chance):
+    tasks = list(islice(random_tasks("tabletop", 4, chance.seed(3)), 24))
+    alone = list(validate_tasks(tasks, tabletop, seed=chance.seed(7), workers=1))
+    together = list(validate_tasks(tasks, tabletop, seed=chance.seed(7), workers=2))
     assert _lines(tasks, alone) == _lines(tasks, together)
     assert [v.index for v in alone] == list(range(24))
     assert sum(v.feasible for v in alone) > 20
@@ -42,13 +41,13 @@ def _lines(tasks, verdicts):
 
 
 @pytest.mark.parametrize("name", ["tabletop", "prag"])
-def test_the_order_of_the_tasks_does_not_change_a_byte(name, request):
+def test_the_order_of_the_tasks_does_not_change_a_byte(name, request, chance):
     scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
-    tasks = list(islice(random_tasks(name, 4, 9), 20))
-    in_order = list(validate_tasks(tasks, scene, seed=5))
+    tasks = list(islice(random_tasks(name, 4, chance.seed(9)), 20))
+    in_order = list(validate_tasks(tasks, scene, seed=chance.seed(5)))
     # The session's validator has seen many other tasks before.
-    for order in (range(19, -1, -1), random.Random(1).sample(range(20), 20)):
-        found = {index: validator.validate(tasks[index], seed=5, index=index) for index in order}
+    for order in (range(19, -1, -1), chance.generator(1).sample(range(20), 20)):
+        found = {index: validator.validate(tasks[index], seed=chance.seed(5), index=index) for index in order}
         assert _lines(tasks, [found[index] for index in range(20)]) == _lines(tasks, in_order)
 
 
@@ -68,10 +67,10 @@ def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop):
     assert not children()
 
 
-def test_a_killed_worker_costs_nothing_but_time(tabletop):
-    tasks = list(islice(random_tasks("tabletop", 3, 5), 30))
-    expected = _lines(tasks, validate_tasks(tasks, tabletop, seed=2))
-    verdicts = validate_tasks(tasks, tabletop, seed=2, workers=2)
+def test_a_killed_worker_costs_nothing_but_time(tabletop, chance):
+    tasks = list(islice(random_tasks("tabletop", 3, chance.seed(5)), 30))
+    expected = _lines(tasks, validate_tasks(tasks, tabletop, seed=chance.seed(2)))
+    verdicts = validate_tasks(tasks, tabletop, seed=chance.seed(2), workers=2)
     found = [next(verdicts)]
     os.kill(children()[0], signal.SIGKILL)
     found += islice(verdicts, 14)

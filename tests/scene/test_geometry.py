@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from prag_asp.scene.geometry import extents
 from prag_asp.scene.model import Shape
+from tests.chance import examples
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50))
 @given(seed=st.integers(0, 10**6))
 def test_the_bounding_box_of_a_turned_body_is_that_of_points_on_it(seed):
     rng = np.random.default_rng(seed)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from prag_asp import TaskSpace
 from tests.brute_force import Toy, term
+from tests.chance import examples
 from tests.domains import domain_of
 from tests.spaces import with_engine
 from tests.strategies import toys
@@ -16,14 +17,14 @@ LENGTH = 4
 
 
 @pytest.mark.slow
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(200), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False))
 def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy) -> None:
     check_agreement(toy)
 
 
 @pytest.mark.slow
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(200), suppress_health_check=list(HealthCheck))
 @given(toys(closed=True))
 def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy) -> None:
     check_agreement(toy)
@@ -48,7 +49,7 @@ def check_agreement(toy: Toy) -> None:
                 assert all(plan in here for plan in plans)
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_a_prefix_counts_the_plans_that_begin_with_it(toy: Toy, data: st.DataObject) -> None:
     domain = domain_of(toy.text(), "at_most")

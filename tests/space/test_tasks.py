@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.logic.model import Model
 from tests.brute_force import Action, Toy, spelled
+from tests.chance import examples
 from tests.domains import domain_of
 from tests.spaces import with_engine
 
@@ -87,7 +88,7 @@ def orbit(plan: Plan, groups: Iterable[tuple[str, ...]]) -> frozenset[Plan]:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(schemas())
 def test_tasks_are_the_orbits_of_plans_in_both_engines(schema: Schema) -> None:
     domain = domain_of(schema.text())

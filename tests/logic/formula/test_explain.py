@@ -17,6 +17,7 @@ from prag_asp.logic.formula.explain import Explanation, explain
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.model import Model
 from tests.brute_force import Toy, term
+from tests.chance import examples
 from tests.domains import domain_of
 from tests.strategies import toys
 
@@ -25,7 +26,7 @@ def why(domain: str, *plan: str, rules: tuple[str, ...] = ()) -> Explanation | N
     return explain(Model(load_domain(domain, rules=rules)), list(map(clingo.parse_term, plan)))
 
 
-@settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(120), suppress_health_check=list(HealthCheck))
 @given(st.booleans().flatmap(lambda closed: toys(closed=closed)), st.data())
 def test_the_step_and_the_conflict_are_those_of_the_definition(toy: Toy, data: st.DataObject) -> None:
     number = st.integers(0, len(toy.actions) - 1)
@@ -129,7 +130,7 @@ def test_a_tracked_program_keeps_all_that_is_no_constraint() -> None:
 CLAUSES = st.lists(st.lists(st.integers(1, 6).flatmap(lambda v: st.sampled_from([v, -v])), min_size=1, max_size=3))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300))
 @given(CLAUSES)
 def test_a_smallest_conflict_is_one_and_none_is_smaller(given_clauses: list[list[int]]) -> None:
     literals = [1, -2, 3, 4, -5, 6]

@@ -11,6 +11,7 @@ from prag_asp import Atom, TaskSpace
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.hindsight import solved_states
 from tests.brute_force import Action, State, Toy, agrees, term
+from tests.chance import examples
 from tests.domains import domain_of
 from tests.strategies import toys
 
@@ -23,7 +24,7 @@ def trajectories(toy: Toy, plan: tuple[int, ...]) -> list[tuple[State, ...]]:
     return [path for path in paths if agrees(path[-1], toy.goal)]
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_what_is_told_of_a_plan_holds_in_every_execution_and_suffices_for_one(toy: Toy, data: st.DataObject) -> None:
     plans = list(itertools.islice(toy.plans(3), 200))
@@ -41,7 +42,7 @@ def test_what_is_told_of_a_plan_holds_in_every_execution_and_suffices_for_one(to
     assert begun <= fitting if toy.impossible else begun == fitting
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_solving_the_whole_plan_tells_the_same_as_evaluating_its_steps(toy: Toy, data: st.DataObject) -> None:
     plans = list(itertools.islice(toy.plans(3), 200))

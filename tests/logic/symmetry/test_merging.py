@@ -16,6 +16,7 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.merging import Merging, find_merging
 from prag_asp.logic.symmetry.patterns import read_patterns
 from prag_asp.logic.symmetry.renaming import renamed
+from tests.chance import examples
 from tests.domains import domain_of
 
 # Every fluent is read, so that each is a variable: of single things, of pairs of things, of a thing and a place.
@@ -57,7 +58,7 @@ columns = st.lists(st.sampled_from(range(len(PLACE))), max_size=12).map(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(columns)
 def test_the_order_leads_to_the_chosen_renaming(column: np.ndarray) -> None:
     rows, orders = MERGING.canonical(pack(column[:, None]))
@@ -65,7 +66,7 @@ def test_the_order_leads_to_the_chosen_renaming(column: np.ndarray) -> None:
     assert sorted(orders[0][:4].tolist()) == [0, 1, 2, 3] and sorted(orders[0][4:].tolist()) == [4, 5]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(columns)
 def test_twins_are_those_whose_swap_leaves_the_state_as_it_is(column: np.ndarray) -> None:
     rows, _ = MERGING.canonical(pack(column[:, None]))
@@ -80,7 +81,7 @@ def test_twins_are_those_whose_swap_leaves_the_state_as_it_is(column: np.ndarray
         assert twins[place] == alike
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40))
 @given(columns)
 def test_all_renamings_of_a_state_have_the_same_chosen_one(column: np.ndarray) -> None:
     # With 4 and 2 entities no tie of non-twins is left by refinement that no renaming maps onto each other.

@@ -60,16 +60,16 @@ def test_the_check_reads_nothing_of_the_librarys_physics():
 
 
 @pytest.mark.parametrize(("name", "length"), [("tabletop", 3), ("tabletop", 6), ("prag", 6)])
-def test_every_witness_that_validation_accepts_passes(name, length, request):
+def test_every_witness_that_validation_accepts_passes(name, length, request, chance):
     validator, world = request.getfixturevalue(f"{name}_validator"), world_of(request.getfixturevalue(name))
-    checked = 0
-    for index, task in enumerate(TaskSpace(load_domain(name), length).sample(25, seed=11, weights={})):
-        verdict = validator.validate(task, seed=11, index=index)
+    checked, tries = 0, chance.examples(25)
+    for index, task in enumerate(TaskSpace(load_domain(name), length).sample(tries, seed=chance.seed(11), weights={})):
+        verdict = validator.validate(task, seed=chance.seed(11), index=index)
         if verdict.witness is not None:
             record = json.loads(write_line(Record(task, None, verdict.witness.to_json())))
             assert problems(record, record["witness"], world) == [], task
             checked += 1
-    assert checked >= 22
+    assert checked >= 0.88 * tries
 
 
 def test_an_honest_witness_passes(stacked, carried):

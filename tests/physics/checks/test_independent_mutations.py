@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-import random
 from dataclasses import replace
 
 import numpy as np
@@ -78,14 +77,14 @@ def test_honest_witnesses_pass(any_records):
         assert _found(world, record) == []
 
 
-def _some(cases, count):
+def _some(cases, count, chance):
     """Return some of many cases, at least one."""
     cases = list(cases)
     assert cases
-    return random.Random(1).sample(cases, min(count, len(cases)))
+    return chance.generator(1).sample(cases, min(count, len(cases)))
 
 
-def test_a_body_that_is_moved_into_another_or_into_the_table_is_found(any_records):
+def test_a_body_that_is_moved_into_another_or_into_the_table_is_found(any_records, chance):
     world, records = any_records
     cases = [
         (record, k, name, other)
@@ -94,7 +93,7 @@ def test_a_body_that_is_moved_into_another_or_into_the_table_is_found(any_record
         for name in _loose(world, moment)
         for other in moment["poses"]
     ]
-    for record, k, name, other in _some(cases, 10):
+    for record, k, name, other in _some(cases, 10, chance):
         changed, moments, _ = _changed(record)
         if other == name:
             moments[k]["poses"][name][0][2] = -0.02
@@ -114,9 +113,9 @@ def _push(world, poses, name, other):
     poses[name] = [[middle[0], middle[1], middle[2] + height - min(0.02, height)], [0.0, 0.0, 0.0, 1.0]]
 
 
-def test_a_joint_beyond_its_limit_is_found_in_every_state_and_waypoint(any_records):
+def test_a_joint_beyond_its_limit_is_found_in_every_state_and_waypoint(any_records, chance):
     world, records = any_records
-    rng = random.Random(2)
+    rng = chance.generator(2)
     for record in records:
         for kind in ("moments", "motions"):
             for k in range(len(record["witness"][kind])):
@@ -129,7 +128,7 @@ def test_a_joint_beyond_its_limit_is_found_in_every_state_and_waypoint(any_recor
                 assert any("beyond" in text for text in _found(world, changed))
 
 
-def test_a_held_body_that_is_shifted_against_the_tool_is_found(any_records):
+def test_a_held_body_that_is_shifted_against_the_tool_is_found(any_records, chance):
     world, records = any_records
     cases = [
         (record, k, arm["held"])
@@ -138,13 +137,13 @@ def test_a_held_body_that_is_shifted_against_the_tool_is_found(any_records):
         for arm in moment["arms"].values()
         if arm["held"] is not None
     ]
-    for axis, (record, k, held) in enumerate(_some(cases, 3)):
+    for axis, (record, k, held) in enumerate(_some(cases, 3, chance)):
         changed, moments, _ = _changed(record)
         moments[k]["poses"][held][0][axis] += 0.001
         assert f"state {k}: {held} is not where the gripper holds it" in _found(world, changed)
 
 
-def test_every_dropped_waypoint_is_found(any_records):
+def test_every_dropped_waypoint_is_found(any_records, chance):
     world, records = any_records
     cases = [
         (record, k, i)
@@ -152,18 +151,18 @@ def test_every_dropped_waypoint_is_found(any_records):
         for k, motion in enumerate(record["witness"]["motions"])
         for i in range(len(motion))
     ]
-    for record, k, i in _some(cases, 15):
+    for record, k, i in _some(cases, 15, chance):
         changed, _, motions = _changed(record)
         dropped = motions[k].pop(i)
         assert _found(world, changed), (record["actions"][k], dropped["name"], i)
 
 
-def test_an_opening_that_is_not_as_it_is_told_is_found(kitchen):
+def test_an_opening_that_is_not_as_it_is_told_is_found(kitchen, chance):
     world, records = kitchen
     cases = [
         (record, k, name) for record in records for k in range(len(record["states"]) + 1) for name in world.furniture
     ]
-    for record, k, name in _some(cases, 4):
+    for record, k, name in _some(cases, 4, chance):
         fluent, limit = f"open({name})", world.furniture[name].limit
         is_open = [record["initial"], *record["states"]][k][fluent]
         changed, moments, _ = _changed(record)
@@ -182,7 +181,7 @@ def test_an_opening_that_is_not_as_it_is_told_is_found(kitchen):
             assert any(found in text or "leaps" in text for text in _found(world, changed)), found
 
 
-def test_a_gripper_off_the_handle_and_what_is_left_behind_are_found(kitchen):
+def test_a_gripper_off_the_handle_and_what_is_left_behind_are_found(kitchen, chance):
     world, records = kitchen
     pulls = [
         (record, k, i)
@@ -191,7 +190,7 @@ def test_a_gripper_off_the_handle_and_what_is_left_behind_are_found(kitchen):
         for i, waypoint in enumerate(motion)
         if waypoint["name"] == "pull"
     ]
-    for key, (record, k, i) in zip(("opening", "width", "joints", "joints"), _some(pulls, 4), strict=True):
+    for key, (record, k, i) in zip(("opening", "width", "joints", "joints"), _some(pulls, 4, chance), strict=True):
         changed, _, motions = _changed(record)
         waypoint = motions[k][i]
         if key == "joints":
@@ -205,7 +204,7 @@ def test_a_gripper_off_the_handle_and_what_is_left_behind_are_found(kitchen):
         for body in _loose(world, record["witness"]["moments"][k])
         if _pose(record, k, body) != _pose(record, k + 1, body)
     ]
-    for record, k, body in _some(left, 2):
+    for record, k, body in _some(left, 2, chance):
         changed, moments, _ = _changed(record)
         moments[k + 1]["poses"][body] = _pose(record, k, body)
         assert f"action {k + 1}: {body} is not where it has been left" in _found(world, changed)
@@ -215,10 +214,10 @@ def _pose(record, k, body):
     return record["witness"]["moments"][k]["poses"][body]
 
 
-def test_arms_that_are_swapped_and_one_that_moves_unasked_are_found(two_arms):
+def test_arms_that_are_swapped_and_one_that_moves_unasked_are_found(two_arms, chance):
     world, records = two_arms
     cases = [(record, k) for record in records for k in range(len(record["actions"]))]
-    for record, k in _some(cases, 4):
+    for record, k in _some(cases, 4, chance):
         changed, moments, motions = _changed(record)
         arms = moments[k]["arms"]
         arms["left"], arms["right"] = arms["right"], arms["left"]
@@ -244,10 +243,10 @@ def test_an_arm_in_the_other_one_is_found(two_arms):
 
 
 @pytest.mark.parametrize(("name", "length"), [("kitchen", 2), ("two_arms", 3)])
-def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, length):
+def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, length, chance):
     world, (record,) = _records(name, {length: 1}, "transit")
     assert _found(world, record, True) == []
-    rng, motions = random.Random(3), record["witness"]["motions"]
+    rng, motions = chance.generator(3), record["witness"]["motions"]
     places = [
         (k, i)
         for k, motion in enumerate(motions)

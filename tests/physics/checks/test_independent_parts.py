@@ -28,15 +28,15 @@ URDFS = {"panda": "franka_panda/panda.urdf", "kuka": "kuka_iiwa/model.urdf"}
 
 
 @pytest.mark.parametrize("kind", ["panda", "kuka"])
-def test_the_kinematics_is_that_of_the_robot(kind):
+def test_the_kinematics_is_that_of_the_robot(kind, chance):
     own, base = ROBOTS[kind], Pose((0.3, -0.2, 0.0), (0.0, 0.0, math.sin(0.4), math.cos(0.4)))
-    mounted, rng = Mounted(own, frame(base)), np.random.default_rng(3)
+    mounted, rng = Mounted(own, frame(base)), np.random.default_rng(chance.seed(3))
     client = pybullet.connect(pybullet.DIRECT)
     try:
         file = str(Path(pybullet_data.getDataPath()) / URDFS[kind])
         flags = pybullet.URDF_IGNORE_VISUAL_SHAPES
         arm = pybullet.loadURDF(file, *base, useFixedBase=True, flags=flags, physicsClientId=client)
-        for _ in range(30):
+        for _ in range(chance.examples(30)):
             joints, width = tuple(rng.uniform(own.lower, own.upper).tolist()), rng.uniform(0, own.opening)
             fingers = (9, 10) if kind == "panda" else ()
             for number, angle in zip((*range(7), *fingers), (*joints, width / 2, width / 2), strict=False):
@@ -57,7 +57,7 @@ def test_the_kinematics_is_that_of_the_robot(kind):
 
 
 @pytest.mark.parametrize("path", ["franka_panda/meshes/collision/hand.obj", "kuka_iiwa/meshes/link_7.stl"])
-def test_a_mesh_is_read_whole_and_its_hull_is_as_large_as_that_of_the_simulator(path):
+def test_a_mesh_is_read_whole_and_its_hull_is_as_large_as_that_of_the_simulator(path, chance):
     hull = mesh_hull(path, 0.005)
     client = pybullet.connect(pybullet.DIRECT)
     try:
@@ -66,7 +66,7 @@ def test_a_mesh_is_read_whole_and_its_hull_is_as_large_as_that_of_the_simulator(
         body = pybullet.createMultiBody(0, shape, physicsClientId=client)
         ball = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.001, physicsClientId=client)
         probe = pybullet.createMultiBody(0, ball, physicsClientId=client)
-        directions = np.random.default_rng(4).normal(size=(200, 3))
+        directions = np.random.default_rng(chance.seed(4)).normal(size=(chance.examples(200), 3))
         for direction in directions / np.linalg.norm(directions, axis=1)[:, None]:
             at = hull.middle + 0.2 * direction
             pybullet.resetBasePositionAndOrientation(probe, at.tolist(), (0, 0, 0, 1), physicsClientId=client)
@@ -78,8 +78,8 @@ def test_a_mesh_is_read_whole_and_its_hull_is_as_large_as_that_of_the_simulator(
         pybullet.disconnect(client)
 
 
-def test_hulls_of_random_corners_hold_all_of_them_and_nothing_else():
-    rng = np.random.default_rng(6)
+def test_hulls_of_random_corners_hold_all_of_them_and_nothing_else(chance):
+    rng = np.random.default_rng(chance.seed(6))
     corners = rng.normal(size=(60, 3)) * (0.1, 0.05, 0.02)
     hull = hull_of(corners, 0.01)
     assert hull.within(corners).min() > -2e-5
@@ -132,8 +132,8 @@ def test_depths_are_right(one, two, at, turn, expected):
     assert _depth(two, one, -np.array(at) @ turn, turn.T) == pytest.approx(expected, abs=1e-5)
 
 
-def test_points_are_as_far_from_a_primitive_as_sampled_points_of_it_are():
-    rng = np.random.default_rng(5)
+def test_points_are_as_far_from_a_primitive_as_sampled_points_of_it_are(chance):
+    rng = np.random.default_rng(chance.seed(5))
     points = rng.uniform(-0.15, 0.15, (40, 3))
     place = Frame(_turned(0.7), np.array([0.01, -0.02, 0.03]))
     cloud = rng.uniform(-0.1, 0.1, (200_000, 3))
@@ -223,15 +223,15 @@ def test_what_lies_in_a_tray_goes_along_and_what_lies_beside_it_does_not(kitchen
 
 
 @pytest.mark.parametrize("name", ["kitchen", "tabletop", "two_arms"])
-def test_every_predicate_says_of_random_scenes_what_the_product_says(name):
+def test_every_predicate_says_of_random_scenes_what_the_product_says(name, chance):
     scene = load_scene(load_domain(name))
-    world, rng = world_of(scene), np.random.default_rng(8)
+    world, rng = world_of(scene), np.random.default_rng(chance.seed(8))
     bodies, told = sorted(world.parts), dict.fromkeys(MEANINGS, frozenset[bool]())
     flat = [entity for entity, shape in scene.shapes.items() if shape.kind in ("table", "zone")]
     grippers, places = sorted(scene.robots), [*bodies, *flat]
     rotations, furniture = sorted(scene.rotations), sorted(world.furniture)
     roles = {"robot": grippers, "rotation": rotations, "furniture": furniture}
-    for _ in range(400):
+    for _ in range(chance.examples(400)):
         situation, seen = _random_scene(scene, world, rng)
         for predicate in MEANINGS:
             options = [roles.get(role, places if k else bodies) for k, role in enumerate(scene.roles(predicate))]

@@ -146,19 +146,19 @@ def test_a_recording_of_two_arms_comes_back_from_its_file_and_is_drawn(scene, ha
         Demonstration.load(tmp_path / "bad.npz")
 
 
-def test_demonstrations_of_two_arms_are_the_same_with_two_workers(scene):
-    tasks = TaskSpace(load_domain("two_arms"), 3).sample(3, seed=4, weights={})
+def test_demonstrations_of_two_arms_are_the_same_with_two_workers(scene, chance):
+    tasks = TaskSpace(load_domain("two_arms"), 3).sample(3, seed=chance.seed(4), weights={})
     budget = Budget(3, 10, "demonstration")
-    alone = list(validate_tasks(tasks, scene, seed=3, budget=budget))
-    together = list(validate_tasks(tasks, scene, seed=3, budget=budget, workers=2))
+    alone = list(validate_tasks(tasks, scene, seed=chance.seed(3), budget=budget))
+    together = list(validate_tasks(tasks, scene, seed=chance.seed(3), budget=budget, workers=2))
     assert all(verdict.feasible for verdict in alone)
     assert [verdict.demonstration for verdict in alone] == [verdict.demonstration for verdict in together]
 
 
-def test_random_tasks_of_two_arms_are_performed(scene):
-    tasks = TaskSpace(load_domain("two_arms"), 5).sample(6, seed=9, weights={})
+def test_random_tasks_of_two_arms_are_performed(scene, chance):
+    tasks = TaskSpace(load_domain("two_arms"), 5).sample(6, seed=chance.seed(9), weights={})
     with open_validator(scene) as validator:
         for index, task in enumerate(tasks):
-            found = validator.validate(task, seed=2, index=index, budget=Budget(tier="demonstration"))
+            found = validator.validate(task, seed=chance.seed(2), index=index, budget=Budget(tier="demonstration"))
             assert found.demonstration is not None, found.causes
             assert check_demonstration(task, found.demonstration, scene) == []

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from prag_asp.physics.motion.route import Grip, Load, free_path, straight, vertical
@@ -24,7 +24,6 @@ angles = st.floats(-2.5, 2.5)
 paths = st.lists(st.tuples(*[angles] * 7), min_size=2, max_size=5)
 
 
-@settings(deadline=None)
 @given(path=paths)
 def test_a_timed_path_ends_where_it_should_and_keeps_to_the_limits(path):
     rows = timed(path, TIME_STEP, ACCELERATION, PANDA.speed)
@@ -44,7 +43,6 @@ def test_a_timed_path_stays_within_the_box_of_its_points(path):
     assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
 
 
-@settings(deadline=None)
 @given(points=st.lists(st.tuples(*[angles] * 7), min_size=3, max_size=4), loaded=st.booleans())
 def test_blended_ways_pass_on_without_a_stop_and_keep_to_the_limits(points, loaded):
     limit = LOADED_ACCELERATION if loaded else ACCELERATION

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-import random
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from prag_asp.physics.search.start import order_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Pose, yaw_of
 from prag_asp.scene.model import Bounds, Own, Scene, Shape
+from tests.chance import Chance
 from tests.physics.scenarios import STUDIO, state, task
 from tests.physics.scenarios import STUDIO_SHAPES as SHAPES
 
@@ -31,24 +31,24 @@ def studio() -> Domain:
     return load_domain(STUDIO, trust=True)
 
 
-def test_a_scene_with_own_predicates_goes_to_other_processes(studio: Domain) -> None:
+def test_a_scene_with_own_predicates_goes_to_other_processes(studio: Domain, chance: Chance) -> None:
     scene = load_scene(studio)
     assert pickle.loads(pickle.dumps(scene)) == scene
-    tasks = TaskSpace(studio, 4).sample(8, seed=2)
-    one, two = (list(validate_tasks(tasks, scene, seed=2, workers=workers)) for workers in (1, 2))
+    tasks = TaskSpace(studio, 4).sample(8, seed=chance.seed(2))
+    one, two = (list(validate_tasks(tasks, scene, seed=chance.seed(2), workers=workers)) for workers in (1, 2))
     assert one == two
     assert sum(verdict.feasible for verdict in one) >= 7
 
 
-def test_tasks_with_own_predicates_are_found_and_their_witnesses_pass(studio: Domain) -> None:
+def test_tasks_with_own_predicates_are_found_and_their_witnesses_pass(studio: Domain, chance: Chance) -> None:
     scene = load_scene(studio)
-    tasks = TaskSpace(studio, 4).sample(25, seed=5)
+    tasks = TaskSpace(studio, 4).sample(25, seed=chance.seed(5))
     used = {
         fact.predicate.name for each in tasks for effect in physical_task(each, scene).effects for fact in effect.fresh
     }
     assert {"in_corner", "on_the_left", "looks_at", "between"} <= used
     with open_validator(scene) as validator:
-        verdicts = [validator.validate(each, seed=5, index=i) for i, each in enumerate(tasks)]
+        verdicts = [validator.validate(each, seed=chance.seed(5), index=i) for i, each in enumerate(tasks)]
     assert sum(verdict.feasible for verdict in verdicts) >= 23
     for each, verdict in zip(tasks, verdicts, strict=True):
         if verdict.feasible:
@@ -68,7 +68,7 @@ def test_what_a_relation_refers_to_is_put_down_before_its_subject_as_far_as_ther
 
 
 @pytest.mark.parametrize(("larger", "fits"), [(0.0, True), (0.0035, True), (0.0045, False)])
-def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, fits: bool) -> None:
+def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, fits: bool, chance: Chance) -> None:
     box = Bounds((0.1, -0.2, 0.0), (0.21 - larger, -0.15, 0.04))  # the brick is 110 x 50 x 40 mm
     own = Own("odd", PAIR, (box,), whole=True, sentence="{0} {is} in {1}")
     predicate = predicate_of(Scene(shapes=SHAPES, own={"odd": own}), "odd")
@@ -80,7 +80,7 @@ def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, 
     )
     assert (floor is not None) == fits
     if floor is not None:
-        at = Volume.draw(floor, random.Random(1).uniform)
+        at = Volume.draw(floor, chance.generator(1).uniform)
         assert at is not None
         assert predicate.distance(situation.with_pose("brick_1", Pose(at, turned)), ("brick_1", "camera_1")) == 0.0
 

@@ -20,6 +20,7 @@ from prag_asp.physics.proofs.schemas import rules, text_of
 from prag_asp.program.sources import Source
 from prag_asp.task import Task
 from tests.brute_force import Toy, term
+from tests.chance import Chance, examples
 from tests.commands import run
 from tests.domains import domain_of
 from tests.strategies import toys
@@ -94,12 +95,12 @@ def test_exactly_the_plans_leave_of_which_a_state_satisfies_a_proof(before: Doma
             assert list(space.narrate(space.words("plan"))) == kept  # what is known of their states is as before
 
 
-def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, after: Domain) -> None:
+def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, after: Domain, chance: Chance) -> None:
     scene, spaces = scene_of(before), (TaskSpace(before, 3), TaskSpace(after, 3))
     passed = []
     for space in spaces:
-        tasks = space.sample(60, seed=3, weights={})
-        verdicts = list(validate_tasks(tasks, scene, seed=3))
+        tasks = space.sample(60, seed=chance.seed(3), weights={})
+        verdicts = list(validate_tasks(tasks, scene, seed=chance.seed(3)))
         passed.append(sum(verdict.feasible for verdict in verdicts))
         for task, verdict in zip(tasks, verdicts, strict=True):
             assert (task not in spaces[1]) == (verdict.status == "infeasible")
@@ -110,11 +111,11 @@ def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, a
     assert passed[0] < 30 and passed[1] >= 57
 
 
-def test_witnesses_of_tabletop_stand_with_everything_that_can_be_learned() -> None:
+def test_witnesses_of_tabletop_stand_with_everything_that_can_be_learned(chance: Chance) -> None:
     domain = load_domain("tabletop")
     scene, space = scene_of(domain), TaskSpace(learned(domain), 4)
-    tasks = TaskSpace(domain, 4).sample(25, seed=5, weights={})
-    verdicts = list(validate_tasks(tasks, scene, seed=5))
+    tasks = TaskSpace(domain, 4).sample(25, seed=chance.seed(5), weights={})
+    verdicts = list(validate_tasks(tasks, scene, seed=chance.seed(5)))
     assert sum(verdict.feasible for verdict in verdicts) >= 23
     for task, verdict in zip(tasks, verdicts, strict=True):
         if verdict.feasible:
@@ -122,7 +123,7 @@ def test_witnesses_of_tabletop_stand_with_everything_that_can_be_learned() -> No
     assert check_witness(tasks[0], verdicts[0].witness, scene) == []  # type: ignore[arg-type]
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False))
 def test_what_is_impossible_excludes_what_is_known_and_tells_nothing(toy: Toy) -> None:
     plain = TaskSpace(domain_of(replace(toy, impossible=()).text(), "at_most"), 3)

@@ -20,6 +20,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
 from prag_asp.scene.model import Material, Mount, Scene, Shape
+from tests.chance import Chance
 from tests.physics.scenarios import state, task
 
 SHAPES = {
@@ -106,10 +107,10 @@ def ruled_out(fact: Fact, made: Scene) -> bool:
 
 
 @pytest.mark.parametrize("frame", ["robot", "viewer"])
-def test_no_proof_excludes_facts_that_a_situation_satisfies(frame: str) -> None:
+def test_no_proof_excludes_facts_that_a_situation_satisfies(frame: str, chance: Chance) -> None:
     made = scene(frame)
-    prover, rng, seen = Prover(made), random.Random(1), set()
-    for _ in range(400):
+    prover, rng, seen = Prover(made), chance.generator(1), set()
+    for _ in range(chance.examples(400)):
         situation = any_situation(rng, made)
         true = [
             Fact(PREDICATES[name], arguments, True)
@@ -197,10 +198,10 @@ def test_the_workspace_is_no_limit_of_where_objects_can_be() -> None:
     assert impossibility(physical_task(row, made), made) is None
 
 
-def test_differences_agree_with_all_orders_of_small_graphs() -> None:
-    rng = random.Random(3)
+def test_differences_agree_with_all_orders_of_small_graphs(chance: Chance) -> None:
+    rng = chance.generator(3)
     nodes = [ORIGIN, *((name, "centre") for name in "abc")]
-    for _ in range(500):
+    for _ in range(chance.examples(500)):
         edges = rng.sample(list(itertools.permutations(nodes, 2)), rng.randint(1, 7))
         gaps = [Gap(low, high, rng.choice([-3, -2, -1, 1, 2])) for low, high in edges]
         table = {gap[:2]: gap.least for gap in gaps}

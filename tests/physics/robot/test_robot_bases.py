@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import random
 
 import pybullet
 import pytest
@@ -10,18 +9,21 @@ from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose, yaw_quaternion
 from prag_asp.scene.model import Mount, Scene, Shape
 from prag_asp.scene.read.robots import base_problems
+from tests.chance import Chance
 
 CUBE = Shape("box", (0.05, 0.05, 0.05))
 BASE = -1
 
 
 @pytest.mark.parametrize("mount", [Mount("panda"), Mount("kuka"), Mount("panda", 0.3, -0.2, 2.0)])
-def test_a_fixed_body_stands_on_a_base_where_the_simulator_says_that_the_two_collide(mount: Mount) -> None:
-    rng = random.Random(3)
+def test_a_fixed_body_stands_on_a_base_where_the_simulator_says_that_the_two_collide(
+    mount: Mount, chance: Chance
+) -> None:
+    rng = chance.generator(3)
     scene = Scene({"arm": Shape("robot"), "cube": CUBE}, robots={"arm": mount})
     touching = deep = 0
     with open_simulator(scene) as simulator:
-        for _ in range(500):
+        for _ in range(chance.examples(500)):
             x, y, yaw = (
                 mount.x + rng.uniform(-0.3, 0.3),
                 mount.y + rng.uniform(-0.3, 0.3),

@@ -19,6 +19,7 @@ from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_q
 from prag_asp.scene.model import Mount
 from prag_asp.scene.robots import ROBOTS, Joints, Robot
 from prag_asp.space.task_space import TaskSpace
+from tests.chance import examples
 from tests.physics.random_tasks import shipped_scene
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
@@ -55,7 +56,7 @@ shares = st.tuples(*[st.floats(0.01, 0.99)] * 7)
 
 
 @robots
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=examples(50))
 @given(shares=shares)
 def test_forward_kinematics_is_that_of_the_simulator(simulators, name, shares):
     simulator, robot = simulators[name], ROBOTS[name]
@@ -65,7 +66,7 @@ def test_forward_kinematics_is_that_of_the_simulator(simulators, name, shares):
 
 
 @robots
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=examples(60))
 @given(shares=shares)
 def test_inverse_kinematics_finds_a_pose_that_the_arm_can_take(name, shares):
     robot = ROBOTS[name]
@@ -78,7 +79,7 @@ def test_inverse_kinematics_finds_a_pose_that_the_arm_can_take(name, shares):
 
 
 @robots
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=examples(60))
 @given(
     share=st.floats(0.0, 1.0),
     heading=st.floats(-math.pi / 2, math.pi / 2),
@@ -124,10 +125,10 @@ def test_the_fingers_move_apart_along_the_tools_y_axis_as_the_opening_says(simul
 
 
 @robots
-def test_the_bounding_boxes_of_the_fingers_are_known_at_every_opening(simulators, name):
+def test_the_bounding_boxes_of_the_fingers_are_known_at_every_opening(simulators, name, chance):
     simulator, robot = simulators[name], ROBOTS[name]
-    rng = np.random.default_rng(1)
-    for row in rng.uniform(robot.lower, robot.upper, size=(20, 7)).tolist():
+    rng = np.random.default_rng(chance.seed(1))
+    for row in rng.uniform(robot.lower, robot.upper, size=(chance.examples(20), 7)).tolist():
         for width in (0.02, robot.opening, 0.0):
             known = simulator.arm.link_boxes(tuple(row), width)
             simulator.pose_arm(robot.home, 0.0)

@@ -52,9 +52,9 @@ def _clear(situation: Situation, name: str, one: str, two: str) -> bool:
 
 
 @pytest.mark.parametrize("frame", ["robot", "viewer"])
-def test_no_arrangement_in_which_the_relations_hold_is_left_out(frame):
-    rng, chained = random.Random(4), 0
-    for _ in range(400):
+def test_no_arrangement_in_which_the_relations_hold_is_left_out(frame, chance):
+    rng, chained = chance.generator(4), 0
+    for _ in range(chance.examples(400)):
         situation = _situation(rng, frame)
         true = [
             Fact(PREDICATES[name], pair, True)
@@ -74,8 +74,8 @@ def test_no_arrangement_in_which_the_relations_hold_is_left_out(frame):
     assert chained > 20
 
 
-def test_the_room_for_a_chain_is_what_stands_in_it():
-    situation = _situation(random.Random(0), "robot").with_poses({"cube_1": Pose((0.5, 0.3, 0.025))})
+def test_the_room_for_a_chain_is_what_stands_in_it(chance):
+    situation = _situation(chance.generator(0), "robot").with_poses({"cube_1": Pose((0.5, 0.3, 0.025))})
     facts = [Fact(PREDICATES["right_of"], ("can_1", "cube_1"), True)]
     facts.append(Fact(PREDICATES["left_of"], ("can_1", "brick_1"), True))
     wide, narrow = chains(situation, "brick_1", facts)
@@ -87,14 +87,14 @@ def test_the_room_for_a_chain_is_what_stands_in_it():
     assert chains(situation, "brick_1", facts[:0]) == ()
 
 
-def test_what_stands_in_a_circle_of_relations_ends():
-    situation = _situation(random.Random(0), "robot").with_poses({"cube_1": Pose((0.5, 0.3, 0.025))})
+def test_what_stands_in_a_circle_of_relations_ends(chance):
+    situation = _situation(chance.generator(0), "robot").with_poses({"cube_1": Pose((0.5, 0.3, 0.025))})
     pairs = (("can_1", "brick_1"), ("brick_1", "can_1"), ("brick_1", "cube_1"), ("cube_2", "can_1"))
     facts = [Fact(PREDICATES["left_of"], pair, True) for pair in pairs]
     assert {chain.end for chain in chains(situation, "cube_2", facts)[1]} == {"cube_1"}
 
 
-def test_an_object_between_two_large_ones_always_finds_room():
+def test_an_object_between_two_large_ones_always_finds_room(chance):
     # The bricks get their places first, the cube last.
     between = state("left_of(brick_1,cube_1)", "left_of(cube_1,brick_2)")
     row = state("in_front_of(brick_1,cube_1)", "in_front_of(cube_1,cube_2)", "in_front_of(cube_2,brick_2)")
@@ -104,7 +104,7 @@ def test_an_object_between_two_large_ones_always_finds_room():
             wanted = physical_task(task(initial), scene)
             spawned = 0
             for seed in range(60):
-                rng = np.random.default_rng(seed)
+                rng = np.random.default_rng(chance.seed(seed))
                 search = Search(simulator, wanted.objects, rng, foresee(wanted, scene))
                 for _ in range(50):
                     try:

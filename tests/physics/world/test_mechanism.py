@@ -12,6 +12,7 @@ from prag_asp.scene.furniture import bounds, cavity_pose, mechanism, part_pose, 
 from prag_asp.scene.geometry import Pose, compose, yaw_quaternion
 from prag_asp.scene.load import parse_scene
 from prag_asp.scene.model import Shape
+from tests.chance import examples
 
 DRAWER = Shape("drawer", (0.26, 0.24, 0.1), 0.008)
 CUPBOARD = Shape("cupboard", (0.22, 0.2, 0.12), 0.008)
@@ -31,7 +32,7 @@ def two():
 
 
 @given(SHAPES, POSES, st.floats(0, 1))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 def test_the_bounding_box_and_the_part_are_where_the_simulator_has_them(two, shape, pose, share):
     opening = share * mechanism(shape).limit
     two.place({shape.kind: pose}, {shape.kind: opening})
@@ -59,7 +60,7 @@ def test_the_bounding_box_of_what_is_square_to_the_axes_is_that_of_the_simulator
 
 
 @given(SHAPES, POSES, st.floats(0, 1))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100))
 def test_what_furniture_sweeps_holds_it_at_every_opening(shape, pose, share):
     body, part = swept(shape, pose)
     low, high = bounds(shape, pose, share * mechanism(shape).limit)

@@ -17,6 +17,7 @@ from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.reach import equal_groups
 from prag_asp.space.weighing.weights import Weights, parse_weights
+from tests.chance import Chance, examples
 from tests.domains import domain_of
 from tests.strategies import symmetric_texts
 
@@ -65,14 +66,14 @@ def check_that_merging_changes_nothing(model: Model, level: Level, length: int, 
     ],
 )
 def test_shipped_domains_are_the_same_merged_or_not(
-    name: str, length: int, level: Level, weights: dict[str, str]
+    name: str, length: int, level: Level, weights: dict[str, str], chance: Chance
 ) -> None:
     model = Model(load_domain(name))
-    check_that_merging_changes_nothing(model, level, length, 1, parse_weights(weights, model.domain.facts))
+    check_that_merging_changes_nothing(model, level, length, chance.seed(1), parse_weights(weights, model.domain.facts))
 
 
 @pytest.mark.slow
-@settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(120), suppress_health_check=list(HealthCheck))
 @given(symmetric_texts(), st.sampled_from(LEVELS), st.integers(0, 99))
 def test_random_symmetric_domains_are_the_same_merged_or_not(text: str, level: Level, seed: int) -> None:
     model = Model(domain_of(text))
@@ -82,9 +83,9 @@ def test_random_symmetric_domains_are_the_same_merged_or_not(text: str, level: L
 
 
 @pytest.mark.parametrize("weights", [{"block": 2}, {"a": 2}, {"a": 2, "b": 2, "c": "1/2"}, {"pick_up(a)": 3, "d": 7}])
-def test_weights_split_the_entities_that_they_tell_apart(weights: dict[str, str]) -> None:
+def test_weights_split_the_entities_that_they_tell_apart(weights: dict[str, str], chance: Chance) -> None:
     model = Model(load_domain("blocks"))
-    check_that_merging_changes_nothing(model, "plan", 6, 5, parse_weights(weights, model.domain.facts))
+    check_that_merging_changes_nothing(model, "plan", 6, chance.seed(5), parse_weights(weights, model.domain.facts))
 
 
 def test_entities_that_weigh_the_same_and_are_in_no_weighed_action_stay_together() -> None:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from prag_asp import Condition, QueryError, TaskSpace, load_domain
 from tests.brute_force import Toy, term
+from tests.chance import Chance, examples
 from tests.conditions import Clause, clauses, ends, entities, satisfied
 from tests.domains import domain_of
 from tests.spaces import with_engine
@@ -18,21 +19,21 @@ ENGINES = ("automaton", "clingo")
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data)
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
 @given(toys(closed=True), st.data())
 def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data)
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_one_last_state_satisfies_all_that_is_asked_of_it(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data, data.draw(st.lists(ends(toy), min_size=1, max_size=3)))
@@ -55,7 +56,7 @@ def check_agreement(toy: Toy, data: st.DataObject, asked: list[Clause] | None = 
             assert list(here.words("skeleton")) == sorted(names)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(st.one_of(toys(closed=False), toys(closed=True)))
 def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: Toy) -> None:
     domain = domain_of(toy.text(), "at_most")
@@ -73,7 +74,7 @@ def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: 
     assert {" ".join(word) for word in space.where("loop-free").words("plan")} == loop_free
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100))
 @given(toys(closed=False), st.data())
 def test_a_condition_and_its_words_are_inverse(toy: Toy, data: st.DataObject) -> None:
     condition = Condition.parse(*(clause.words for clause in data.draw(st.lists(clauses(toy), max_size=4))))
@@ -87,13 +88,14 @@ def test_conditions_of_a_goal_and_a_start_show_in_the_task() -> None:
     assert "open(panda)" in map(str, task.initial)
 
 
-def test_a_space_with_a_condition_is_ranked_and_drawn_as_any_other() -> None:
+def test_a_space_with_a_condition_is_ranked_and_drawn_as_any_other(chance: Chance) -> None:
     space = TaskSpace(load_domain("prag"), 4).where("uses apple", "matches .* grasp .*")
     tasks = list(space)
     assert len(tasks) == space.count() > 100
     assert [space.index(task) for task in tasks[::37]] == list(range(0, len(tasks), 37))
-    assert all("grasp" in task.skeleton for task in space.sample(50, seed=1))
-    assert set(map(str, space.sample(len(tasks), seed=1, weights={}, distinct=True))) == set(map(str, tasks))
+    assert all("grasp" in task.skeleton for task in space.sample(50, seed=chance.seed(1)))
+    every = space.sample(len(tasks), seed=chance.seed(1), weights={}, distinct=True)
+    assert set(map(str, every)) == set(map(str, tasks))
 
 
 @pytest.mark.parametrize("engine", ENGINES)

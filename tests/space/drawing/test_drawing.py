@@ -23,6 +23,7 @@ from prag_asp.space.drawing.bits import SeededBits, uniform_below
 from prag_asp.space.drawing.drawers import ByWeight
 from prag_asp.space.drawing.table import exact_choice
 from prag_asp.space.weighing.weights import Number, Weighed
+from tests.chance import Chance
 from tests.domains import domain_of
 from tests.space.drawing.test_sampling import expected_weight
 from tests.spaces import with_engine
@@ -117,11 +118,11 @@ def test_a_choice_is_the_interval_of_the_real_number_that_the_words_spell(weight
     assert before <= low and low + Fraction(1, 2 ** (64 * len(used))) <= Fraction(running[chosen], running[-1])
 
 
-def test_a_number_below_a_bound_is_rejected_rather_than_reduced() -> None:
+def test_a_number_below_a_bound_is_rejected_rather_than_reduced(chance: Chance) -> None:
     assert uniform_below(5, iter([0b111 << 61, 0b101 << 61, 0b100 << 61])) == 4
     assert uniform_below(2**64 + 1, iter([1 << 63, 7])) < 2**64 + 1
-    seen = Counter(SeededBits(3).randrange(3) for _ in range(300))
-    assert set(seen) <= {0, 1, 2}
+    bits = SeededBits(chance.seed(3))
+    assert {bits.randrange(3) for _ in range(300)} == {0, 1, 2}
 
 
 def test_the_generator_is_the_published_one() -> None:
@@ -133,16 +134,18 @@ def test_the_generator_is_the_published_one() -> None:
 
 
 @pytest.mark.parametrize("over", [None, "skeletons", "goals"])
-def test_a_seed_gives_the_same_bytes_in_whatever_portions(over: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_seed_gives_the_same_bytes_in_whatever_portions(
+    over: str | None, monkeypatch: pytest.MonkeyPatch, chance: Chance
+) -> None:
     space = TaskSpace(DOMAIN, 5)
 
     def drawn(count: int, first: int = 0) -> NDArray[np.int32]:
-        return space.draw_array(count, seed=9, weights={"grasp": "1/3"}, over=over, first=first)  # type: ignore[arg-type]
+        return space.draw_array(count, seed=chance.seed(9), weights={"grasp": "1/3"}, over=over, first=first)  # type: ignore[arg-type]
 
     whole = drawn(700)
     assert whole.shape == (700, 5) and whole.dtype == np.int32
     assert (np.concatenate([drawn(3), drawn(497, 3), drawn(200, 500)]) == whole).all()
-    words = islice(space.draw_words(seed=9, weights={"grasp": "1/3"}, over=over), 700)  # type: ignore[arg-type]
+    words = islice(space.draw_words(seed=chance.seed(9), weights={"grasp": "1/3"}, over=over), 700)  # type: ignore[arg-type]
     letters = space.letters()
     assert [draw.word for draw in words] == [tuple(letters[letter] for letter in row) for row in whole.tolist()]
     monkeypatch.setattr(paths, "CHUNK_WORDS", 100)
@@ -157,9 +160,9 @@ def test_the_bytes_of_a_seed_never_change() -> None:
 
 
 @pytest.mark.parametrize("by", ["plan", "task", "skeleton"])
-def test_both_engines_draw_the_same_words_from_a_seed(by: str) -> None:
+def test_both_engines_draw_the_same_words_from_a_seed(by: str, chance: Chance) -> None:
     spaces = (with_engine(PAIRS, engine) for engine in ("automaton", "clingo"))
-    one, two = (space.draw_array(3000, seed=4, weights={}, by=by) for space in spaces)  # type: ignore[arg-type]
+    one, two = (space.draw_array(3000, seed=chance.seed(4), weights={}, by=by) for space in spaces)  # type: ignore[arg-type]
     assert (one == two).all()
 
 
@@ -207,10 +210,12 @@ def deviation(seen: NDArray[np.float64], shares: NDArray[np.float64], draws: int
 
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 @pytest.mark.parametrize("mode", MODES)
-def test_each_mode_draws_with_the_exact_probabilities_and_five_percent_would_show(mode: str, engine: str) -> None:
+def test_each_mode_draws_with_the_exact_probabilities_and_five_percent_would_show(
+    mode: str, engine: str, chance: Chance
+) -> None:
     temperature, over = MODES[mode]
     space = with_engine(PAIRS, engine)
-    options = {"seed": 21, "weights": WEIGHTS, "temperature": temperature, "over": over}
+    options = {"seed": chance.seed(21), "weights": WEIGHTS, "temperature": temperature, "over": over}
     exact = exact_probabilities(tasks_found(engine), temperature, over)
     assert sum(exact.values()) == 1
     told = list(islice(space.draw_words(**options), 300))  # type: ignore[arg-type]
@@ -226,20 +231,22 @@ def test_each_mode_draws_with_the_exact_probabilities_and_five_percent_would_sho
     shares = np.array([float(share) for share in exact.values()])
     assert abs(deviation(np.array([float(counted[cell]) for cell in cells]), shares, draws)) < BOUND
     wrong = shares * np.where(np.arange(len(shares)) % 2, 1.05, 1)
-    off = np.random.Generator(np.random.PCG64(5)).multinomial(draws, wrong / wrong.sum())
+    off = np.random.Generator(np.random.PCG64(chance.seed(5))).multinomial(draws, wrong / wrong.sum())
     assert deviation(off.astype(np.float64), shares, draws) > BOUND
 
 
-def test_skeletons_come_alike_and_so_do_goals() -> None:
+def test_skeletons_come_alike_and_so_do_goals(chance: Chance) -> None:
     space = TaskSpace(DOMAIN, 3)
-    drawn = islice(space.draw(seed=2, over="skeletons", weights=WEIGHTS), 20_000)
+    drawn = islice(space.draw(seed=chance.seed(2), over="skeletons", weights=WEIGHTS), 20_000)
     seen = Counter(task.skeleton for task in drawn)
     names = {"approach", "grasp", "drop", "move", "transform", "follow", "rotate"}
     wanted = {word for word in space.words("skeleton") if set(word) <= names}
     assert set(seen) == wanted
     shares = np.full(len(seen), 1 / len(seen))
     assert abs(deviation(np.array(list(seen.values()), dtype=np.float64), shares, 20_000)) < BOUND
-    goals = Counter(task.states[-1] for task in islice(space.draw(seed=2, over="goals", weights={}), 20_000))
+    goals = Counter(
+        task.states[-1] for task in islice(space.draw(seed=chance.seed(2), over="goals", weights={}), 20_000)
+    )
     shares = np.full(len(goals), 1 / len({task.states[-1] for task in space}))
     assert abs(deviation(np.array(list(goals.values()), dtype=np.float64), shares, 20_000)) < BOUND
 

@@ -11,6 +11,7 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.weighing.weights import Number
+from tests.chance import Chance
 from tests.spaces import with_engine
 
 DRAWS = 20_000
@@ -47,12 +48,12 @@ def expected_weight(plan: tuple[str, ...], weights: dict[str, Number]) -> Fracti
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("by", ["task", "plan"])
-def test_draws_follow_the_weights(kind: str, by: str, engine: str) -> None:
+def test_draws_follow_the_weights(kind: str, by: str, engine: str, chance: Chance) -> None:
     weights = KINDS[kind]
     space = with_engine(PAIRS, engine)
     plans = list(space.words(by))  # type: ignore[arg-type]
     total = sum(expected_weight(plan, weights) for plan in plans)
-    draws = list(islice(space.draw_words(seed=11, weights=weights, by=by), DRAWS))  # type: ignore[arg-type]
+    draws = list(islice(space.draw_words(seed=chance.seed(11), weights=weights, by=by), DRAWS))  # type: ignore[arg-type]
     seen = Counter(draw.word for draw in draws)
     assert set(seen) <= {plan for plan in plans if expected_weight(plan, weights)}
     statistic, cells = 0.0, 0
@@ -66,26 +67,27 @@ def test_draws_follow_the_weights(kind: str, by: str, engine: str) -> None:
     assert all(draw.probability == expected_weight(draw.word, weights) / total for draw in draws[:50])
 
 
-def test_the_same_seed_draws_the_same_tasks_and_another_seed_others() -> None:
+def test_the_same_seed_draws_the_same_tasks_and_another_seed_others(chance: Chance) -> None:
     space = TaskSpace(DOMAIN, 6)
-    assert space.sample(30, seed=1) == space.sample(30, seed=1) != space.sample(30, seed=2)
+    one, other = chance.seed(1), chance.seed(2)
+    assert space.sample(30, seed=one) == space.sample(30, seed=one) != space.sample(30, seed=other)
 
 
-def test_draws_are_exact_where_counts_outgrow_every_machine_word() -> None:
+def test_draws_are_exact_where_counts_outgrow_every_machine_word(chance: Chance) -> None:
     """At 200 actions there are 10**125 skeletons; each of the eight names begins as often as it should."""
     space = TaskSpace(DOMAIN, 200)
     total = space.count("plan")
     assert total > 10**130
-    draws = islice(space.draw_words(seed=3, weights={}, by="plan"), 2000)
+    draws = islice(space.draw_words(seed=chance.seed(3), weights={}, by="plan"), 2000)
     seen = Counter(draw.word[0].partition("(")[0] for draw in draws)
     for name in ("approach", "grasp", "move", "rotate"):
         share = Fraction(space.count("plan", [name]), total)
         assert abs(seen[name] - 2000 * share) < 4.5 * math.sqrt(float(2000 * share))
 
 
-def test_both_engines_state_the_same_probability_for_the_same_plan() -> None:
+def test_both_engines_state_the_same_probability_for_the_same_plan(chance: Chance) -> None:
     spaces = [with_engine(PAIRS, engine) for engine in ("automaton", "clingo")]
-    draws = [islice(s.draw_words(seed=5, weights=KINDS["all kinds"]), 3000) for s in spaces]
+    draws = [islice(s.draw_words(seed=chance.seed(5), weights=KINDS["all kinds"]), 3000) for s in spaces]
     told = [{draw.word: draw.probability for draw in drawn} for drawn in draws]
     common = told[0].keys() & told[1].keys()
     assert len(common) > 100

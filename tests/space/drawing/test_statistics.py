@@ -16,6 +16,7 @@ from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.drawing.statistics import Statistics
 from prag_asp.space.weighing.weights import Number
 from tests.brute_force import Toy, term
+from tests.chance import Chance, examples
 from tests.domains import domain_of
 from tests.space.drawing.test_sampling import KINDS, expected_weight
 from tests.spaces import with_engine
@@ -69,7 +70,7 @@ def test_figures_are_those_of_all_words_for_each_kind_of_weight(kind: str, by: s
     assert space.total_weight(weights=KINDS[kind], by=by) == sum(weighed.values())  # type: ignore[arg-type]
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.dictionaries(st.sampled_from(["a", "b", "a>b", "b>b"]), st.fractions(0, 9), max_size=3))
 def test_figures_are_exact_on_random_domains(toy: Toy, weights: dict[str, Number]) -> None:
     names = {action.name for action in toy.actions}
@@ -119,12 +120,12 @@ def test_where_each_draw_is_free_figures_are_known() -> None:
         assert abs(found.entropy - 400 * coin) < Decimal("1e-29")
 
 
-def test_draws_have_the_moments_that_the_figures_say() -> None:
+def test_draws_have_the_moments_that_the_figures_say(chance: Chance) -> None:
     """The mean number of each name in 200,000 draws is the expected one, and a five percent error would show."""
     space = TaskSpace(DOMAIN, 15)
     weights: dict[str, Number] = {"grasp": 3, "rotate>rotate": "1/2", "can": 2}
     found = space.statistics(weights=weights)
-    rows = space.draw_array(200_000, seed=6, weights=weights)
+    rows = space.draw_array(200_000, seed=chance.seed(6), weights=weights)
     letters = space.letters()
     for name, expected in found.expected_names.items():
         mask = [letter.partition("(")[0] == name for letter in letters]

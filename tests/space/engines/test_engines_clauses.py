@@ -21,6 +21,7 @@ from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import count_models
 from prag_asp.space.engines import LEVELS, sharp
 from tests.brute_force import Toy, term
+from tests.chance import Chance, examples
 from tests.domains import domain_of
 from tests.processes import children, interrupt, interruptible, until_it_works
 from tests.space.engines.test_engines import BEYOND, CARRIED, TWO
@@ -55,7 +56,7 @@ def test_sharp_counts_what_is_too_much_to_enumerate() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(st.booleans().flatmap(lambda closed: toys(closed=closed)), st.data())
 def test_sat_agrees_with_brute_force_at_every_level(toy: Toy, data: st.DataObject) -> None:
     space = TaskSpace(domain_of(toy.text(), "at_most"), 0, engine="sat")
@@ -77,7 +78,7 @@ def test_sat_agrees_with_brute_force_at_every_level(toy: Toy, data: st.DataObjec
 
 @needs_ganak
 @pytest.mark.slow
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(12), suppress_health_check=list(HealthCheck))
 @given(st.booleans().flatmap(lambda closed: toys(closed=closed)), st.data())
 def test_sharp_agrees_with_brute_force_at_every_level(toy: Toy, data: st.DataObject) -> None:
     space = TaskSpace(domain_of(toy.text(), "at_most"), 3, engine="sharp")
@@ -213,9 +214,9 @@ def test_two_lengths_of_one_space_can_be_enumerated_in_turns() -> None:
     assert [second for _, second in pairs] == list(islice(itertools.product("ab", repeat=3), 4))
 
 
-def test_sat_draws_by_weight_with_the_probability_that_it_tells() -> None:
+def test_sat_draws_by_weight_with_the_probability_that_it_tells(chance: Chance) -> None:
     space = TaskSpace(domain_of(TWO), 2, engine="sat")
-    draws = islice(space.draw_words(seed=3, weights={"a": 3}, by="plan"), 3200)
+    draws = islice(space.draw_words(seed=chance.seed(3), weights={"a": 3}, by="plan"), 3200)
     drawn = [draw.word for draw in draws if draw.probability == Fraction(3) ** draw.word.count("a") / 16]
     assert len(drawn) == 3200
     for word in itertools.product("ab", repeat=2):
@@ -224,7 +225,7 @@ def test_sat_draws_by_weight_with_the_probability_that_it_tells() -> None:
 
 
 @needs_ganak
-def test_sharp_draws_different_words_by_their_ranks(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sharp_draws_different_words_by_their_ranks(monkeypatch: pytest.MonkeyPatch, chance: Chance) -> None:
     """A count that the way there and the way back both ask for is made once."""
     made: dict[tuple[int, ...], int] = {}
 
@@ -235,7 +236,7 @@ def test_sharp_draws_different_words_by_their_ranks(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(sharp, "count_models", once)
     space = TaskSpace(domain_of(TWO), 40, engine="sharp")
-    drawn = space.sample(2, seed=5, weights={}, distinct=True)
+    drawn = space.sample(2, seed=chance.seed(5), weights={}, distinct=True)
     assert len({str(task) for task in drawn}) == 2
     assert [space[space.index(task)] for task in drawn] == [replace(task, log_probability=None) for task in drawn]
 
@@ -257,10 +258,10 @@ def test_an_interrupt_ends_a_count_at_once_and_leaves_no_process(engine: str, tm
 
 
 @needs_ganak
-def test_the_same_seed_draws_the_same_words_with_every_engine_that_searches() -> None:
+def test_the_same_seed_draws_the_same_words_with_every_engine_that_searches(chance: Chance) -> None:
     domain = load_domain("hanoi")
     spaces = [TaskSpace(domain, 4, engine=engine) for engine in ("clingo", "sat", "sharp")]
-    uniform = [list(islice(space.draw_words(seed=9, weights={}, by="task"), 5)) for space in spaces]
-    weighed = [list(islice(space.draw_words(seed=9, weights={"move": "1/3"}), 5)) for space in spaces[:2]]
+    uniform = [list(islice(space.draw_words(seed=chance.seed(9), weights={}, by="task"), 5)) for space in spaces]
+    weighed = [list(islice(space.draw_words(seed=chance.seed(9), weights={"move": "1/3"}), 5)) for space in spaces[:2]]
     assert uniform[0] == uniform[1] == uniform[2]
     assert weighed[0] == weighed[1]

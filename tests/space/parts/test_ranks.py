@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import random
 from collections import Counter
 from typing import get_args
 
@@ -16,6 +15,7 @@ from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Level
 from prag_asp.space.parts.ranked import distinct_ranks
+from tests.chance import Chance
 
 DOMAIN = load_domain("prag")
 
@@ -31,12 +31,12 @@ def test_ranks_count_through_a_small_space_in_its_order(engine: str) -> None:
     assert space[-1] == tasks[-1]
 
 
-def test_ranks_and_tasks_are_inverse_in_a_space_above_any_machine_word() -> None:
+def test_ranks_and_tasks_are_inverse_in_a_space_above_any_machine_word(chance: Chance) -> None:
     space = TaskSpace(DOMAIN, 120)
     total = space.count()
     assert total > 10**100
-    generator = random.Random(0)
-    for rank in (0, total - 1, *(generator.randrange(total) for _ in range(5))):
+    generator = chance.generator(0)
+    for rank in (0, total - 1, *(generator.randrange(total) for _ in range(chance.examples(5)))):
         assert space.index(space[rank]) == rank
 
 
@@ -52,25 +52,27 @@ def test_ranks_and_words_are_inverse_over_whole_small_spaces(name: str, by: Leve
 
 
 @pytest.mark.parametrize(("by", "length", "least"), [("skeleton", 1000, 628), ("plan", 1000, 910), ("task", 300, 100)])
-def test_ranks_and_words_are_inverse_at_random_ranks_of_vast_spaces(by: Level, length: int, least: int) -> None:
+def test_ranks_and_words_are_inverse_at_random_ranks_of_vast_spaces(
+    by: Level, length: int, least: int, chance: Chance
+) -> None:
     engine = AutomatonEngine(Model(DOMAIN), by)
     total = engine.count(length)
     assert total > 10**least
-    generator = random.Random(2)
-    for rank in (0, total - 1, *(generator.randrange(total) for _ in range(20))):
+    generator = chance.generator(2)
+    for rank in (0, total - 1, *(generator.randrange(total) for _ in range(chance.examples(20)))):
         word = engine.unrank(length, rank)
         assert len(word) == length and engine.contains(word) and engine.rank(word) == rank
 
 
-def test_ranks_are_the_same_where_memory_holds_few_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ranks_are_the_same_where_memory_holds_few_rows(monkeypatch: pytest.MonkeyPatch, chance: Chance) -> None:
     spaces = TaskSpace(DOMAIN, 60), TaskSpace(DOMAIN, 60)
     rank = spaces[0].count() // 3
     task = spaces[0][rank]
-    drawn = spaces[0].draw_array(300, seed=1)
+    drawn = spaces[0].draw_array(300, seed=chance.seed(1))
     monkeypatch.setattr(automaton, "KEPT_BYTES", 3000)
     completions = spaces[1]._engine("task").explored(60).completions  # type: ignore[attr-defined]
     assert spaces[1][rank] == task and spaces[1].index(task) == rank
-    assert (spaces[1].draw_array(300, seed=1) == drawn).all()
+    assert (spaces[1].draw_array(300, seed=chance.seed(1)) == drawn).all()
     assert 1 < len(completions._kept) < 10
 
 
@@ -95,9 +97,9 @@ def test_what_is_no_task_has_no_rank() -> None:
             space[rank]
 
 
-def test_distinct_draws_are_distinct_and_may_take_the_whole_space() -> None:
+def test_distinct_draws_are_distinct_and_may_take_the_whole_space(chance: Chance) -> None:
     space = TaskSpace(DOMAIN, 1)
-    tasks = space.sample(36, seed=4, weights={}, distinct=True)
+    tasks = space.sample(36, seed=chance.seed(4), weights={}, distinct=True)
     assert sorted(task.actions for task in tasks) == sorted(task.actions for task in space)
     assert tasks != list(space)
     with pytest.raises(QueryError, match="there are 36"):
@@ -106,8 +108,8 @@ def test_distinct_draws_are_distinct_and_may_take_the_whole_space() -> None:
         space.sample(2, seed=4, weights={"grasp": 2}, distinct=True)
 
 
-def test_every_set_of_ranks_is_equally_likely_in_every_order() -> None:
-    generator = SeededBits(1)
+def test_every_set_of_ranks_is_equally_likely_in_every_order(chance: Chance) -> None:
+    generator = SeededBits(chance.seed(1))
     seen = Counter(tuple(distinct_ranks(generator, 5, 3)) for _ in range(30_000))
     assert len(seen) == 60
     statistic = sum((count - 500) ** 2 / 500 for count in seen.values())

@@ -17,6 +17,7 @@ from prag_asp.logic.model import Model
 from prag_asp.space.automaton.explore import explore
 from prag_asp.space.plans.readings import Composite, Readings, hierarchy_of
 from tests.brute_force import Toy, part, term
+from tests.chance import examples
 from tests.domains import domain_of
 from tests.spaces import with_engine
 from tests.strategies import hierarchies
@@ -25,14 +26,14 @@ LENGTH = 5
 
 
 @pytest.mark.slow
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(200), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=False))
 def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy) -> None:
     check_agreement(toy)
 
 
 @pytest.mark.slow
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(200), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=True))
 def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy) -> None:
     check_agreement(toy)
@@ -54,13 +55,13 @@ def check_agreement(toy: Toy, longest: int = LENGTH) -> None:
                 assert list(here.words("skeleton")) == names
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=True))
 def test_a_few_domains_agree_in_every_run(toy: Toy) -> None:
     check_agreement(toy, longest=3)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=False))
 def test_the_readings_of_a_plan_are_those_of_brute_force_each_once(toy: Toy) -> None:
     space = TaskSpace(domain_of(toy.text(), "at_most"), 4)
@@ -80,7 +81,7 @@ def nested(toy: Toy, number: int) -> str:
     return f"{part(toy, number)}[{inside}]"
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=False), st.dictionaries(st.sampled_from(["a", "b", "a>b", "b>a"]), st.integers(0, 3)))
 def test_plans_are_drawn_by_weight_from_those_of_the_hierarchy(toy: Toy, given_weights: dict[str, int]) -> None:
     names = {action.name for action in toy.actions}
