@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.learn import learn, require_proofs, warn_of_grips
+from prag_asp.cli.learn import learn, require_proofs
 from prag_asp.cli.options import Asked, Checking, Weighing, asks
 from prag_asp.cli.render import render
 from prag_asp.cli.split import split
@@ -28,6 +29,10 @@ from prag_asp.cli.terminal import (
 )
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.program.problem import Problem
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""
@@ -57,25 +62,46 @@ def domains() -> None:
 @cli.command()
 @asks((*options.DOMAIN, options.TRUST))
 def check(*, asked: Asked) -> None:
-    """Check a domain and say what it declares."""
-    domain = asked.domain()
+    """Check a domain and say what it declares, and on stderr what is strange about it.
+
+    Errors mean that the domain means nothing, or that a count could be wrong. Warnings are well defined; the comment
+    `% lint: allow NAME` on its line quiets one.
+    """
+    from prag_asp.program.problem import first_of_each, raise_problems
+
+    domain = asked.domain(tell=False)
     if "own" in domain.settings.scene:
         options.scene_of(domain)
     require_proofs(domain)
-    warn_of_grips(domain)
+    warnings = [*domain.warnings, *_too_wide(domain)]
+    if asked.strict:
+        raise_problems(each.as_error() for each in first_of_each(warnings))
+    for warning in first_of_each(warnings):
+        click.echo(str(warning), err=True)
     facts = domain.facts
+    left = f"{len(facts.actions)} of " if len(facts.actions) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
     parts = [
         f"{world} world",
         plural(len(facts.entities), "entity", "entities"),
         plural(len(facts.fluents), "fluent"),
-        plural(len(facts.actions), "action"),
+        f"{left}{plural(len(facts.declared_actions), 'action')}",
         *([plural(len(facts.composites), "composite")] if facts.composites else []),
         *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
         scene,
     ]
     click.echo(f"{domain.name}: ok; {', '.join(parts)}")
+
+
+def _too_wide(domain: Domain) -> Iterable[Problem]:
+    """Return warnings of the bodies of a domain that no proof holds too wide, and that are yet never grasped."""
+    if not domain.settings.scene:
+        return ()
+    from prag_asp.lint.allowed import allowed_names, not_allowed
+    from prag_asp.physics.proofs.grips import never_gripped
+
+    return not_allowed(never_gripped(domain, options.scene_of(domain)), allowed_names((), domain.settings))
 
 
 @cli.command()

@@ -84,15 +84,6 @@ def require_proofs(domain: Domain) -> None:
         )
 
 
-def warn_of_grips(domain: Domain) -> None:
-    """Say which bodies of a domain are held by no proof too wide, and yet never grasped."""
-    if domain.settings.scene:
-        from prag_asp.physics.proofs.grips import never_gripped
-
-        for warning in never_gripped(domain, options.scene_of(domain)):
-            click.echo(f"warning: {warning}", err=True)
-
-
 def _figures(
     before: TaskSpace, after: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking,
     tell: Callable[[str], None],

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.errors import QueryError
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
@@ -37,19 +38,25 @@ class Asked:
     time: str | None = None
     cached: bool = True
     trust: bool = False
+    strict: bool = False
 
-    def domain(self) -> Domain:
-        """Load the domain."""
+    def domain(self, *, tell: bool = True) -> Domain:
+        """Load the domain; with `tell`, say how many warnings there are about it."""
         from prag_asp.domain.load import load_domain
 
-        return load_domain(
+        domain = load_domain(
             self.name,
             rules=self.rules,
             encodings=self.encodings,
             flat=self.flat,
             trust=self.trust,
             learned=self.learned,
+            strict=self.strict,
         )
+        if domain.warnings and tell:
+            told = plural(len(domain.warnings), "warning")
+            click.echo(f"{told} about {domain.name}; see prag-asp check {self.name}", err=True)
+        return domain
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
         """Return the task space of the domain, or of another one, which tells its progress to `tell`."""
@@ -76,6 +83,7 @@ PROGRAM = (
     click.option(
         "--learned/--no-learned", default=True, help="Read learned.lp if the domain has one.  [default: learned]"
     ),
+    click.option("--strict", is_flag=True, help="Take what `prag-asp check` warns of for errors."),
 )
 DOMAIN = (click.argument("name", metavar="DOMAIN"), *PROGRAM)
 TRUST = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")

@@ -8,17 +8,18 @@ from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates.gripper import CLEARANCE
 from prag_asp.physics.robot import robot_of
+from prag_asp.program.problem import Problem
 from prag_asp.scene.model import Scene
 from prag_asp.scene.read.report import ancestors
 
 
-def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
+def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
     """Yield a warning for each shape of bodies that could be held, but leave a gripper no room to close around them.
 
     A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above; of a range of
     sizes that of the smallest.
     """
-    found: dict[tuple[str, float, float], list[str]] = {}
+    found: dict[tuple[int, float, float], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):
         if scene.meaning(fluent) != "holding":
             continue
@@ -26,19 +27,20 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[str]:
         opening = robot_of(scene, robot).opening
         width = min(shape.breadth(widest=False) for shape in scene.ranges.get(entity, (scene.shapes[entity],)))
         if opening - CLEARANCE < width <= opening:
-            several = found.setdefault((_place(domain, entity), width, opening), [])
+            several = found.setdefault((_line(domain, entity), width, opening), [])
             several += [entity] if entity not in several else []
-    for (place, width, opening), several in found.items():
-        yield (
-            f"{place}: {', '.join(several)} {'is' if len(several) == 1 else 'are'} {width * 1000:.3g} mm wide and the "
+    for (line, width, opening), several in found.items():
+        text = (
+            f"{', '.join(several)} {'is' if len(several) == 1 else 'are'} {width * 1000:.3g} mm wide and the "
             f"gripper opens {opening * 1000:.3g} mm; it never closes around more than "
             f"{(opening - CLEARANCE) * 1000:.3g} mm, so make it narrower"
         )
+        yield Problem(domain.settings.path, line, text, "too-wide")
 
 
-def _place(domain: Domain, entity: str) -> str:
-    """Return the file and the line of the shape of an entity."""
+def _line(domain: Domain, entity: str) -> int:
+    """Return the line of domain.toml with the shape of an entity."""
     facts = domain.facts
     given = domain.settings.scene["shapes"]
     owner = next(name for name in ancestors(facts.entity_names[entity], facts.class_names) if name in given)
-    return f"{domain.settings.path}:{domain.settings.line_of('scene', 'shapes', owner)}"
+    return domain.settings.line_of("scene", "shapes", owner)
