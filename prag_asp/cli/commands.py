@@ -98,10 +98,9 @@ def _too_wide(domain: Domain) -> Iterable[Problem]:
     """Return warnings of the bodies of a domain that no proof holds too wide, and that are yet never grasped."""
     if not domain.settings.scene:
         return ()
-    from prag_asp.lint.allowed import allowed_names, not_allowed
     from prag_asp.physics.proofs.grips import never_gripped
 
-    return not_allowed(never_gripped(domain, options.scene_of(domain)), allowed_names((), domain.settings))
+    return never_gripped(domain, options.scene_of(domain))
 
 
 @cli.command()

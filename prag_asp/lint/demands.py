@@ -19,7 +19,7 @@ from clingo.ast import ASTType
 
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, plain_atom, split_arguments
-from prag_asp.wording import is_misspelling, nearest
+from prag_asp.wording import did_you_mean, is_misspelt
 
 FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
 ACTION, FLUENT = ("action", 1), ("fluent", 1)
@@ -101,11 +101,11 @@ def _problem(demand: Demand, control: clingo.Control, made: set[str]) -> Problem
         return rule.problem(f"{text}; mend its arguments, or remove the rule", line)
     if name in made:
         return rule.problem(f"{demand.atom} never holds; state it, or remove the rule", line, "never-holds")
-    near = list(filter(None, (nearest(name, {other for other, _ in there}), nearest(name, made))))
-    slips = [other for other in near if is_misspelling(name, other)]
-    hint = f"did you mean {[*slips, *near][0]}?" if near else "declare it, or remove the rule"
+    around = {other for other, _ in there}
+    known = next((names for names in (around, made) if is_misspelt(name, names)), around | made)
+    hint = did_you_mean(name, known, "declare it, or remove the rule")
     text = f"no entity, fluent or action has the name {name}; {hint}"
-    return rule.problem(text, line, "" if slips else "never-holds")
+    return rule.problem(text, line, "" if is_misspelt(name, known) else "never-holds")
 
 
 def _is_contract(statement: Statement) -> bool:

@@ -8,6 +8,7 @@ from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates.gripper import CLEARANCE
 from prag_asp.physics.robot import robot_of
+from prag_asp.program.allowed import allowed_names, not_allowed
 from prag_asp.program.problem import Problem
 from prag_asp.scene.model import Scene
 from prag_asp.scene.read.report import ancestors
@@ -17,8 +18,12 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
     """Yield a warning for each shape of bodies that could be held, but leave a gripper no room to close around them.
 
     A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above; of a range of
-    sizes that of the smallest.
+    sizes that of the smallest. What a comment in domain.toml allows is left out.
     """
+    return not_allowed(_too_wide(domain, scene), allowed_names((), domain.settings))
+
+
+def _too_wide(domain: Domain, scene: Scene) -> Iterator[Problem]:
     found: dict[tuple[int, float, float], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):
         if scene.meaning(fluent) != "holding":
