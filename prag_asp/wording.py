@@ -26,14 +26,17 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     return near[0] if near else None
 
 
-def is_misspelling(name: str, near: str) -> bool:
-    """Tell whether a name is hardly one of its own: another differs from it by more than a number or a whole word."""
+def is_misspelt(name: str, known: Iterable[str]) -> bool:
+    """Tell whether a name is hardly one of its own: a known one is like it, and not by a whole word or but a number."""
+    near = nearest(name, known)
+    if near is None:
+        return False
     import difflib  # noqa: PLC0415 - as above
 
     words, others = set(name.split("_")), set(near.split("_"))
-    numbers, other_numbers = re.findall(r"\d+", name), re.findall(r"\d+", near)
+    same_numbers = re.findall(r"\d+", name) == re.findall(r"\d+", near)
     alike = difflib.SequenceMatcher(None, name, near).ratio() >= ALIKE
-    return alike and numbers == other_numbers and not words < others and not others < words
+    return alike and same_numbers and not words < others and not others < words
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
@@ -47,18 +50,6 @@ def listed(names: Iterable[str]) -> str:
     """Return names in order, as many as a message has room for."""
     ordered = sorted(names)
     return f"{', '.join(ordered[:LISTED])}{' ...' if len(ordered) > LISTED else ''}" if ordered else "none"
-
-
-def is_slip(one: str, two: str) -> bool:
-    """Tell whether two words differ in one letter, wrong, missing or too much, or in the order of letters."""
-    if sorted(one) == sorted(two):
-        return one != two
-    longer, shorter = (one, two) if len(one) >= len(two) else (two, one)
-    return any(
-        longer[:i] + longer[i + 1 :] in (shorter, shorter[:i] + shorter[i + 1 :])
-        for i in range(len(longer))
-        if len(longer) - len(shorter) <= 1
-    )
 
 
 def plural(number: int, one: str, several: str = "") -> str:

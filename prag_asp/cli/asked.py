@@ -11,6 +11,7 @@ import click
 
 from prag_asp.errors import DomainError, QueryError
 from prag_asp.program.paths import STANDARD_INPUT
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
@@ -42,6 +43,7 @@ class Asked:
     time: str | None = None
     cached: bool = True
     trust: bool = False
+    strict: bool = False
     recorded: Record | None = None
 
     def of(self, record: Record, folder: Path) -> Asked:
@@ -51,18 +53,22 @@ class Asked:
         recorded = record if record.task.constants else None
         return replace(self, names=self.names or (named_domain(record, folder),), recorded=recorded)
 
-    def domain(self) -> Domain:
-        """Load the domain.
+    def domain(self, *, tell: bool = True) -> Domain:
+        """Load the domain; with `tell`, say how many warnings there are about it.
 
         Raises:
             DomainError: something is wrong with it, or with the constants that a task of a file names.
         """
-        if self.recorded is None:
-            return self._load({})
         try:
-            return self._load(self.recorded.task.constants)
+            domain = self._load({} if self.recorded is None else self.recorded.task.constants)
         except DomainError as error:
+            if self.recorded is None:
+                raise
             raise DomainError(f"{self.recorded.place}: {error}") from None
+        if domain.warnings and tell:
+            told = plural(len(domain.warnings), "warning")
+            click.echo(f"{told} about {domain.label}; see prag-asp check {' '.join(self.names)}", err=True)
+        return domain
 
     def _load(self, recorded: Mapping[str, str]) -> Domain:
         from prag_asp.domain.load import load_domain
@@ -78,6 +84,7 @@ class Asked:
             flat=self.flat,
             trust=self.trust,
             learned=self.learned,
+            strict=self.strict,
         )
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:

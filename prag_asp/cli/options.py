@@ -43,6 +43,7 @@ PROGRAM = (
     click.option(
         "--learned/--no-learned", default=True, help="Read learned.lp if the domain has one.  [default: learned]"
     ),
+    click.option("--strict", is_flag=True, help="Take what `prag-asp check` warns of for errors."),
 )  # fmt: skip
 OF_FILE = (
     click.option(

@@ -19,7 +19,7 @@ from clingo.ast import ASTType
 
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, plain_atom, split_arguments
-from prag_asp.wording import is_misspelling, nearest
+from prag_asp.wording import did_you_mean, is_misspelt
 
 FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
 ACTION, FLUENT = ("action", 1), ("fluent", 1)
@@ -74,7 +74,8 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
     rules = [each for each in statements if each.is_rule]
     stated = {head.signature for each in rules if not each.timed for head in each.heads}
     timed = {head.signature for each in rules if each.timed for head in each.heads}
-    demands = list(_demands(rules, stated - timed))
+    defined = stated | timed | {(each.node.name, each.node.arity) for each in statements if _is_contract(each)}
+    demands = list(_demands(rules, stated - timed, defined))
     anywhere = {each.name[0] for each in demands if each.place is None}
     missing = _missing(control, demands)
     if not missing and not anywhere:
@@ -100,18 +101,29 @@ def _problem(demand: Demand, control: clingo.Control, made: set[str]) -> Problem
         return rule.problem(f"{text}; mend its arguments, or remove the rule", line)
     if name in made:
         return rule.problem(f"{demand.atom} never holds; state it, or remove the rule", line, "never-holds")
-    near = nearest(name, {other for other, _ in there}) or nearest(name, made)
-    hint = f"did you mean {near}?" if near else "declare it, or remove the rule"
-    slip = near is not None and is_misspelling(name, near)
+    around = {other for other, _ in there}
+    known = next((names for names in (around, made) if is_misspelt(name, names)), around | made)
+    hint = did_you_mean(name, known, "declare it, or remove the rule")
     text = f"no entity, fluent or action has the name {name}; {hint}"
-    return rule.problem(text, line, "" if slip else "never-holds")
+    return rule.problem(text, line, "" if is_misspelt(name, known) else "never-holds")
 
 
-def _demands(rules: Iterable[Statement], stated: Collection[Signature]) -> Iterator[Demand]:
-    """Yield what the bodies of own rules demand of the predicates that are `stated` before any step, and of others."""
+def _is_contract(statement: Statement) -> bool:
+    return statement.kind == ASTType.Defined and not statement.own
+
+
+def _demands(
+    rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
+) -> Iterator[Demand]:
+    """Yield what the bodies of own rules demand of the predicates that are `stated` before any step, and of others.
+
+    What nothing defines is told as such, or is said to be allowed to have no atom.
+    """
     for rule in rules:
         if rule.own:
             for atom, necessary in _read_by(rule):
+                if atom.signature not in defined:
+                    continue
                 for place, name in _names_in(atom, stated):
                     if name[1] or name[0] not in rule.parameters:
                         yield Demand(rule, atom, place, name, necessary)

@@ -10,7 +10,6 @@ from pathlib import Path
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
-from prag_asp.lint.allowed import Allowed, allowance_problems, allowed_names
 from prag_asp.lint.composites import composite_problems
 from prag_asp.lint.demands import demand_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
@@ -23,6 +22,7 @@ from prag_asp.lint.origin import Origins
 from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.table import name_problems, table_problems
 from prag_asp.lint.vocabulary import vocabulary_problems
+from prag_asp.program.allowed import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.program.facts import Facts, read_facts, without
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
@@ -65,8 +65,7 @@ class _Report:
         """
         found = list(problems)
         raise_problems(each for each in found if not each.is_warning)
-        kept = (each for each in found if each.name not in self._allowed.get((each.path, each.line), ()))
-        self.warnings |= dict.fromkeys(kept)
+        self.warnings |= dict.fromkeys(not_allowed(found, self._allowed))
 
 
 def check(program: Program, path: Path) -> Checked:

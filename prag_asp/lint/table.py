@@ -11,7 +11,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.names import ambiguity, named, shared_names
 from prag_asp.program.problem import Problem
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
-from prag_asp.wording import did_you_mean, is_misspelling, nearest
+from prag_asp.wording import did_you_mean, is_misspelt
 
 TYPES: Mapping[str, tuple[type, str]] = {
     "title": (str, 'a string, such as "Blocks on a table"'),
@@ -27,10 +27,8 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
     path = settings.path
     for key, value in table.items():
         if key not in KEYS:
-            near = nearest(key, KEYS)
-            slip = near is not None and is_misspelling(key, near)
             text = f"unknown key {key}; {did_you_mean(key, KEYS)}"
-            yield Problem(path, settings.line_of(key), text, "" if slip else "no-effect")
+            yield Problem(path, settings.line_of(key), text, "" if is_misspelt(key, KEYS) else "no-effect")
         elif not isinstance(value, TYPES[key][0]):
             yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
         elif key == "scene" and not value:
@@ -95,11 +93,9 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
     for name, sentence in settings.language.items():
         if name not in arities:
-            near = nearest(name, arities)
-            slip = near is not None and is_misspelling(name, near)
             hint = did_you_mean(name, arities, "give the name of an action or a fluent")
             text = f"sentence of {name}: no action or fluent has that name; {hint}"
-            yield _problem(settings, "language", name, text, "" if slip else "no-effect")
+            yield _problem(settings, "language", name, text, "" if is_misspelt(name, arities) else "no-effect")
         elif not _is_template(sentence, arities[name]):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
             text = f"sentence of {name} has braces that name no argument; use {places}"

@@ -9,7 +9,7 @@ from clingo.ast import ASTType
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import HIERARCHY
 from prag_asp.program.syntax import AtomNode, Signature, Statement, spelled
-from prag_asp.wording import is_misspelling, nearest
+from prag_asp.wording import did_you_mean, is_misspelt, nearest
 
 BY_LIBRARY = {
     **dict.fromkeys([("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2)], "conditions and tasks"),
@@ -31,9 +31,10 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         near = nearest(signature[0], known)
         for missing in [each for each in undefined if each[0] == near]:
             del undefined[missing]
-        others = sorted(arity for name, arity in contract if name == signature[0])
-        slip = bool(others) or (near is not None and is_misspelling(signature[0], near))
-        yield statement.problem(_unread(signature, near, others), atom.line, "" if slip else "unused")
+        slip = _takes(signature[0], contract) or is_misspelt(signature[0], known)
+        hint = _hint(signature[0], contract, known, "read it in the body of a rule, or remove it")
+        text = f"unknown predicate {spelled(signature)}; {hint}"
+        yield statement.problem(text, atom.line, "" if slip else "unused")
     yield from _undefined_problems(statements, contract, undefined)
     yield from _taken_problems(statements)
 
@@ -82,13 +83,14 @@ def _unread_heads(
     return found
 
 
-def _unread(signature: Signature, near: str | None, others: Sequence[int]) -> str:
-    if others:
-        counts = " or ".join(map(str, others))
-        return f"unknown predicate {spelled(signature)}; {signature[0]} takes {counts} arguments"
-    if near:
-        return f"unknown predicate {spelled(signature)}; did you mean {near}?"
-    return f"unknown predicate {spelled(signature)}; read it in the body of a rule, or remove it"
+def _takes(name: str, defined: Iterable[Signature]) -> str:
+    """Return how many arguments a predicate takes, as text; nothing where there is none of that name."""
+    return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
+
+
+def _hint(name: str, defined: Iterable[Signature], known: Iterable[str], otherwise: str) -> str:
+    counts = _takes(name, defined)
+    return f"{name} takes {counts} arguments" if counts else did_you_mean(name, known, otherwise)
 
 
 def _undefined_atoms(
@@ -116,12 +118,7 @@ def _undefined_problems(
 ) -> Iterator[Problem]:
     defined = contract | {atom.signature for statement in statements for atom in statement.heads}
     for signature, (statement, atom) in undefined.items():
-        name = signature[0]
-        others = " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
-        near = nearest(name, {other for other, _ in defined})
-        if others:
-            hint = f"{name} takes {others} arguments"
-        else:
-            hint = f"did you mean {near}?" if near else "define it in a fact or a rule, or remove it"
-        slip = bool(others) or (near is not None and is_misspelling(name, near))
+        name, known = signature[0], {other for other, _ in defined}
+        slip = _takes(name, defined) or is_misspelt(name, known)
+        hint = _hint(name, defined, known, "define it in a fact or a rule, or remove it")
         yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line, "" if slip else "undefined")

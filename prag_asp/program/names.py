@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import combinations
 
 from prag_asp.errors import QueryError
 from prag_asp.program.facts import Facts
+from prag_asp.wording import unknown
 
 
 def named(facts: Facts) -> Mapping[str, set[str]]:
@@ -29,6 +30,13 @@ def ambiguity(name: str, facts: Facts) -> str | None:
     if len(kinds) < 2:
         return None
     return f"{name} could be {', '.join(kinds[:-1])} or {kinds[-1]} of that name; rename one in domain.lp"
+
+
+def no_action(name: str, known: Iterable[str], facts: Facts) -> str:
+    """Return the message for what is not among the `known` actions or names of actions."""
+    if name in named(facts)["action"]:
+        return f"{name} can never occur, so it is left out; prag-asp check says why"
+    return unknown(name, known, "action")
 
 
 def refuse_ambiguous(name: str, facts: Facts) -> None:

@@ -21,7 +21,7 @@ from prag_asp.scene.model import (
 from prag_asp.scene.read.own import read_own
 from prag_asp.scene.read.report import Fault, Report
 from prag_asp.scene.read.table import read_scene
-from prag_asp.wording import is_slip, plural
+from prag_asp.wording import did_you_mean, is_misspelt, plural
 
 
 def parse_scene(
@@ -73,16 +73,15 @@ def scene_problems(
 
 
 def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Fault]:
-    """Yield names under ``scene.predicates`` that are no fluent's, but a slip away from that of one without meaning.
+    """Yield names under ``scene.predicates`` that are no fluent's, but misspell that of one without meaning.
 
     A fluent that nothing grounds is not seen here, so a name that is unlike all others may well be right.
     """
     known = {fluent.name for fluent in fluents}
     meant = sorted(name for name in known if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
     for name in sorted(scene.predicates.keys() - known):
-        for fluent in meant:
-            if is_slip(name, fluent):
-                yield Fault(f"scene.predicates.{name}", f"there is no fluent {name}; did you mean {fluent}?")
+        if is_misspelt(name, meant):
+            yield Fault(f"scene.predicates.{name}", f"there is no fluent {name}; {did_you_mean(name, meant)}")
 
 
 def _without_objects(scene: Scene) -> list[Fault]:

@@ -1,4 +1,4 @@
-"""What ``prag-asp check`` warns of: bodies that are never grasped though no proof says so."""
+"""What ``prag-asp check`` warns of, and what other commands say of it."""
 
 from __future__ import annotations
 
@@ -35,11 +35,12 @@ def warnings(folder: Path, crate: str) -> list[str]:
 def test_what_a_gripper_cannot_close_around_is_told_with_its_width_and_the_limit(
     tmp_path: Path, crate: str, width: str
 ) -> None:
-    place = f"warning: {tmp_path / 'it' / 'domain.toml'}:13: "
+    place = f"{tmp_path / 'it' / 'domain.toml'}:13: warning: "
     told = (
         f"are {width} mm wide and the gripper opens 80 mm; it never closes around more than 74 mm, so make it narrower"
     )
-    assert warnings(tmp_path / "it", crate) == [f"{place}crate_1, crate_2 {told}"]
+    assert warnings(tmp_path / "it", crate) == [f"{place}crate_1, crate_2 {told} [too-wide]"]
+    assert warnings(tmp_path / "quiet" / "it", f"{crate}  # lint: allow too-wide") == []
 
 
 @pytest.mark.parametrize(
@@ -54,3 +55,49 @@ def test_what_a_gripper_cannot_close_around_is_told_with_its_width_and_the_limit
 )
 def test_what_can_be_grasped_or_is_proved_too_wide_is_no_warning(tmp_path: Path, crate: str) -> None:
     assert warnings(tmp_path / "it", crate) == []
+
+
+STUCK = """\
+fluent(on). fluent(jammed). initially(on, false). initially(jammed, false).
+action(press). precondition(press, on, false). postcondition(press, on, true).
+action(force(left)). precondition(force(left), jammed, true).
+action(force(right)). precondition(force(right), jammed, true).
+heavy(cube).
+"""
+
+
+def test_check_tells_each_warning_in_a_line_and_how_many_actions_are_left(tmp_path: Path) -> None:
+    (tmp_path / "domain.lp").write_text(STUCK, encoding="utf-8")
+    done = run("check", str(tmp_path))
+    assert done.returncode == 0
+    assert done.stdout == f"{tmp_path.name}: ok; closed world, 0 entities, 2 fluents, 1 of 3 actions, no scene\n"
+    unused, *never = done.stderr.splitlines()
+    assert unused.startswith(f"{tmp_path}/domain.lp:5: warning: ") and unused.endswith("[unused]")
+    assert [line.partition(" can never occur: it needs jammed = true, but ")[0] for line in never] == [
+        f"{tmp_path}/domain.lp:3: warning: force(left)",
+        f"{tmp_path}/domain.lp:4: warning: force(right)",
+    ]
+
+
+def test_other_commands_tell_the_number_of_warnings_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "domain.lp").write_text(STUCK, encoding="utf-8")
+    for command in (["count"], ["sample", "--count", "1"], ["stats"], ["enumerate"]):
+        done = run(command[0], str(tmp_path), "--length", "1", *command[1:])
+        assert done.returncode == 0 and done.stdout
+        assert done.stderr == f"3 warnings about {tmp_path.name}; see prag-asp check {tmp_path}\n"
+
+
+def test_strict_refuses_what_is_warned_of(tmp_path: Path) -> None:
+    (tmp_path / "domain.lp").write_text(STUCK, encoding="utf-8")
+    for arguments in (["check", str(tmp_path)], ["count", str(tmp_path), "--length", "1"]):
+        done = run(*arguments, "--strict")
+        assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 3)
+        assert "warning" not in done.stderr
+    (tmp_path / "domain.lp").write_text("action(go).\n", encoding="utf-8")
+    assert run("check", str(tmp_path), "--strict").returncode == 0
+
+
+def test_strict_refuses_a_body_that_no_gripper_closes_around(tmp_path: Path) -> None:
+    assert len(warnings(tmp_path / "it", '{ kind = "box", size = [0.078, 0.10, 0.02] }')) == 1
+    done = run("check", str(tmp_path / "it"), "--strict")
+    assert (done.returncode, done.stdout) == (2, "") and done.stderr.rstrip().endswith("[too-wide]")

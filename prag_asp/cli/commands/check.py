@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -15,27 +16,39 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
+    from prag_asp.program.problem import Problem
 
 
 @click.command()
 @asks((*options.DOMAIN, options.TRUST))
 def check(*, asked: Asked) -> None:
-    """Check a domain and say what it declares."""
-    domain = asked.domain()
+    """Check a domain and say what it declares, and on stderr what is strange about it.
+
+    Errors mean that the domain means nothing, or that a count could be wrong. Warnings are well defined; the comment
+    `% lint: allow NAME` on its line quiets one.
+    """
+    from prag_asp.program.problem import first_of_each, raise_problems
+
+    domain = asked.domain(tell=False)
     if "own" in domain.settings.scene:
         from prag_asp.dataset.scenes import scene_of
 
         scene_of(domain)
     _require_proofs(domain)
-    _warn_of_grips(domain)
+    warnings = [*domain.warnings, *_too_wide(domain)]
+    if asked.strict:
+        raise_problems(each.as_error() for each in first_of_each(warnings))
+    for warning in first_of_each(warnings):
+        click.echo(str(warning), err=True)
     facts = domain.facts
+    left = f"{len(facts.actions)} of " if len(facts.actions) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
     parts = [
         f"{world} world",
         plural(len(facts.entities), "entity", "entities"),
         plural(len(facts.fluents), "fluent"),
-        plural(len(facts.actions), "action"),
+        f"{left}{plural(len(facts.declared_actions), 'action')}",
         *([plural(len(facts.composites), "composite")] if facts.composites else []),
         *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
         scene,
@@ -63,11 +76,11 @@ def _require_proofs(domain: Domain) -> None:
         )
 
 
-def _warn_of_grips(domain: Domain) -> None:
-    """Say which bodies of a domain are held by no proof too wide, and yet never grasped."""
-    if domain.settings.scene:
-        from prag_asp.dataset.scenes import scene_of
-        from prag_asp.physics.proofs.grips import never_gripped
+def _too_wide(domain: Domain) -> Iterable[Problem]:
+    """Return warnings of the bodies of a domain that no proof holds too wide, and that are yet never grasped."""
+    if not domain.settings.scene:
+        return ()
+    from prag_asp.dataset.scenes import scene_of
+    from prag_asp.physics.proofs.grips import never_gripped
 
-        for warning in never_gripped(domain, scene_of(domain)):
-            click.echo(f"warning: {warning}", err=True)
+    return never_gripped(domain, scene_of(domain))

@@ -10,10 +10,11 @@ from typing import ClassVar, Protocol
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import no_action
 from prag_asp.space.conditions.formula import parse_conjunction, parse_formula
 from prag_asp.space.conditions.patterns import Pattern, class_members
 from prag_asp.space.conditions.regular import Recogniser, parse_expression, recogniser
-from prag_asp.wording import not_too_deep, unknown
+from prag_asp.wording import not_too_deep
 
 
 class Clause(Protocol):
@@ -85,7 +86,7 @@ class Has:
             known = {action_name(action) for action in facts.actions}
             for name in (first, second):
                 if name not in known:
-                    raise QueryError(unknown(name, known, "action"))
+                    raise QueryError(no_action(name, known, facts))
             yield f"counts({number},{first},{second})"
         else:
             for action in Pattern.parse(self.pattern).matches(facts):

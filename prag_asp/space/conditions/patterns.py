@@ -11,7 +11,7 @@ from prag_asp.atom import atom_of, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import refuse_ambiguous
+from prag_asp.program.names import no_action, refuse_ambiguous
 from prag_asp.wording import unknown
 
 ANY = "_"
@@ -44,7 +44,7 @@ class Pattern:
         if not found:
             spelled = self.name if self.arguments is None else f"{self.name}({','.join(self.arguments)})"
             known = {*map(action_name, facts.actions), *map(str, facts.actions)}
-            raise QueryError(unknown(spelled, known, "action"))
+            raise QueryError(no_action(spelled, known, facts))
         return found
 
     def _fits(self, action: clingo.Symbol) -> bool:

@@ -8,8 +8,8 @@ from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import no_action
 from prag_asp.space.engines.protocol import Level
-from prag_asp.wording import unknown
 
 
 def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ...]:
@@ -24,7 +24,7 @@ def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ..
     for item in items:
         text = str(parse_atom(item))
         if text not in names and text not in actions:
-            raise QueryError(unknown(text, [*names, *actions], "action"))
+            raise QueryError(no_action(text, [*names, *actions], facts))
         if by == "skeleton" and text not in names:
             raise QueryError(f"{text} is a single action; a skeleton begins with names such as {parse_atom(text).name}")
         found.append(text)

@@ -42,6 +42,13 @@ def _names(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, 
             yield line, tuple(re.findall(r"[^\s,]+", match["names"]))
 
 
+def not_allowed(problems: Iterable[Problem], allowed: Allowed) -> Iterator[Problem]:
+    """Yield the problems that no comment on their line quiets; no comment quiets an error."""
+    for each in problems:
+        if not each.is_warning or each.name not in allowed.get((each.path, each.line), ()):
+            yield each
+
+
 def allowance_problems(allowed: Allowed) -> Iterator[Problem]:
     """Yield the names that are allowed, but that no warning has."""
     for (path, line), names in allowed.items():
