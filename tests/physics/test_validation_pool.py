@@ -105,6 +105,17 @@ def test_an_error_of_a_task_reaches_the_caller_from_a_worker(tabletop):
             list(validate_tasks([unknown], tabletop, seed=0, workers=workers))
 
 
+def test_an_error_comes_after_the_verdicts_on_the_tasks_before_however_many_workers(tabletop):
+    unknown = task(state("on_top(apple_1,table_1)"), ("x(panda)", state("-on_top(apple_1,table_1)")))
+    tasks = [_hopeless(), *[stacking()] * 7, unknown, *[stacking()] * 12]
+    for workers in (1, 2):
+        verdicts = validate_tasks(tasks, tabletop, seed=0, workers=workers, budget=Budget(100, 10))
+        assert [verdict.index for verdict in islice(verdicts, 8)] == list(range(8))
+        with pytest.raises(SceneError, match="apple_1"):
+            next(verdicts)
+    assert not children()
+
+
 def test_no_workers_are_refused(tabletop):
     with pytest.raises(QueryError, match="at least 1 worker"):
         validate_tasks([], tabletop, seed=0, workers=0)
