@@ -97,8 +97,12 @@ def _in_pool(
             if not waiting:
                 return
             pool.work(waiting)
-            if waiting[0].verdicts is not None:
-                yield from waiting.popleft().verdicts or ()
+            first = waiting[0]
+            if first.error is not None:
+                raise first.error
+            if first.verdicts is not None:
+                waiting.popleft()
+                yield from first.verdicts
 
 
 @dataclass(eq=False)
@@ -109,6 +113,12 @@ class _Chunk:
     handed: bool = False
     deaths: int = 0
     verdicts: list[Verdict] | None = None
+    error: Exception | None = None
+
+    @property
+    def awaited(self) -> bool:
+        """Tell whether a worker is to do it still."""
+        return self.handed and self.verdicts is None and self.error is None
 
 
 def _chunks(tasks: Iterable[Numbered]) -> Iterator[_Chunk]:
@@ -126,17 +136,15 @@ class _Pool:
         self._handed: dict[Child, deque[_Chunk]] = {}
 
     def work(self, waiting: Sequence[_Chunk]) -> None:
-        """Hand out chunks and take in verdicts; wait for some where the first chunk has none yet.
+        """Hand out chunks and take in what became of some; wait for that where the first chunk is still being done.
 
         Raises:
-            SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
             WorkerError: workers died more than `REPLACEMENTS` times over the same chunk, or cannot be started.
         """
         for chunk in waiting:
             if not chunk.handed and (worker := self._free()) is not None:
                 self._hand(chunk, worker)
-        first = waiting[0]
-        for worker in answered(self._handed, None if first.handed and first.verdicts is None else 0):
+        for worker in answered(self._handed, None if waiting[0].awaited else 0):
             self._take_in(worker)
 
     def _free(self) -> Child | None:
@@ -170,25 +178,37 @@ class _Pool:
             self._replace(worker, ended)
 
     def _take_in(self, worker: Child) -> None:
-        """Take the verdicts on the chunk that a worker has done."""
+        """Take the verdicts on the chunk that a worker has done, or the error that has ended it, which is its own."""
         try:
-            verdicts: list[Verdict] = worker.receive()
+            self._handed[worker][0].verdicts = worker.receive()
         except Ended as ended:
             self._replace(worker, ended)
+        except Exception as error:
+            self._handed[worker].popleft().error = error
+            self._leave(worker)
         else:
-            self._handed[worker].popleft().verdicts = verdicts
+            self._handed[worker].popleft()
 
     def _replace(self, worker: Child, ended: Ended) -> None:
-        """Let others do what a worker that has died leaves behind."""
-        self._children.end(worker)
-        left = self._handed.pop(worker)
-        for chunk in left:
-            chunk.handed = False
+        """Let others do what a worker was doing when it died.
+
+        Raises:
+            WorkerError: too many have died of that.
+        """
+        left = self._leave(worker)
         if left:
             left[0].deaths += 1
-            if left[0].deaths > REPLACEMENTS:
-                times, index = left[0].deaths, left[0].tasks[0][0]
+            times, index = left[0].deaths, left[0].tasks[0][0]
+            if times > REPLACEMENTS:
                 raise WorkerError(
                     f"workers died {times} times in a row around task {index}, the last {ended}; "
                     "is there enough memory? Try fewer workers"
                 )
+
+    def _leave(self, worker: Child) -> deque[_Chunk]:
+        """Give up a worker, and return the chunks that it leaves for others to do."""
+        self._children.end(worker)
+        left = self._handed.pop(worker)
+        for chunk in left:
+            chunk.handed = False
+        return left
