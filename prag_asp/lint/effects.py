@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import clingo
 
 from prag_asp.lint.origin import Origins, Place
-from prag_asp.program.facts import Facts, rows, unsorted_rows
+from prag_asp.program.facts import Assignment, Facts, rows, unsorted_rows
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
 from prag_asp.wording import did_you_mean
 
 Symbol = clingo.Symbol
 Row = tuple[Symbol, ...]
-ASSIGNED = {"precondition": 3, "postcondition": 3, "initially": 2, "goal": 2}
-"""The predicates that give fluents values, with their numbers of arguments; an action comes first where it is 3."""
+INVARIANTS = ("exclusive", "implies", "impossible")
+ARITIES = {"precondition": 3, "postcondition": 3, "initially": 2, "goal": 2, **dict.fromkeys(INVARIANTS, 2)}
+"""The numbers of arguments of invariants, and of what gives fluents values; an action comes first where it is 3."""
 
-BOOLEAN = tuple(map(clingo.Function, ("true", "false")))
-VALUES = {"postcondition": (*BOOLEAN, clingo.Function("unknown"))}
+BOOLEAN = ("true", "false")
+VALUES = {"postcondition": (*BOOLEAN, "unknown")}
 
 
 def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> Iterator[Problem]:
@@ -27,12 +28,30 @@ def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> 
     if not facts.actions:
         yield Problem(*origins.place("action"), "the domain has no action; state one with action(...)")
     findings = Findings(origins, facts)
-    for predicate, arity in ASSIGNED.items():
-        findings.assigned(predicate, unsorted_rows(control, predicate, arity))
-    for predicate in ("exclusive", "implies", "impossible"):
-        findings.paired(predicate, unsorted_rows(control, predicate, 2))
+    for predicate in _doubtful(facts):
+        rows = unsorted_rows(control, predicate, ARITIES[predicate])
+        (findings.paired if predicate in INVARIANTS else findings.assigned)(predicate, rows)
     yield from findings.problems()
     yield from _doubled(facts, origins)
+
+
+def _doubtful(facts: Facts) -> Iterator[str]:
+    """Yield the predicates that speak of something undeclared, or give a value that is none."""
+    fluents, actions = set(facts.fluents), set(facts.declared_actions)
+    for predicate, table in (("precondition", facts.preconditions), ("postcondition", facts.postconditions)):
+        if not actions.issuperset(table) or not all(_right(predicate, each, fluents) for each in table.values()):
+            yield predicate
+    for predicate, values in (("initially", facts.initially), ("goal", facts.goal)):
+        if not _right(predicate, values, fluents):
+            yield predicate
+    for predicate, pairs in zip(INVARIANTS, (facts.exclusive, facts.implies, facts.impossible), strict=True):
+        if not fluents.issuperset(fluent for pair in pairs for fluent in pair):
+            yield predicate
+
+
+def _right(predicate: str, values: Assignment, fluents: Collection[Symbol]) -> bool:
+    allowed = VALUES.get(predicate, BOOLEAN)
+    return all(value in allowed and fluent in fluents for fluent, value in values)
 
 
 @dataclass
@@ -60,7 +79,7 @@ class Findings:
         wrong = (
             row
             for row in rows
-            if row[-2] not in fluents or row[-1] not in allowed or (len(row) == 3 and row[0] not in actions)
+            if row[-2] not in fluents or str(row[-1]) not in allowed or (len(row) == 3 and row[0] not in actions)
         )
         told: set[Symbol] = set()
         for *before, fluent, value in sorted(wrong):
@@ -70,8 +89,8 @@ class Findings:
                 self.undeclared("action", before[0], self._facts.actions, predicate, row)
             if fluent not in fluents:
                 self.undeclared("fluent", fluent, self._facts.fluents, predicate, row)
-            if value not in allowed:
-                hint = f"use {', '.join(map(str, allowed[:-1]))} or {allowed[-1]}"
+            if str(value) not in allowed:
+                hint = f"use {', '.join(allowed[:-1])} or {allowed[-1]}"
                 self._add(("value", str(value)), f"{predicate} of {fluent} has the value {value}", hint, predicate, row)
 
     def paired(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:

@@ -138,14 +138,12 @@ class _Search:
     def run(self) -> Occurrence:
         """Return what is found."""
         self._fix(value for value in self._start.items() if not self._changing[value[0]])
-        may_be_fixed = entailed(self._start.items(), self._graph)
         waiting: list[clingo.Symbol] = []
         for action in self._facts.actions:
-            needed, after = self._around(action)
-            if action not in self._able and not self._rejects(action, needed, after, waiting):
-                for fluent, value in {**needed, **after}:
-                    if (fluent, not value) in may_be_fixed:
-                        self._demanding.setdefault((fluent, not value), []).append(action)
+            if action not in self._able:
+                self._reject(action, waiting)
+        if waiting:
+            self._find_demanding()
         while waiting:
             for fluent in self._changed(waiting.pop()):
                 self._changing[fluent] -= 1
@@ -153,7 +151,7 @@ class _Search:
                     for fixed in self._fix([(fluent, self._start[fluent])]):
                         for action in self._demanding.get(fixed, ()):
                             if action not in self._rejected:
-                                self._rejects(action, *self._around(action), waiting)
+                                self._reject(action, waiting)
         return Occurrence({a: self._rejected[a] for a in self._facts.actions if a in self._rejected}, self._fixed)
 
     def _fix(self, values: Iterable[FluentValue]) -> list[FluentValue]:
@@ -162,12 +160,22 @@ class _Search:
         self._fixed |= new
         return list(new)
 
-    def _rejects(self, action: clingo.Symbol, needed: Reasons, after: Reasons, waiting: list[clingo.Symbol]) -> bool:
-        reason = self._reason(action, needed, after)
+    def _reject(self, action: clingo.Symbol, waiting: list[clingo.Symbol]) -> None:
+        """Note an action as rejected, where there is a reason."""
+        reason = self._reason(action)
         if reason is not None:
             self._rejected[action] = reason
             waiting.append(action)
-        return reason is not None
+
+    def _find_demanding(self) -> None:
+        """Find the actions that are rejected once a value never changes that may turn out so."""
+        may_be_fixed = entailed(self._start.items(), self._graph)
+        for action in self._facts.actions:
+            if action not in self._able and action not in self._rejected:
+                needed, after = self._around(action)
+                for fluent, value in {**needed, **after}:
+                    if (fluent, not value) in may_be_fixed:
+                        self._demanding.setdefault((fluent, not value), []).append(action)
 
     def _changed(self, action: clingo.Symbol) -> set[clingo.Symbol]:
         return {fluent for fluent, _ in self._facts.postconditions.get(action, ())}
@@ -180,8 +188,9 @@ class _Search:
         made = fluent_values(self._facts.postconditions.get(action, ()))
         return needed, entailed([*kept, *made], self._graph)
 
-    def _reason(self, action: clingo.Symbol, needed: Reasons, after: Reasons) -> Reason | None:
+    def _reason(self, action: clingo.Symbol) -> Reason | None:
         """Return why the invariants and what never changes reject an action, None where they do not."""
+        needed, after = self._around(action)
         pair = conflict(needed)
         if pair:
             return Reason("precondition", pair[1], f"it needs {_together(pair)}{_forbidden(pair)}")
