@@ -26,6 +26,13 @@ def logic(session: nox.Session) -> None:
 
 
 @nox.session
+def fresh(session: nox.Session) -> None:
+    """Run the random tests with fresh seeds and ten times the examples."""
+    session.install("-e", ".[test]")
+    session.run("pytest", "--fresh", *session.posargs)
+
+
+@nox.session
 def lint(session: nox.Session) -> None:
     """Check style and types."""
     session.install("-e", ".[test]")
