@@ -13,7 +13,7 @@ from prag_asp.domain.given import parse_given
 from prag_asp.errors import DomainError, SceneError
 from prag_asp.lint import check, check_learned
 from prag_asp.program.constants import Constant, parse_constants, set_constants
-from prag_asp.program.facts import Facts
+from prag_asp.program.facts import Facts, flattened
 from prag_asp.program.paths import data_folder
 from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.rules import rule_sources
@@ -103,7 +103,7 @@ def load_domain(
         raise_problems(each.as_error() for each in first_of_each(checked.warnings))
     facts, table = checked.facts, checked.settings
     if flat:
-        facts = replace(facts, composites=(), stages={}, free=())
+        facts = flattened(facts)
     if not facts.composites:
         program = Program(tuple(source for source in program.sources if source not in hierarchy))
     domain = Domain(

@@ -50,7 +50,7 @@ class Checked:
     warnings: tuple[Problem, ...]
 
 
-class _Report:
+class _Judge:
     """Raises errors as they are found, and keeps the warnings that no comment allows."""
 
     def __init__(self, allowed: Allowed) -> None:
@@ -79,20 +79,20 @@ def check(program: Program, path: Path) -> Checked:
     table = read_table(path)
     settings = settings_of(table, path)
     allowed = allowed_names((source for source, own in owned if own), settings)
-    report = _Report(allowed)
-    report.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
-    report.take(directive_problems(statements))
-    report.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
+    judge = _Judge(allowed)
+    judge.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
+    judge.take(directive_problems(statements))
+    judge.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
     plain = _one_free_step(program, owned)
     grounder = Grounder(plain)
     grounder.ground([("base", [])])
-    report.take(demand_problems(grounder.control, statements))
+    judge.take(demand_problems(grounder.control, statements))
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, origins)
-    _check_facts(report, grounder, facts, statements, origins)
-    left = _check_steps(report, plain, grounder, facts, statements, origins)
-    report.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
-    return Checked(left, settings, tuple(report.warnings))
+    _check_facts(judge, grounder, facts, statements, origins)
+    left = _check_steps(judge, plain, grounder, facts, statements, origins)
+    judge.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
+    return Checked(left, settings, tuple(judge.warnings))
 
 
 def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
@@ -143,33 +143,33 @@ def _facts(grounder: Grounder, origins: Origins) -> Facts:
 
 
 def _check_facts(
-    report: _Report, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
+    judge: _Judge, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> None:
     """Check what the base part states."""
-    report.take(term_problems(facts, origins))
-    report.take(hierarchy_problems(grounder.control, origins))
-    report.take(effect_problems(grounder.control, facts, origins))
-    report.take(composite_problems(facts, origins))
-    report.take(limit_problems(grounder.control, facts, statements, origins))
-    report.take(state_problems(facts, origins))
+    judge.take(term_problems(facts, origins))
+    judge.take(hierarchy_problems(grounder.control, origins))
+    judge.take(effect_problems(grounder.control, facts, origins))
+    judge.take(composite_problems(facts, origins))
+    judge.take(limit_problems(grounder.control, facts, statements, origins))
+    judge.take(state_problems(facts, origins))
     if grounder.control.is_conflicting:
-        report.take(_violations(origins))
+        judge.take(_violations(origins))
 
 
 def _check_steps(
-    report: _Report, plain: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
+    judge: _Judge, plain: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> Facts:
     """Check what can occur, and return what the domain states of that."""
     occurrence = find_occurrence(plain, grounder.control, facts, statements)
-    report.take(occurrence_problems(occurrence, facts, origins))
+    judge.take(occurrence_problems(occurrence, facts, origins))
     left_out = set(occurrence.rejected)
-    report.take(goal_problems(occurrence, facts, origins))
+    judge.take(goal_problems(occurrence, facts, origins))
     if facts.composites:
         execution = find_execution(plain, facts, occurrence, statements)
-        report.take(execution_problems(execution, facts, origins))
+        judge.take(execution_problems(execution, facts, origins))
         left_out |= execution.never
     left = without(facts, left_out) if _can_leave_out(statements) else facts
-    report.take(open_world_problems(grounder, left, statements))
+    judge.take(open_world_problems(grounder, left, statements))
     return left
 
 

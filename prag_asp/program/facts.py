@@ -133,6 +133,13 @@ def without(facts: Facts, left_out: Iterable[clingo.Symbol]) -> Facts:
     )
 
 
+def flattened(facts: Facts) -> Facts:
+    """Return what a domain states where composites mean nothing, and any sequence of actions may be a plan."""
+    composites = set(facts.composites)
+    left_out = tuple(term for term in facts.left_out if term not in composites)
+    return replace(facts, composites=(), stages={}, free=(), left_out=left_out)
+
+
 def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[clingo.Symbol]]:
     """Return the arguments of every ground atom of a predicate, sorted.
 

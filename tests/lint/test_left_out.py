@@ -130,6 +130,8 @@ def test_composites_with_left_out_actions_are_left_out_and_keep_the_hierarchy(tm
     for engine in ENGINES:
         assert set(TaskSpace(domain, 2, engine=engine).words("plan")) == {("press", "release")}
         assert TaskSpace(domain, 3, engine=engine).count() == 1
+    flat = load_domain(tmp_path, flat=True).facts
+    assert ([str(each) for each in flat.left_out], len(flat.declared_actions)) == (["break"], 3)
     (task,) = TaskSpace(domain, 2)
     (reading,) = TaskSpace(domain, 2).readings(task)
     assert isinstance(reading[0], Composite)
