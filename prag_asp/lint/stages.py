@@ -115,6 +115,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
     grounder.ground([("base", [])])
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, origins)
+    raise_problems(each for each in demand_problems(grounder.control, statements) if not each.is_warning)
     raise_problems(effect_problems(grounder.control, facts, origins))
     return facts
 

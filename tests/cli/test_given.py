@@ -125,7 +125,7 @@ def test_a_domain_may_come_from_standard_input(told: Told, monkeypatch: pytest.M
     given(LAMPS + ACTIONS)
     assert told("explain", "-", "press(lamp(1))") == "a plan of stdin\n"
     given(LAMPS + ACTIONS + "spare(1).")
-    assert told("count", "-", "-n", "2", code=2).startswith("<stdin>:11: unknown predicate spare/1")
+    assert told("count", "-", "-n", "2", "--strict", code=2).startswith("<stdin>:11: unknown predicate spare/1")
 
 
 def test_standard_input_is_read_once_for_all_tasks_of_a_file(

@@ -18,6 +18,7 @@ from prag_asp.logic.model import Model
 from prag_asp.program.paths import data_folder
 from prag_asp.space.plans.readings import Composite
 from tests.brute_force import Toy, term
+from tests.chance import examples
 from tests.domains import domain_of
 from tests.space.test_tasks import Schema, orbit, schemas
 from tests.strategies import hierarchies, toys
@@ -53,7 +54,7 @@ def pruned(schema: Schema, names: set[str]) -> Schema:
     return replace(schema, toy=toy, names=tuple(name for name, _ in kept))
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@settings(max_examples=examples(12), suppress_health_check=list(HealthCheck))
 @given(schemas(), st.sets(st.sampled_from(sorted(NEVER)), min_size=1))
 def test_the_rest_is_the_domain_without_them_for_every_engine_and_level(schema: Schema, never: set[str]) -> None:
     more = FLAG + "".join(f"action({name}). {NEVER[name]}\n" for name in sorted(never))
@@ -83,7 +84,7 @@ def test_the_rest_is_the_domain_without_them_for_every_engine_and_level(schema: 
             assert spaces[0].sample(5, seed=1) == [replace(t, domain=domain.name) for t in spaces[1].sample(5, seed=1)]
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
 @given(st.one_of(toys(closed=False), toys(closed=True)))
 def test_random_domains_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text(), "at_most") as domain:
@@ -97,7 +98,7 @@ def test_random_domains_count_as_the_definition_says(toy: Toy) -> None:
                 assert set(space.words("plan")) == expected
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
 @given(st.one_of(hierarchies(closed=False), hierarchies(closed=True)))
 def test_random_hierarchies_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text(), "at_most") as domain:

@@ -122,7 +122,7 @@ def test_patterns_say_where_renamings_are_missing() -> None:
 
 
 def test_patterns_with_too_many_codes_for_a_table_are_searched() -> None:
-    from prag_asp.logic.symmetry.symmetry import patterns as module
+    from prag_asp.logic.symmetry import patterns as module
 
     entities = [clingo.Function(f"e{number}") for number in range(400)]
     terms = [clingo.Function("f", list(chosen)) for chosen in itertools.islice(itertools.permutations(entities, 4), 50)]

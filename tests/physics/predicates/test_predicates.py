@@ -377,8 +377,8 @@ def test_bodies_are_as_far_apart_as_their_relation_says(seed, spread):
 
 @pytest.mark.parametrize("name", ["is_open", "is_closed"])
 @pytest.mark.parametrize("furniture", ["drawer", "cupboard"])
-def test_what_is_drawn_from_the_other_volume_does_not_satisfy_a_predicate(name, furniture):
-    rng = random.Random(2)
+def test_what_is_drawn_from_the_other_volume_does_not_satisfy_a_predicate(name, furniture, chance):
+    rng = chance.generator(2)
     situation, otherwise = _situation(rng), PREDICATES[name].otherwise
     assert otherwise is not None
     low, high = otherwise(situation, (furniture,), IDENTITY).opening

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import random
 from collections import Counter
 from pathlib import Path
 
@@ -23,6 +22,7 @@ from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
 from prag_asp.scene.model import Scene, Shape
+from tests.chance import Chance
 from tests.independent.check import problems
 from tests.independent.convex import Part, depth
 from tests.independent.frames import frame
@@ -126,8 +126,10 @@ def nearest(name: str, pose: Pose, point: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("pair", [(one, two) for i, one in enumerate(BODIES) for two in BODIES[i + 1 :]])
-def test_the_gap_is_what_going_to_and_fro_between_nearest_points_comes_to(pair: tuple[str, str]) -> None:
-    rng, close = random.Random(11), 0
+def test_the_gap_is_what_going_to_and_fro_between_nearest_points_comes_to(
+    pair: tuple[str, str], chance: Chance
+) -> None:
+    rng, close = chance.generator(11), 0
     for _ in range(40):
         x, y, z = (rng.uniform(-0.08, 0.08) for _ in range(3))
         poses = {
@@ -146,8 +148,8 @@ def test_the_gap_is_what_going_to_and_fro_between_nearest_points_comes_to(pair: 
     assert close > 3
 
 
-def test_how_deep_bodies_are_in_each_other_is_the_shortest_way_apart() -> None:
-    rng = random.Random(2)
+def test_how_deep_bodies_are_in_each_other_is_the_shortest_way_apart(chance: Chance) -> None:
+    rng = chance.generator(2)
     for pair in ((one, two) for one in BODIES for two in BODIES if one != two):
         for _ in range(10):
             x, y, z = (rng.uniform(-0.02, 0.02) for _ in range(3))
@@ -163,10 +165,12 @@ def test_how_deep_bodies_are_in_each_other_is_the_shortest_way_apart() -> None:
 
 @pytest.mark.parametrize("subject", BODIES)
 @pytest.mark.parametrize("other", BODIES)
-def test_it_is_drawn_all_around_the_other_body_on_its_floor_and_on_top(subject: str, other: str) -> None:
+def test_it_is_drawn_all_around_the_other_body_on_its_floor_and_on_top(
+    subject: str, other: str, chance: Chance
+) -> None:
     if subject == other:
         return
-    rng = random.Random(3)
+    rng = chance.generator(3)
     situation = at(**{other: (0.5, 0.0, 0.0, 33)})
     quaternion = yaw_quaternion(rng.uniform(-3, 3))
     for level, quarters in ((0.0, 4), (SHAPES[other].size[2], 1)):
@@ -234,9 +238,9 @@ def test_what_cannot_be_with_it_is_proved(fluents: list[str], reason: str) -> No
     assert len(prover.fewest(known(made, *fluents))) == len(fluents)
 
 
-def test_no_proof_excludes_it_where_a_situation_satisfies_it() -> None:
+def test_no_proof_excludes_it_where_a_situation_satisfies_it(chance: Chance) -> None:
     made = proof_scene()
-    prover, rng, held = Prover(made), random.Random(5), 0
+    prover, rng, held = Prover(made), chance.generator(5), 0
     others = ("left_of", "right_of", "in_front_of", "behind", "near", "far", "aligned", "on_top", "inside", "touching")
     pairs = [(one, two) for one in OBJECTS for two in OBJECTS if one != two]
     pairs_of = {name: [p for p in pairs if name != "inside" or made.shapes[p[1]].wall] for name in others}
