@@ -27,12 +27,13 @@ if TYPE_CHECKING:
     from prag_asp.physics.search.attempt import CAUSES
     from prag_asp.physics.validator import Validator, open_validator, validate_task
     from prag_asp.physics.verdict import TIERS, Budget, Verdict
-    from prag_asp.physics.witness import Moment, Waypoint, Witness
+    from prag_asp.physics.witness import Arm, Moment, Waypoint, Witness
 
 __all__ = [
     "CAUSES",
     "PREDICATES",
     "TIERS",
+    "Arm",
     "Budget",
     "Demonstration",
     "Moment",
@@ -80,7 +81,7 @@ _HOMES = {
     "prag_asp.physics.search.attempt": ("CAUSES",),
     "prag_asp.physics.validator": ("Validator", "open_validator", "validate_task"),
     "prag_asp.physics.verdict": ("TIERS", "Budget", "Verdict"),
-    "prag_asp.physics.witness": ("Moment", "Waypoint", "Witness"),
+    "prag_asp.physics.witness": ("Arm", "Moment", "Waypoint", "Witness"),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

@@ -115,14 +115,14 @@ class Demonstration:
             raise OutputError(f"{path}: the demonstration cannot be written: {error}") from error
 
     @classmethod
-    def load(cls, path: Path, robot: str = "panda") -> Demonstration:
+    def load(cls, path: str | Path, robot: str = "panda") -> Demonstration:
         """Return the recording that `save` wrote, now or in the form before, in which a single `robot` had no name.
 
         Raises:
             QueryError: the file cannot be read, or holds something else.
         """
         try:
-            content = _arrays(path)
+            content = _arrays(Path(path))
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
         if "version" not in content:
