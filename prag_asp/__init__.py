@@ -22,9 +22,22 @@ if TYPE_CHECKING:
 
     from prag_asp.atom import Atom, parse_atom
     from prag_asp.domain.load import Domain, load_domain, load_scene
-    from prag_asp.errors import DomainError, EngineError, OutputError, PragError, QueryError, SceneError
+    from prag_asp.domain.scaffold import write_new_domain
+    from prag_asp.errors import (
+        DomainError,
+        EngineError,
+        LimitReached,
+        OutputError,
+        PragError,
+        QueryError,
+        SceneError,
+    )
+    from prag_asp.logic.formula.explain import Explanation
+    from prag_asp.program.paths import shipped_domains
     from prag_asp.scene.model import Scene
     from prag_asp.space.conditions.condition import Condition
+    from prag_asp.space.explain import explain
+    from prag_asp.space.limits import Limits
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
@@ -35,6 +48,9 @@ __all__ = [
     "Domain",
     "DomainError",
     "EngineError",
+    "Explanation",
+    "LimitReached",
+    "Limits",
     "OutputError",
     "PragError",
     "QueryError",
@@ -44,22 +60,32 @@ __all__ = [
     "TaskSpace",
     "TaskSpaces",
     "__version__",
+    "explain",
     "load_domain",
     "load_scene",
     "parse_atom",
+    "shipped_domains",
+    "write_new_domain",
 ]
 
 _HOMES = {
     "prag_asp.atom": ("Atom", "parse_atom"),
     "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
+    "prag_asp.domain.scaffold": ("write_new_domain",),
+    "prag_asp.errors": (
+        "DomainError", "EngineError", "LimitReached", "OutputError", "PragError", "QueryError", "SceneError",
+    ),
+    "prag_asp.logic.formula.explain": ("Explanation",),
+    "prag_asp.program.paths": ("shipped_domains",),
     "prag_asp.scene.model": ("Scene",),
-    "prag_asp.errors": ("DomainError", "EngineError", "OutputError", "PragError", "QueryError", "SceneError"),
     "prag_asp.space.conditions.condition": ("Condition",),
+    "prag_asp.space.explain": ("explain",),
+    "prag_asp.space.limits": ("Limits",),
     "prag_asp.task": ("Task",),
     "prag_asp.space.task_space": ("TaskSpace",),
     "prag_asp.space.task_spaces": ("TaskSpaces",),
     "prag_asp.versions": ("__version__",),
-}
+}  # fmt: skip
 
 __getattr__ = names_from(__name__, _HOMES)
 

@@ -54,8 +54,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
-        "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "drawing", "shared", "task_space",
-        "task_spaces",
+        "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "explain", "drawing", "shared",
+        "task_space", "task_spaces",
     ),
     "physics": (
         "bullet", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",
@@ -65,9 +65,13 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 """The rooms within a room, from the ground up: each imports only what stands below it."""
 
 PUBLIC = {
-    "Atom", "Condition", "Domain", "DomainError", "EngineError", "OutputError", "PragError", "QueryError", "Scene",
-    "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "load_domain", "load_scene", "parse_atom",
+    "Atom", "Condition", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached", "Limits", "OutputError",
+    "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "explain",
+    "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
 }  # fmt: skip
+FACES = ("physics", "dataset", "analysis")
+"""The rooms whose ``__init__`` hands on names from within."""
+
 HEAVY = {
     "pybullet",
     "frankik",
@@ -89,7 +93,7 @@ def imports(package: Path) -> Iterator[tuple[str, str]]:
     """Yield which module imports which, without ``prag_asp.``; the packages' faces import what they hand on."""
     for path in package.rglob("*.py"):
         name = ".".join(path.relative_to(package).with_suffix("").parts)
-        if name == "__init__" or (path.name == "__init__.py" and name.split(".")[0] in ("physics", "dataset")):
+        if name == "__init__" or (path.name == "__init__.py" and name.split(".")[0] in FACES):
             continue
         for node in ast.walk(ast.parse(path.read_text())):
             found = [node.module] if isinstance(node, ast.ImportFrom) and node.module else []

@@ -17,15 +17,18 @@ if TYPE_CHECKING:
     from prag_asp.dataset.filtering import feasible
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
     from prag_asp.dataset.language import instruction
+    from prag_asp.dataset.learning import Learned, learn
     from prag_asp.dataset.rechecking import Outcome, recheck
     from prag_asp.dataset.tally import Tally
 
 __all__ = [
+    "Learned",
     "Outcome",
     "Record",
     "Tally",
     "feasible",
     "instruction",
+    "learn",
     "read_lines",
     "read_tasks",
     "recheck",
@@ -36,6 +39,7 @@ _HOMES = {
     "prag_asp.dataset.filtering": ("feasible",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
     "prag_asp.dataset.language": ("instruction",),
+    "prag_asp.dataset.learning": ("Learned", "learn"),
     "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
     "prag_asp.dataset.tally": ("Tally",),
 }

@@ -37,7 +37,7 @@ def named_domain(record: Record, folder: Path) -> str:
             continue
         return name
     own = record.task.domain
-    raise QueryError(f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; give --domain FOLDER")
+    raise QueryError(f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; give --domain and its folder or files")
 
 
 def foreign(record: Record, domain: Domain) -> str:

@@ -98,8 +98,8 @@ tray_1 = [0.47, 0.26, 90]
 """
 
 
-def write_new_domain(name: str, parent: Path) -> Path:
-    """Write a new domain below `parent` and return its folder; `name` may be a path that ends in the name.
+def write_new_domain(name: str, parent: Path = Path()) -> Path:
+    """Write a small domain to start from below a folder, and return its own; `name` may be a path that ends in it.
 
     Raises:
         DomainError: the name is no name, or the folder exists.

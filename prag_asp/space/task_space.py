@@ -327,6 +327,20 @@ class TaskSpace:
         """Return what the numbers of `draw_array` stand for: the texts of actions, or names."""
         return self._engine(by).letters
 
+    def dimacs(self, by: Level = "task") -> Iterator[str]:
+        """Yield the lines of a formula with one model for each word, projected on what it shows, for model counters.
+
+        Raises:
+            QueryError: no such level.
+            EngineError: the domain has no counterpart in clauses.
+        """
+        from prag_asp.logic.formula.cnf import dimacs
+        from prag_asp.space.engines.formula import word_formula
+
+        formula = word_formula(self._shared.model, _level(by), self.length)
+        where = "".join(f", where {clause}" for clause in self.condition.clauses)
+        return dimacs(formula.cnf, [f"the {by}s of {self.domain.label} of length {self.length}{where}, by prag_asp"])
+
     def total_weight(
         self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1
     ) -> Fraction:

@@ -53,7 +53,7 @@ def test_sessions_import_public_names_alone() -> None:
         if block.language == "pycon"
         for module in re.findall(r"(?:from|import) (prag_asp[\w.]*)", block.text)
     }
-    assert imported == {"prag_asp", "prag_asp.dataset", "prag_asp.physics"}
+    assert imported == {"prag_asp", "prag_asp.analysis", "prag_asp.dataset", "prag_asp.physics"}
 
 
 def test_a_block_with_the_name_of_a_file_of_the_repository_is_a_piece_of_it() -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.atom import split_actions
+from prag_asp.atom import parse_atom, split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
@@ -17,7 +17,7 @@ from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.logic.formula.explain import Explanation
+    from prag_asp import Explanation
 
 
 @click.command()
@@ -29,26 +29,18 @@ def explain(*, asked: Asked, words: tuple[str, ...]) -> None:
     Actions are arguments of their own, or several in one, separated by blanks or commas. Ends with code 1 where it is
     no plan, with 0 where it is one.
     """
-    from prag_asp.logic.formula.explain import explain as reasons_against
-    from prag_asp.logic.model import Model
-    from prag_asp.space.engines.prefix import parse_prefix
+    from prag_asp.space.explain import explain as explained
 
     names, texts = domain_and_others(words)
-    actions = split_actions(*texts)
+    actions = [str(parse_atom(text)) for text in split_actions(*texts)]
     if texts and not actions:
         raise QueryError(f"{texts[0]!r} is no action; write actions, such as grasp(panda,apple_1), or none")
     domain = replace(asked, names=names).domain()
-    plan = parse_prefix(actions, "plan", domain.facts)
-    known = {str(action): action for action in domain.facts.actions}
-    for action in plan:
-        if action not in known:
-            example = min(each for each in known if each.startswith(f"{action}("))
-            raise QueryError(f"{action} is the name of several actions; give one in full, such as {example}")
-    found = reasons_against(Model(domain), [known[action] for action in plan])
+    found = explained(domain, actions)
     if found is None:
         click.echo(f"a plan of {domain.label}")
         return
-    for line in _told(found, plan):
+    for line in _told(found, actions):
         click.echo(line)
     raise click.exceptions.Exit(FAILED)
 

@@ -13,7 +13,7 @@ from prag_asp.cli.terminal import require_writable, writer
 
 
 @click.command()
-@asks((*options.DOMAIN, options.LENGTH))
+@asks((*options.DOMAIN, options.LENGTH, options.WHERE))
 @options.by_level
 @click.option("--format", type=click.Choice(["dimacs"]), default="dimacs", show_default=True, help="Form of the file.")
 @options.output
@@ -22,13 +22,8 @@ def export(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
 
     Projected on the variables that the file shows, the formula has one model for each task.
     """
-    from prag_asp.logic.formula.cnf import dimacs
-    from prag_asp.logic.model import Model
-    from prag_asp.space.engines.formula import word_formula
-
     require_writable(output)
-    domain = asked.domain()
-    formula = word_formula(Model(domain), by, asked.one_length)
+    lines = asked.space().dimacs(by)
     with writer(output) as write:
-        for line in dimacs(formula.cnf, [f"the {by}s of {domain.label} of length {asked.one_length}, by prag_asp"]):
+        for line in lines:
             write(line)

@@ -17,7 +17,6 @@ from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress, require_writable, writer
 from prag_asp.errors import QueryError
-from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.tally import Tally
@@ -41,31 +40,26 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     Prints the rules for the file learned.lp, and what they change: the numbers of plans, tasks and skeletons of length
     N, and how many of K uniformly drawn tasks pass physics. A learned.lp that is there already is left out.
     """
+    from prag_asp.dataset import learn as learned_from
     from prag_asp.dataset.scenes import scene_of
-    from prag_asp.domain.load import LEARNED, with_learned
+    from prag_asp.domain.load import LEARNED
     from prag_asp.physics import require_physics
-    from prag_asp.physics.proofs.learning import proved
-    from prag_asp.physics.proofs.schemas import rules, text_of
-    from prag_asp.program.sources import Source
 
     checking.tries()
     require_physics()
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)
-        domain, scene = before.domain, scene_of(before.domain)
-        path = _file(asked, domain) if write else Path(LEARNED)
-        found = rules(proved(domain.facts, scene, tell), domain.facts)
-        text = text_of(found, domain.label)
-        after = asked.space(tell, with_learned(domain, (Source(path, text),))) if found else before
-        stated = plural(sum(len(rule.proofs) for rule in found), "proof")
-        lines = [f"{plural(len(found), 'rule')} {'states' if len(found) == 1 else 'state'} {stated}"]
-        lines += aligned(_figures(before, after, scene, wanted, seed, checking, tell))
+        path = _file(asked, before.domain) if write else Path(LEARNED)
+        found = learned_from(before.domain, path=path, progress=tell)
+        after = asked.space(tell, found.domain) if found.rules else before
+        figures = _figures(before, after, scene_of(before.domain), wanted, seed, checking, tell)
+        lines = [str(found), *aligned(figures)]
     if write:
         with writer(str(path)) as put:
-            put(text.rstrip())
+            put(found.text.rstrip())
         click.echo(f"wrote {path}", err=True)
     else:
-        click.echo(text)
+        click.echo(found.text)
     for line in lines:
         click.echo(line if write else f"% {line}".rstrip())
 
