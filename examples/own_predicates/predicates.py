@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.predicates import Predicate, Side, Volume, states
-from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
+from prag_asp.physics import Predicate, Quaternion, Side, Situation, Volume, states, yaw_of
 
 TOLERANCE, MARGIN = math.radians(15), math.radians(1)
 
@@ -16,7 +14,7 @@ def _violations(situation: Situation, arguments: tuple[str, ...]) -> Iterator[fl
     """Yield by how many radians the direction to the other body is off, beyond the tolerance."""
     pose, other = situation.pose(arguments[0]), situation.pose(arguments[1])
     dx, dy = other.position[0] - pose.position[0], other.position[1] - pose.position[1]
-    yield abs(wrap(math.atan2(dy, dx) - yaw_of(pose.quaternion))) - TOLERANCE
+    yield abs(math.remainder(math.atan2(dy, dx) - yaw_of(pose.quaternion), math.tau)) - TOLERANCE
 
 
 def _volume(situation: Situation, arguments: tuple[str, ...], quaternion: Quaternion) -> Volume:

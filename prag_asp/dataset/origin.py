@@ -37,7 +37,9 @@ def named_domain(record: Record, folder: Path) -> str:
             continue
         return name
     own = record.task.domain
-    raise QueryError(f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; give --domain and its folder or files")
+    raise QueryError(
+        f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; give --domain and where"
+    )
 
 
 def foreign(record: Record, domain: Domain) -> str:

@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from prag_asp.physics.motion.transit import travel
     from prag_asp.physics.pictures.render import animate, film_strip, still
     from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
-    from prag_asp.physics.predicates import PREDICATES, Predicate
+    from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
     from prag_asp.physics.search.attempt import CAUSES
+    from prag_asp.physics.situation import Situation
     from prag_asp.physics.validator import Validator, open_validator, validate_task
     from prag_asp.physics.verdict import TIERS, Budget, Verdict
     from prag_asp.physics.witness import Arm, Moment, Waypoint, Witness
+    from prag_asp.scene.geometry import Quaternion, yaw_of
 
 __all__ = [
     "CAUSES",
@@ -40,8 +42,12 @@ __all__ = [
     "PhysicsMissingError",
     "PicturesMissingError",
     "Predicate",
+    "Quaternion",
+    "Side",
+    "Situation",
     "Validator",
     "Verdict",
+    "Volume",
     "Waypoint",
     "Witness",
     "WorkerError",
@@ -57,11 +63,13 @@ __all__ = [
     "physical_task",
     "require_physics",
     "settle",
+    "states",
     "still",
     "travel",
     "validate_numbered",
     "validate_task",
     "validate_tasks",
+    "yaw_of",
 ]
 
 _HOMES = {
@@ -77,7 +85,9 @@ _HOMES = {
     "prag_asp.physics.motion.transit": ("travel",),
     "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
     "prag_asp.physics.pool": ("WorkerError", "validate_numbered", "validate_tasks"),
-    "prag_asp.physics.predicates": ("PREDICATES", "Predicate"),
+    "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),
+    "prag_asp.physics.situation": ("Situation",),
+    "prag_asp.scene.geometry": ("Quaternion", "yaw_of"),
     "prag_asp.physics.search.attempt": ("CAUSES",),
     "prag_asp.physics.validator": ("Validator", "open_validator", "validate_task"),
     "prag_asp.physics.verdict": ("TIERS", "Budget", "Verdict"),

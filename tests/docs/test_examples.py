@@ -46,13 +46,10 @@ def test_no_block_escapes_the_tests() -> None:
     assert {line for block in BLOCKS if block.language == "sh" for line in block.text.splitlines()} <= SETUP
 
 
-def test_sessions_import_public_names_alone() -> None:
-    imported = {
-        module
-        for block in BLOCKS
-        if block.language == "pycon"
-        for module in re.findall(r"(?:from|import) (prag_asp[\w.]*)", block.text)
-    }
+def test_sessions_and_examples_import_public_names_alone() -> None:
+    texts = [block.text for block in BLOCKS if block.language == "pycon"]
+    texts += [path.read_text(encoding="utf-8") for path in (ROOT / "examples").rglob("*.py")]
+    imported = {module for text in texts for module in re.findall(r"(?:from|import) (prag_asp[\w.]*)", text)}
     assert imported == {"prag_asp", "prag_asp.analysis", "prag_asp.dataset", "prag_asp.physics"}
 
 
