@@ -38,7 +38,7 @@ def named_domain(record: Record, folder: Path) -> str:
         return name
     own = record.task.domain
     raise QueryError(
-        f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; give --domain and where"
+        f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; say where with --domain"
     )
 
 
