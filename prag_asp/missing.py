@@ -29,18 +29,6 @@ def needed(module: str) -> ModuleType:
         raise PhysicsMissingError(told) from None
 
 
-def require_physics(reason: str = "") -> None:
-    """Load PyBullet; `reason` says what asks for it.
-
-    Raises:
-        PhysicsMissingError: it is not installed, or cannot be loaded.
-    """
-    try:
-        needed("prag_asp.physics.bullet")
-    except PhysicsMissingError as error:
-        raise PhysicsMissingError(f"{reason}, and {error}" if reason else str(error)) from None
-
-
 def advice(version: tuple[int, int]) -> str:
     """Return how a Python of some version gets what is missing."""
     if version <= NEWEST:

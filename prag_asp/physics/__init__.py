@@ -12,7 +12,6 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.errors import PhysicsMissingError, PicturesMissingError
-    from prag_asp.missing import require_physics
     from prag_asp.physics.cascade import open_cascade
     from prag_asp.physics.checks.check import check_witness, open_witness_check
     from prag_asp.physics.checks.settling import open_settling, settle
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.pictures.render import animate, film_strip, still
     from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
+    from prag_asp.physics.required import require_physics
     from prag_asp.physics.search.attempt import CAUSES
     from prag_asp.physics.situation import Situation
     from prag_asp.physics.validator import Validator, open_validator, validate_task
@@ -81,7 +81,7 @@ _HOMES = {
     "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
     "prag_asp.physics.demonstration.perform": ("demonstrate",),
     "prag_asp.physics.facts": ("physical_task",),
-    "prag_asp.missing": ("require_physics",),
+    "prag_asp.physics.required": ("require_physics",),
     "prag_asp.physics.motion.transit": ("travel",),
     "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
     "prag_asp.physics.pool": ("WorkerError", "validate_numbered", "validate_tasks"),

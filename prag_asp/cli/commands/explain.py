@@ -17,7 +17,7 @@ from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp import Explanation
+    from prag_asp.logic.formula.explain import Explanation
 
 
 @click.command()
