@@ -92,7 +92,8 @@ def check(program: Program, path: Path) -> Checked:
     _check_facts(judge, grounder, facts, statements, origins)
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
-    return Checked(left, settings, tuple(judge.warnings))
+    ordered = sorted(judge.warnings, key=lambda each: (each.path != path, str(each.path), each.line))
+    return Checked(left, settings, tuple(ordered))
 
 
 def check_learned(program: Program, learned: Sequence[Source]) -> Facts:

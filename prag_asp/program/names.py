@@ -29,7 +29,7 @@ def ambiguity(name: str, facts: Facts) -> str | None:
     kinds = [f"the {kind}" for kind, names in named(facts).items() if name in names]
     if len(kinds) < 2:
         return None
-    return f"{name} could be {', '.join(kinds[:-1])} or {kinds[-1]} of that name; rename one in domain.lp"
+    return f"{name} could be {', '.join(kinds[:-1])} or {kinds[-1]} of that name; rename one in the domain"
 
 
 def no_action(name: str, known: Iterable[str], facts: Facts) -> str:

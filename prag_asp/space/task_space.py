@@ -11,7 +11,7 @@ from fractions import Fraction
 from itertools import islice
 from typing import TYPE_CHECKING, overload
 
-from prag_asp.atom import Atom, parse_atom, symbol_of
+from prag_asp.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
@@ -19,7 +19,7 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level
-from prag_asp.space.engines.prefix import parse_prefix
+from prag_asp.space.engines.prefix import parse_plan, parse_prefix
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.plans.canonical import canonical_names, canonical_prefix
@@ -48,7 +48,7 @@ class TaskSpace:
     There is no ``len()``: counts outgrow it.
 
     Raises:
-        QueryError: the length is negative, or there is no such engine.
+        QueryError: the length is no whole number or negative, or there is no such engine.
         EngineError: the engine asked for cannot express the domain; it is raised by the first question.
     """
 
@@ -61,6 +61,8 @@ class TaskSpace:
         progress: Progress | None = None,
         limits: Limits = UNLIMITED,
     ) -> None:
+        if not isinstance(domain, Domain):
+            raise QueryError(f"{domain!r} is no domain; give load_domain({domain!r})")
         self._shared = Shared(Model(domain), engine, progress, limits)
         self.domain = domain
         self.length = _checked(length)
@@ -90,6 +92,12 @@ class TaskSpace:
             shared = self._shared
             space._shared = Shared(Model(domain), shared.engine, shared.progress, shared.limits)
         return space
+
+    @property
+    def _title(self) -> str:
+        """The domain, the length and the conditions in words."""
+        where = "".join(f", where {clause}" for clause in self.condition.clauses)
+        return f"{self.domain.label} of length {self.length}{where}"
 
     def __repr__(self) -> str:
         where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
@@ -198,16 +206,15 @@ class TaskSpace:
         """Return the rank of a task, or of its plan; interchangeable entities may have any of their names.
 
         Raises:
-            QueryError: it is no task of this space.
+            QueryError: it is no task of this space, or has something that is no action.
         """
-        given = task.actions if isinstance(task, Task) else task
-        actions = [action if isinstance(action, Atom) else parse_atom(action) for action in given]
-        plan = [symbol_of(action) for action in actions]
+        plan = parse_plan(task.actions if isinstance(task, Task) else task, self.domain.facts)
         names = canonical_names(plan, self._shared.model.groups(self.length))
         word = tuple(str(renamed(action, names)) for action in plan)
         rank = self._engine("task").rank(word) if len(word) == self.length else None
         if rank is None:
-            raise QueryError(f"no task of {self!r}: {' '.join(map(str, actions))}")
+            told = f"no task of {self._title}: {' '.join(map(str, plan))}"
+            raise QueryError(f"{told}; prag-asp explain says why it is no plan, where it is none")
         return rank
 
     def readings(self, task: Task) -> Readings:
@@ -338,8 +345,7 @@ class TaskSpace:
         from prag_asp.space.engines.formula import word_formula
 
         formula = word_formula(self._shared.model, _level(by), self.length)
-        where = "".join(f", where {clause}" for clause in self.condition.clauses)
-        return dimacs(formula.cnf, [f"the {by}s of {self.domain.label} of length {self.length}{where}, by prag_asp"])
+        return dimacs(formula.cnf, [f"the {by}s of {self._title}, by prag_asp"])
 
     def total_weight(
         self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1
@@ -378,6 +384,8 @@ class TaskSpace:
         return self._shared.engine_for(_level(by))
 
     def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
+        if isinstance(prefix, str):
+            raise QueryError(f"prefix {prefix!r}: give a list, such as [{prefix!r}]")
         facts = self.domain.facts
         found = parse_prefix([str(item) for item in prefix], by, facts)
         if by != "task" or not found:
@@ -387,6 +395,8 @@ class TaskSpace:
 
 
 def _checked(length: int) -> int:
+    if not isinstance(length, int) or isinstance(length, bool):
+        raise QueryError(f"length {length!r}: give a whole number, such as 4")
     if length < 0:
         raise QueryError(f"length {length}: a plan has at least 0 actions")
     return length

@@ -41,14 +41,14 @@ def told(folder: Path, *more: str, settings: str = "", text: str = PICK) -> list
 
 WARNED = {
     "class(ball).": "class ball has no entity; add entity(..., ball), or remove it [empty-class]",
-    "heavy(cube_1).": "unknown predicate heavy/1; read it in the body of a rule, or remove it [unused]",
+    "heavy(cube_1).": "no rule reads heavy/1; read it in the body of a rule, or remove it [unused]",
     "action_cost(pick(R,O), 3) :- action(pick(R,O)).": "unknown predicate action_cost/2; did you mean action? [unused]",
     ":- wet(table).": "no rule defines wet/1; define it in a fact or a rule, or remove it [undefined]",
     "free(A) :- action(A).": "without a composite, every action is free; declare a composite, or remove free(...) "
     "[no-effect]",
-    "entity(cube, cube).": "cube could be the class or the entity of that name; rename one in domain.lp [same-name]",
+    "entity(cube, cube).": "cube could be the class or the entity of that name; rename one in the domain [same-name]",
     "class(drop). entity(drop, drop).": "drop could be the class, the entity or the action of that name; "
-    "rename one in domain.lp [same-name]",
+    "rename one in the domain [same-name]",
     "precondition(pour(R,O), empty(R), false) :- action(pour(R,O)).": "no entity, fluent or action has the name pour; "
     "declare it, or remove the rule [never-holds]",
     "exclusive(empty(R), full(R)) :- fluent(full(R)).": "no entity, fluent or action has the name full; "
@@ -188,7 +188,7 @@ def test_strict_makes_errors_of_warnings(tmp_path: Path) -> None:
 def test_an_ambiguous_name_is_refused_alike_wherever_it_is_given(tmp_path: Path) -> None:
     told(tmp_path, "entity(cube, cube).")
     space = TaskSpace(load_domain(tmp_path), 1)
-    message = "cube could be the class or the entity of that name; rename one in domain.lp"
+    message = "cube could be the class or the entity of that name; rename one in the domain"
     for ask in (
         lambda: space.where("uses cube").count(),
         lambda: space.where("avoids cube").count(),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import pytest
@@ -165,3 +165,27 @@ def test_a_prefix_counts_the_tasks_some_renaming_of_which_begins_with_it(engine:
 def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
     swapped = (a.replace("apple_1", "X").replace("apple_2", "apple_1").replace("X", "apple_2") for a in plan)
     return frozenset({plan, tuple(swapped)})
+
+
+@pytest.mark.parametrize(
+    ("ask", "told"),
+    [
+        (lambda: TaskSpace("prag", 3), "'prag' is no domain; give load_domain('prag')"),
+        (lambda: TaskSpace(load_domain("blocks"), "3"), "length '3': give a whole number"),
+        (lambda: TaskSpace(load_domain("blocks"), 2.5), "length 2.5: give a whole number"),
+        (lambda: TaskSpace(load_domain("blocks"), 1).at(True), "length True: give a whole number"),
+        (lambda: TaskSpace(load_domain("blocks"), 1).count(prefix="stack"), r"prefix 'stack': give a list, such as"),
+        (
+            lambda: TaskSpace(load_domain("blocks"), 1).index(["stak(a,b)"]),
+            r"no action 'stak\(a,b\)'; did you mean",
+        ),
+        (lambda: TaskSpace(load_domain("blocks"), 1).index(["stack"]), "stack is the name of several actions"),
+        (
+            lambda: TaskSpace(load_domain("prag"), 1).index(["drop(panda,can_1)"] * 2),
+            "no task of prag of length 1",
+        ),
+    ],
+)
+def test_what_makes_no_sense_is_told_in_words(ask: Callable[[], object], told: str) -> None:
+    with pytest.raises(QueryError, match=told):
+        ask()

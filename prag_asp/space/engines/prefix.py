@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from prag_asp.atom import parse_atom
+import clingo
+
+from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
@@ -29,3 +31,18 @@ def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ..
             raise QueryError(f"{text} is a single action; a skeleton begins with names such as {parse_atom(text).name}")
         found.append(text)
     return tuple(found)
+
+
+def parse_plan(actions: Sequence[str | Atom], facts: Facts) -> list[clingo.Symbol]:
+    """Return a sequence of actions, each given in full or by a name that is its own alone.
+
+    Raises:
+        QueryError: one is no action of the domain, or the name of several.
+    """
+    known = {str(action): action for action in facts.actions}
+    plan = parse_prefix([str(action) for action in actions], "plan", facts)
+    for action in plan:
+        if action not in known:
+            example = min(each for each in known if each.startswith(f"{action}("))
+            raise QueryError(f"{action} is the name of several actions; give one in full, such as {example}")
+    return [known[action] for action in plan]
