@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from prag_asp.errors import QueryError
 
-SIMILAR = 2 / 3
+SIMILAR = 0.6
 """The share of their letters, in order, that two names have in common where one may be meant by the other."""
 
 ALIKE = 0.7

@@ -32,10 +32,9 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         for missing in [each for each in undefined if each[0] == near]:
             del undefined[missing]
         slip = _takes(signature[0], contract) or is_misspelt(signature[0], known)
-        hint = _hint(signature[0], contract, known, "")
-        told = f"unknown predicate {spelled(signature)}; {hint}"
-        unused = f"no rule reads {spelled(signature)}; read it in the body of a rule, or remove it"
-        text = told if hint else unused
+        hint = _hint(signature[0], contract, known, "read it in the body of a rule, or remove it")
+        what = "unknown predicate" if near or _takes(signature[0], contract) else "no rule reads"
+        text = f"{what} {spelled(signature)}; {hint}"
         yield statement.problem(text, atom.line, "" if slip else "unused")
     yield from _undefined_problems(statements, contract, undefined)
     yield from _taken_problems(statements)

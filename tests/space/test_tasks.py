@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -174,10 +175,10 @@ def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
         (lambda: TaskSpace(load_domain("blocks"), "3"), "length '3': give a whole number"),
         (lambda: TaskSpace(load_domain("blocks"), 2.5), "length 2.5: give a whole number"),
         (lambda: TaskSpace(load_domain("blocks"), 1).at(True), "length True: give a whole number"),
-        (lambda: TaskSpace(load_domain("blocks"), 1).count(prefix="stack"), r"prefix 'stack': give a list, such as"),
+        (lambda: TaskSpace(load_domain("blocks"), 1).count(prefix="stack"), "prefix 'stack': give a list, such as"),
         (
             lambda: TaskSpace(load_domain("blocks"), 1).index(["stak(a,b)"]),
-            r"no action 'stak\(a,b\)'; did you mean",
+            "no action 'stak(a,b)'; did you mean",
         ),
         (lambda: TaskSpace(load_domain("blocks"), 1).index(["stack"]), "stack is the name of several actions"),
         (
@@ -187,5 +188,5 @@ def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
     ],
 )
 def test_what_makes_no_sense_is_told_in_words(ask: Callable[[], object], told: str) -> None:
-    with pytest.raises(QueryError, match=told):
+    with pytest.raises(QueryError, match=re.escape(told)):
         ask()
