@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
+
+import clingo
 
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
 from prag_asp.program.names import no_action
 from prag_asp.space.conditions.formula import parse_conjunction, parse_formula
-from prag_asp.space.conditions.patterns import Pattern, class_members
+from prag_asp.space.conditions.patterns import ANY, Pattern, class_members
 from prag_asp.space.conditions.regular import Recogniser, parse_expression, recogniser
 from prag_asp.wording import not_too_deep
 
@@ -79,18 +81,17 @@ class Has:
 
     def asked(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
-        yield from _bounds(number, self.times, "least", "most")
-        yield f"tops({number},{max(self.times.low, 0 if self.times.high is None else self.times.high + 1)})"
         first, arrow, second = (part.strip() for part in self.pattern.partition(">"))
         if arrow:
             known = {action_name(action) for action in facts.actions}
             for name in (first, second):
                 if name not in known:
                     raise QueryError(no_action(name, known, facts))
-            yield f"counts({number},{first},{second})"
+            yield from _counted(str(number), self.times, [f"{first},{second}"])
         else:
-            for action in Pattern.parse(self.pattern).matches(facts):
-                yield f"counts({number},{action})"
+            actions = Pattern.parse(self.pattern).matches(facts)
+            which = _named_by_all(actions, facts) or _told_of(self.pattern, number)
+            yield from _counted(which, self.times, actions)
 
 
 @dataclass(frozen=True)
@@ -124,12 +125,14 @@ class Names:
 
     def asked(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
+        actions = self.actions(facts)
+        which = _named_by_all(actions, facts) or str(number)
+        yield from _counted(which, Range(1) if self.some else Range(0, 0), actions)
+
+    def actions(self, facts: Facts) -> tuple[clingo.Symbol, ...]:
+        """Return the actions that name an entity of this kind."""
         members = set(class_members(self.kind, facts))
-        yield from _bounds(number, Range(1) if self.some else Range(0, 0), "least", "most")
-        yield f"tops({number},1)"
-        for action in facts.actions:
-            if any(True for _ in mentioned_entities(action, members)):
-                yield f"counts({number},{action})"
+        return tuple(action for action in facts.actions if any(mentioned_entities(action, members)))
 
 
 @dataclass(frozen=True)
@@ -207,11 +210,7 @@ class Ends:
 
     def asked(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
-        yield f"ends({number})"
-        for which, conjunction in enumerate(self.conjunctions(facts)):
-            yield f"either({number},{which})"
-            for fluent, value in conjunction.items():
-                yield f"either({number},{which},{fluent},{_spelled(value)})"
+        yield from asked_end(number, self.conjunctions(facts))
 
     def conjunctions(self, facts: Facts) -> Sequence[Mapping[str, bool]]:
         """Return the conjunctions, one of which the last state satisfies."""
@@ -246,6 +245,15 @@ class LoopFree:
         return iter(())
 
 
+def asked_end(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
+    """Yield what ``ends.lp`` is asked where the last state satisfies one of some conjunctions."""
+    yield f"ends({number})"
+    for which, conjunction in enumerate(conjunctions):
+        yield f"either({number},{which})"
+        for fluent, value in conjunction.items():
+            yield f"either({number},{which},{fluent},{_spelled(value)})"
+
+
 def asked_language(number: int, machine: Recogniser) -> Iterator[str]:
     """Yield what ``matches.lp`` is asked for the words of an automaton."""
     yield f"language({number})"
@@ -256,11 +264,40 @@ def asked_language(number: int, machine: Recogniser) -> Iterator[str]:
     yield from (f"accepts({number},{state})" for state in sorted(machine.accepting))
 
 
-def _bounds(number: int, wanted: Range, lower: str, upper: str) -> Iterator[str]:
+def _bounds(which: int | str, wanted: Range, lower: str, upper: str) -> Iterator[str]:
     if wanted.low:
-        yield f"{lower}({number},{wanted.low})"
+        yield f"{lower}({which},{wanted.low})"
     if wanted.high is not None:
-        yield f"{upper}({number},{wanted.high})"
+        yield f"{upper}({which},{wanted.high})"
+
+
+def _counted(what: str, times: Range, counted: Iterable[object]) -> Iterator[str]:
+    """Yield what ``has.lp`` is asked.
+
+    A tally is part of the state. Its name has the entities that it speaks of, so that renaming them makes of it the
+    tally of what is renamed.
+    """
+    which = f"({what},{times.low},{'any' if times.high is None else times.high})"
+    yield from _bounds(which, times, "least", "most")
+    yield f"tops({which},{max(times.low, 0 if times.high is None else times.high + 1)})"
+    yield from (f"counts({which},{each})" for each in counted)
+
+
+def _named_by_all(actions: Sequence[clingo.Symbol], facts: Facts) -> str:
+    """Return the entity that some actions, and no others, name, as a term; an empty text where there is none."""
+    for entity in sorted({*mentioned_entities(actions[0], facts.entities)} if actions else ()):
+        if tuple(action for action in facts.actions if any(mentioned_entities(action, [entity]))) == tuple(actions):
+            return f"({entity},)"
+    return ""
+
+
+def _told_of(pattern: str, number: int) -> str:
+    """Return a pattern as a term with the entities that it names; `number` where it names none."""
+    parsed = Pattern.parse(pattern)
+    if parsed.arguments is None:
+        return str(number)
+    arguments = (f'"{ANY}"' if argument == ANY else argument for argument in parsed.arguments)
+    return f'("{parsed.name}",{",".join(arguments)})'
 
 
 def _intervals(numbers: Sequence[int]) -> str:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import clingo
-
 from prag_asp.domain.load import Domain
 from prag_asp.logic.ground.program import ADDED
-from prag_asp.program.facts import Facts
+from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.sources import Program, Source, read_sources
-from prag_asp.space.conditions.clauses import Clause, Ends
+from prag_asp.space.conditions.clauses import Ends, asked_end
 from prag_asp.space.conditions.condition import Condition
+from prag_asp.space.conditions.formula import Conjunction
+from prag_asp.space.conditions.meaning import simplest, weakest
 
 
 def conditioned(domain: Domain, condition: Condition) -> Domain:
@@ -25,14 +25,18 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
         QueryError: the condition speaks of something that the domain does not have.
     """
     facts, files, asked = domain.facts, [], []
-    for number, clause in enumerate(_one_end(condition.clauses, facts)):
-        goal = _goal(clause, facts)
-        if goal is not None:
-            facts = replace(facts, goal=tuple(dict.fromkeys((*facts.goal, *goal))))
-            asked += [f"goal({fluent},{value})." for fluent, value in goal]
-            continue
-        files.append(clause.file)
-        asked += [f"asked({term})." for term in clause.asked(number, domain.facts)]
+    said = (simplest(clause, facts) for clause in condition.clauses)
+    clauses = [clause for clause in said if clause is not None]
+    goal, conjunctions = _last_state([clause for clause in clauses if isinstance(clause, Ends)], facts)
+    asked += [f"goal({fluent},{value})." for fluent, value in goal]
+    if conjunctions is not None:
+        files.append(Ends.file)
+        asked += [f"asked({term})." for term in asked_end(0, conjunctions)]
+    for number, clause in enumerate(clauses):
+        if not isinstance(clause, Ends):
+            files.append(clause.file)
+            asked += [f"asked({term})." for term in clause.asked(number, facts)]
+    facts = replace(facts, goal=tuple(dict.fromkeys((*facts.goal, *goal))))
     folder = domain.encodings / "conditions"
     read = (source for file in dict.fromkeys(files) for source in read_sources(folder / f"{file}.lp", domain.encodings))
     sources = {source.path.resolve(): source for source in (*domain.program.sources, *read)}
@@ -40,24 +44,24 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     return replace(domain, program=Program((*sources.values(), *added)), facts=facts)
 
 
-def _one_end(clauses: Sequence[Clause], facts: Facts) -> list[Clause]:
-    """Return clauses with all choices that the last state has as one clause, for one state has to satisfy them all.
+def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
+    """Return what is asked of the last state: a goal, and conjunctions one of which it satisfies as well, if any are.
 
-    What asks for one conjunction leaves no choice, and stays alone.
+    All choices that the last state has are one, for one state has to satisfy them all.
     """
-    ends = [clause for clause in clauses if isinstance(clause, Ends) and len(clause.conjunctions(facts)) != 1]
-    if len(ends) < 2:
-        return list(clauses)
-    together = Ends(", ".join(f"({clause.formula})" for clause in ends))
-    return [*(clause for clause in clauses if clause not in ends), together]
-
-
-def _goal(clause: Clause, facts: Facts) -> list[tuple[clingo.Symbol, str]] | None:
-    """Return a clause as a goal, where it asks for one conjunction of fluents at the end."""
-    if not isinstance(clause, Ends):
-        return None
-    found = clause.conjunctions(facts)
+    asked = [(clause, clause.conjunctions(facts)) for clause in ends]
+    goal = [value for _, found in asked if len(found) == 1 for value in _goal(found[0], facts)]
+    choices = [clause.formula for clause, found in asked if len(found) != 1]
+    if not choices:
+        return tuple(goal), None
+    together = Ends(", ".join(f"({formula})" for formula in choices)).conjunctions(facts)
+    found = weakest(together, (*facts.goal, *goal), facts)
     if len(found) != 1:
-        return None
+        return tuple(goal), found
+    return (*goal, *_goal(found[0], facts)), None
+
+
+def _goal(conjunction: Conjunction, facts: Facts) -> Assignment:
+    """Return a conjunction as a goal."""
     fluents = {str(fluent): fluent for fluent in facts.fluents}
-    return [(fluents[fluent], "true" if value else "false") for fluent, value in found[0].items()]
+    return tuple((fluents[fluent], "true" if value else "false") for fluent, value in conjunction.items())

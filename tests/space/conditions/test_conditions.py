@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+from dataclasses import replace
+
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Condition, QueryError, TaskSpace, load_domain
-from tests.brute_force import Toy, term
+from tests.brute_force import Action, Toy, agrees, term
 from tests.chance import Chance, examples
-from tests.conditions import Clause, clauses, ends, entities, satisfied
+from tests.conditions import Clause, clauses, ends, entities, runs, satisfied
 from tests.domains import domain_of
 from tests.spaces import with_engine
 from tests.strategies import toys
@@ -72,6 +75,36 @@ def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: 
     for engine in ENGINES:
         assert {" ".join(word) for word in with_engine(told_apart, engine).words("plan")} == nontrivial
     assert {" ".join(word) for word in space.where("loop-free").words("plan")} == loop_free
+
+
+NEVER = Toy(2, (Action("a", {}, {0: False}),), exclusive=((0, 0),))
+NEVER_BY_TWO = Toy(4, (Action("a", {}, {0: None, 3: True}),), exclusive=((1, 2),), implies=((0, 1), (3, 0), (1, 2)))
+"""Fluents that can never be true, which actions set."""
+
+
+@example(NEVER)
+@example(NEVER_BY_TWO)
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
+@given(st.one_of(toys(closed=False), toys(closed=True)))
+def test_what_is_known_of_states_is_what_all_runs_share_so_nontrivial_and_loop_free_agree(toy: Toy) -> None:
+    space = TaskSpace(domain_of(toy.text(), "at_most"), 2)
+    known = replace(toy, impossible=())  # nothing is told of what is impossible
+    nontrivial, loop_free = set(), set()
+    numbers = {term(toy, i): i for i in range(len(toy.actions))}
+    for task in space.narrate(space.words("plan")):
+        plan = tuple(numbers[str(action)] for action in task.actions)
+        executed = [states for states in runs(known, plan) if agrees(states[-1], toy.goal)]
+        shared = [
+            {f"f{f}": at[0][f] for f in range(toy.fluents) if len({state[f] for state in at}) == 1}
+            for at in zip(*executed, strict=True)
+        ]
+        assert [{str(f): v for f, v in told.items()} for told in (task.initial, *task.states)] == shared
+        if shared[0] != shared[-1]:
+            nontrivial.add(tuple(map(str, task.actions)))
+        if all(one != other for one, other in itertools.combinations(shared, 2)):
+            loop_free.add(tuple(map(str, task.actions)))
+    assert set(space.where("nontrivial").words("plan")) == nontrivial
+    assert set(space.where("loop-free").words("plan")) == loop_free
 
 
 @settings(max_examples=examples(100))

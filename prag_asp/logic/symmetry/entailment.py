@@ -1,0 +1,63 @@
+"""Whether rules say something that a rule states, though none of them is that rule.
+
+Take the body of a rule as given, negated literals as they are, and follow the rules. Where its head is reached, or a
+contradiction, the rule is a consequence of the others in the logic of here and there, so that having it or not having
+it makes no difference to answer sets, whatever else there is (strong equivalence; Lifschitz, Pearce and Valverde 2001).
+Not every consequence is found in this way; those of chains of rules are, such as those of redundant invariants.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from prag_asp.logic.symmetry.atoms import START, SpelledRule
+
+_Literal = tuple[int, int]
+
+
+class Consequences:
+    """The consequences of some rules."""
+
+    def __init__(self, rules: Iterable[SpelledRule]) -> None:
+        self._rules: list[tuple[tuple[int, ...], int]] = []
+        self._having: dict[_Literal, list[tuple[int, int]]] = {}
+        self._facts: set[int] = set()
+        for rule in rules:
+            choice, bound, literals = rule.body
+            if choice or bound >= START or len(rule.heads) > 1:
+                continue
+            if bound <= 0:
+                self._facts |= rule.heads
+            for atom, sign, weight in literals:
+                self._having.setdefault((atom, sign), []).append((len(self._rules), weight))
+            self._rules.append((tuple(rule.heads), bound))
+
+    def has(self, rule: SpelledRule) -> bool:
+        """Return whether a rule is found to be a consequence."""
+        if not rule.is_plain:
+            return False
+        known = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
+        if known is None:
+            return True
+        return len(rule.heads) == 1 and (*rule.heads, 0) in known
+
+    def _follow(self, given: Iterable[_Literal]) -> set[_Literal] | None:
+        """Return all that follows from some literals, or None where they contradict the rules or each other."""
+        known = {*given, *((atom, 0) for atom in self._facts)}
+        waiting = list(known)
+        reached: Counter[int] = Counter()
+        while waiting:
+            atom, sign = waiting.pop()
+            if (atom, 1 - sign) in known:
+                return None
+            for number, weight in self._having.get((atom, sign), ()):
+                heads, bound = self._rules[number]
+                if reached[number] < bound <= reached[number] + weight:
+                    if not heads:
+                        return None
+                    if (heads[0], 0) not in known:
+                        known.add((heads[0], 0))
+                        waiting.append((heads[0], 0))
+                reached[number] += weight
+        return known

@@ -1,0 +1,1 @@
+"""Tasks as orbits of plans, by brute force."""

@@ -1,0 +1,222 @@
+"""Domains over a few entities, their tasks by brute force, and the entities that are interchangeable in them.
+
+All of it from the definition, and no code of the library. Two entities of one class are interchangeable where swapping
+their names maps what is said of plans onto itself. What is said of states counts by the complete states that it
+allows, and a condition by what satisfies it, so that another way to say the same says nothing new.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from operator import itemgetter
+
+from tests.brute_force import State, Toy, Values, agrees, spelled
+
+Plan = tuple[str, ...]
+Names = dict[str, str]
+States = frozenset[State]
+Run = tuple[State, ...]
+
+LONGEST = 3
+"""Sequences of actions up to this length tell conditions apart."""
+
+
+@dataclass(frozen=True)
+class Clause:
+    """A condition: its words, and what they mean for a plan, or for the state after some steps, the last one by -1."""
+
+    words: str
+    plan: Callable[[Plan], bool] | None = None
+    step: int | None = None
+    state: Callable[[dict[str, bool]], bool] | None = None
+
+
+@dataclass(frozen=True)
+class Case:
+    """A ground domain over named entities, with conditions.
+
+    The fluents and actions of `toy` have the names `fluents` and `actions`. `never_after` and `ending` are rules of the
+    author: pairs of actions, the second of which never follows the first, and what the last state satisfies.
+    """
+
+    toy: Toy
+    entities: dict[str, str]
+    fluents: tuple[str, ...]
+    actions: Plan
+    clauses: tuple[Clause, ...] = ()
+    ending_text: str = ""
+    ending: Callable[[dict[str, bool]], bool] = field(default=lambda state: True)
+
+    def text(self) -> str:
+        f, a, toy = self.fluents, self.actions, self.toy
+        lines = [f"class({c})." for c in sorted(set(self.entities.values()))]
+        lines += [f"entity({e},{c})." for e, c in self.entities.items()]
+        lines += [f"fluent({each})." for each in f] + [f"action({each})." for each in a]
+        for name, action in zip(a, toy.actions, strict=True):
+            lines += [f"precondition({name},{f[i]},{spelled(v)})." for i, v in action.before.items()]
+            lines += [f"postcondition({name},{f[i]},{spelled(v)})." for i, v in action.after.items()]
+        lines += [f"initially({f[i]},{spelled(v)})." for i, v in toy.initially.items()]
+        lines += [f"goal({f[i]},{spelled(v)})." for i, v in toy.goal.items()]
+        for predicate in ("exclusive", "implies", "impossible"):
+            lines += [f"{predicate}({f[i]},{f[j]})." for i, j in getattr(toy, predicate)]
+        lines.append("#program step(t).")
+        lines += [f":- occurs({a[i]},t-1), occurs({a[j]},t)." for i, j in toy.never_after]
+        lines += ["#program check(t).", self.ending_text]
+        return "\n".join(lines) + "\n"
+
+    def named(self, state: State) -> dict[str, bool]:
+        return dict(zip(self.fluents, state, strict=True))
+
+    def plans(self, length: int) -> set[Plan]:
+        """Return the plans that satisfy the conditions."""
+        runs = self._runs_of(self.toy, length)
+        known = self._runs_of(replace(self.toy, impossible=()), length) if self._asks_what_is_told else {}
+        return {
+            plan
+            for plan, states in runs.items()
+            if all(clause.plan(plan) for clause in self.clauses if clause.plan)
+            and any(self._told_to_hold(run) and self.ending(self.named(run[-1])) for run in states)
+            and (not self._asks_what_is_told or self._told_apart(known[plan]))
+        }
+
+    def _runs_of(self, toy: Toy, length: int) -> dict[Plan, list[Run]]:
+        """Return the states that each plan of a length may pass."""
+
+        @cache
+        def after(state: State, i: int) -> States:
+            return toy.after(frozenset({state}), (), i)
+
+        runs: dict[tuple[int, ...], list[Run]] = {(): [(state,) for state in toy.start()]}
+        for _ in range(length):
+            longer = {
+                (*plan, i): [(*run, state) for run in found for state in after(run[-1], i)]
+                for plan, found in runs.items()
+                for i in range(len(self.actions))
+                if (*plan[-1:], i) not in toy.never_after
+            }
+            runs = {plan: found for plan, found in longer.items() if found}
+        return {tuple(self.actions[i] for i in plan): found for plan, found in runs.items()}
+
+    def _told_to_hold(self, run: Run) -> bool:
+        """Return whether a run satisfies what a plan learns from: the goal, and states on the way."""
+        return agrees(run[-1], self.toy.goal) and all(
+            clause.step < len(run) and clause.state(self.named(run[clause.step]))
+            for clause in self.clauses
+            if clause.state and clause.step is not None
+        )
+
+    @property
+    def _asks_what_is_told(self) -> bool:
+        return any(not clause.plan and not clause.state for clause in self.clauses)
+
+    def _told_apart(self, runs: list[Run]) -> bool:
+        """Return whether the states of a plan differ as nontrivial and loop-free say, as far as they are known."""
+        words = {clause.words for clause in self.clauses}
+        at_each_step = zip(*filter(self._told_to_hold, runs), strict=True)
+        values = ([set(value) for value in zip(*at, strict=True)] for at in at_each_step)
+        states = [tuple(value.pop() if len(value) == 1 else None for value in each) for each in values]
+        distinct = len(set(states)) == len(states)
+        return (states[0] != states[-1] or "nontrivial" not in words) and (distinct or "loop-free" not in words)
+
+    @cached_property
+    def groups(self) -> list[list[str]]:
+        """Return the entities that are interchangeable, in groups, those that are alone as well."""
+        groups: list[list[str]] = []
+        as_it_is = self._said_under({})
+        for entity, its_class in self.entities.items():
+            for group in groups:
+                names = {entity: group[0], group[0]: entity}
+                if self.entities[group[0]] == its_class and self._said_under(names) == as_it_is:
+                    group.append(entity)
+                    break
+            else:
+                groups.append([entity])
+        return groups
+
+    @cached_property
+    def _every(self) -> list[State]:
+        return list(itertools.product((False, True), repeat=len(self.fluents)))
+
+    @cached_property
+    def _allowed(self) -> list[State]:
+        """The states that the invariants allow."""
+        toy = replace(self.toy, impossible=())
+        return [state for state in self._every if toy.allowed(state)]
+
+    def _having(self, values: Values) -> list[State]:
+        return [state for state in self._allowed if agrees(state, {i: v for i, v in values.items() if v is not None})]
+
+    @cached_property
+    def _said(self) -> dict[object, list[State]]:
+        """What is said of states: those that are allowed, by what says it."""
+        said: dict[object, list[State]] = {
+            "invariants": self._allowed,
+            "impossible": list(filter(self.toy.allowed, self._allowed)),
+            "start": self._having(self.toy.initially),
+            "ending": [state for state in self._every if self.ending(self.named(state))],
+            "last": [
+                state
+                for state in self._having(self.toy.goal)
+                if all(c.state(self.named(state)) for c in self.clauses if c.state and c.step == -1)
+            ],
+        }
+        for name, action in zip(self.actions, self.toy.actions, strict=True):
+            said["before", name], said["after", name] = self._having(action.before), self._having(action.after)
+        for place, clause in enumerate(self.clauses):
+            if clause.state and clause.step != -1:
+                said["clause", place] = [state for state in self._allowed if clause.state(self.named(state))]
+        return said
+
+    @property
+    def sensible(self) -> bool:
+        """Whether all actions can occur in some state and lead to some."""
+        return all(self._said[when, name] for when in ("before", "after") for name in self.actions)
+
+    def _said_under(self, names: Names) -> object:
+        """Return all that is said, with other names for the entities."""
+        place = {name: i for i, name in enumerate(self.fluents)}
+        moved = [place[rename(name, names)] for name in self.fluents]
+        from_place = [moved.index(i) for i in range(len(moved))]
+        renamed_state = itemgetter(*from_place)
+        told = {what: frozenset(map(renamed_state, states)) for what, states in self._said.items()}
+        renamed_action = {name: rename(name, names) for name in self.actions}
+        actions = {
+            renamed_action[name]: (told["before", name], frozenset(moved[i] for i in action.after), told["after", name])
+            for name, action in zip(self.actions, self.toy.actions, strict=True)
+        }
+        never_after = {tuple(renamed_action[self.actions[i]] for i in pair) for pair in self.toy.never_after}
+        conditions = {self._meaning(i, clause, renamed_action, told) for i, clause in enumerate(self.clauses)} - {None}
+        whole = [told[what] for what in ("invariants", "impossible", "start", "ending", "last")]
+        return whole, actions, never_after, conditions
+
+    def _meaning(self, place: int, clause: Clause, renamed_action: Names, told: dict[object, States]) -> object:
+        """Return what a condition means, or None where all satisfy it, or what it says is said of the last state."""
+        if clause.plan:
+            kept = frozenset(filter(clause.plan, self._sequences))
+            if len(kept) == len(self._sequences):
+                return None
+            return frozenset(tuple(map(renamed_action.__getitem__, words)) for words in kept)
+        if clause.state:
+            return None if clause.step == -1 else (clause.step, told["clause", place])
+        return clause.words
+
+    @cached_property
+    def _sequences(self) -> list[Plan]:
+        return [words for n in range(LONGEST + 1) for words in itertools.product(self.actions, repeat=n)]
+
+    def orbits(self, plans: Iterable[Plan]) -> set[frozenset[Plan]]:
+        """Return plans up to renaming of interchangeable entities."""
+        names: list[Names] = [{}]
+        for group in self.groups:
+            orders = [dict(zip(group, order, strict=True)) for order in itertools.permutations(group)]
+            names = [{**one, **other} for one in names for other in orders]
+        actions = [{action: rename(action, each) for action in self.actions} for each in names]
+        return {frozenset(tuple(each[action] for action in plan) for each in actions) for plan in plans}
+
+
+def rename(text: str, names: Names) -> str:
+    return re.sub(r"\b[xy]\d\b", lambda found: names.get(found[0], found[0]), text)

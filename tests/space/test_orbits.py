@@ -1,0 +1,52 @@
+"""Tasks are the orbits of plans, taken by brute force: the one check of where engines agree because they share it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from prag_asp import TaskSpace
+from prag_asp.space.engines import Engine, select
+from prag_asp.space.engines.automaton import AutomatonEngine
+from tests.chance import Chance
+from tests.domains import domain_of
+from tests.orbits.case import Case
+from tests.orbits.domains import draw_case
+
+LENGTHS = (0, 1, 2)
+DOMAINS, PARTS = 300, 10
+"""How many domains are drawn; with `pytest --fresh`, ten times as many."""
+
+SHARP_EACH = 10
+"""The counter runs in a process of its own, so it counts one of so many."""
+
+
+def engines_of(case: Case, sharp: bool) -> Iterator[tuple[str, TaskSpace, Engine]]:
+    """Yield the space of a case, with every engine that can express it."""
+    space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
+    model = space._shared.model
+    for name in ("clingo", "sat", *(["sharp"] if sharp else [])):
+        yield name, space, select(name, model, "task")
+    if not model.obstacles:
+        yield "automaton", space, AutomatonEngine(model, "task", merge=False)
+        yield "merged", space, AutomatonEngine(model, "task", merge=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(PARTS))
+def test_tasks_are_the_orbits_of_plans_in_every_engine(part: int, chance: Chance) -> None:
+    number = chance.examples(DOMAINS) // PARTS
+    for seed in range(part * number, (part + 1) * number):
+        case = draw_case(chance.generator(seed))
+        expected = {length: case.plans(length) for length in LENGTHS}
+        for name, space, engine in engines_of(case, sharp=seed % SHARP_EACH == 0):
+            for length, plans in expected.items():
+                orbits = case.orbits(plans)
+                found = f"seed {seed}, engine {name}, length {length}, {space.condition!s}: {case.text()}"
+                assert engine.count(length) == len(orbits), found
+                words = list(engine.words(length))
+                assert len(words) == len(orbits), found
+                assert case.orbits(words) == orbits, found
+                if name == "automaton":
+                    assert [engine.unrank(length, rank) for rank in range(len(words))] == words, found
