@@ -8,9 +8,8 @@ from dataclasses import replace
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.logic.ground.program import ADDED
 from prag_asp.program.facts import Facts
-from prag_asp.program.sources import Program, Source, read_sources
+from prag_asp.program.sources import ADDED, Program, Source, read_sources
 from prag_asp.space.conditions.clauses import Clause, Ends
 from prag_asp.space.conditions.condition import Condition
 
