@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, overload
 from prag_asp.atom import Atom, parse_atom, symbol_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.space.conditions.condition import Condition
@@ -369,7 +368,7 @@ class TaskSpace:
         if by != "task" or not found:
             return found
         groups = self._shared.model.groups(self.length)
-        return canonical_prefix(found, map(action_name, facts.actions), groups)
+        return canonical_prefix(found, {str(action): action for action in facts.actions}, groups)
 
 
 def _checked(length: int) -> int:

@@ -31,24 +31,19 @@ def explain(*, asked: Asked, words: tuple[str, ...]) -> None:
     """
     from prag_asp.logic.formula.explain import explain as reasons_against
     from prag_asp.logic.model import Model
-    from prag_asp.space.engines.prefix import parse_prefix
+    from prag_asp.space.engines.prefix import parse_plan
 
     names, texts = domain_and_others(words)
     actions = split_actions(*texts)
     if texts and not actions:
         raise QueryError(f"{texts[0]!r} is no action; write actions, such as grasp(panda,apple_1), or none")
     domain = replace(asked, names=names).domain()
-    plan = parse_prefix(actions, "plan", domain.facts)
-    known = {str(action): action for action in domain.facts.actions}
-    for action in plan:
-        if action not in known:
-            example = min(each for each in known if each.startswith(f"{action}("))
-            raise QueryError(f"{action} is the name of several actions; give one in full, such as {example}")
-    found = reasons_against(Model(domain), [known[action] for action in plan])
+    plan = parse_plan(actions, domain.facts)
+    found = reasons_against(Model(domain), plan)
     if found is None:
         click.echo(f"a plan of {domain.label}")
         return
-    for line in _told(found, plan):
+    for line in _told(found, list(map(str, plan))):
         click.echo(line)
     raise click.exceptions.Exit(FAILED)
 
