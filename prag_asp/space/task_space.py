@@ -165,20 +165,18 @@ class TaskSpace:
         }
 
     def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
-        """Return disjoint random parts without a common skeleton, each a task space with about its share of them.
+        """Return disjoint random parts without a common skeleton, each a task space of this length.
+
+        Their shares of the tasks are within two points of what is asked for, or, where whole skeletons allow no such
+        choice, as near as one was found; a warning says so.
 
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.conditions.clauses import Part
-        from prag_asp.space.parts.split import classes_for, divided, parse_shares
+        from prag_asp.space.parts.split import parse_shares
+        from prag_asp.space.parts.whole_skeletons import divide_skeletons
 
-        found = parse_shares(shares)
-        classes = classes_for(found)
-        parts = divided(classes, found)
-        return {
-            name: self.where(Condition((Part(tuple(residues), classes, seed),))) for name, residues in parts.items()
-        }
+        return divide_skeletons(self, parse_shares(shares), seed)
 
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
         """Return the tasks without and those with something: an entity, a class, an action's name or a pair of names.
