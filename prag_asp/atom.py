@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 from prag_asp.errors import QueryError
+from prag_asp.integers import TOLD, shortened, too_large
 
 if TYPE_CHECKING:
     import clingo
@@ -30,8 +31,10 @@ def symbol_of(atom: Atom | str) -> clingo.Symbol:
     """Return an atom that a user gives, or its text, as a term of clingo.
 
     Raises:
-        QueryError: it is not a ground term.
+        QueryError: it is not a ground term, or has a number out of range.
     """
+    for _, digits in too_large(str(atom)):
+        raise QueryError(f"{str(atom)!r}: the number {shortened(digits)} is out of range: {TOLD}")
     import clingo  # noqa: PLC0415 - an atom is a plain value: whoever has only atoms needs no solver
 
     try:

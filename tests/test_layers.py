@@ -20,7 +20,7 @@ from prag_asp.cli.registry import COMMANDS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children", "missing", "fields"])
+GROUND = frozenset(["errors", "wording", "integers", "atom", "task", "lazy", "output", "children", "missing", "fields"])
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
@@ -35,8 +35,9 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "fields": frozenset(["errors"]),
     "output": frozenset(["errors"]),
     "wording": frozenset(["errors"]),
-    "atom": frozenset(["errors"]),
-    "task": frozenset(["errors", "atom"]),
+    "integers": frozenset(),
+    "atom": frozenset(["errors", "integers"]),
+    "task": frozenset(["errors", "atom", "integers"]),
     "program": GROUND - {"task"},
     "scene": GROUND - {"task"},
     "lint": (GROUND - {"task"}) | {"program", "scene"},

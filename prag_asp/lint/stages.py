@@ -28,7 +28,7 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, read_table, settings_of
-from prag_asp.program.sources import CONTRACT, HIERARCHY, Program, Source
+from prag_asp.program.sources import HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
@@ -74,16 +74,16 @@ def check(program: Program, path: Path) -> Checked:
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
     """
-    owned = _owned(program)
-    statements, problems = parse_sources(owned)
+    sources = owned(program)
+    statements, problems = parse_sources(sources)
     table = read_table(path)
     settings = settings_of(table, path)
-    allowed = allowed_names((source for source, own in owned if own), settings)
+    allowed = allowed_names((source for source, own in sources if own), settings)
     judge = _Judge(allowed)
     judge.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
     judge.take(directive_problems(statements))
     judge.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
-    plain = _one_free_step(program, owned)
+    plain = _one_free_step(program, sources)
     grounder = Grounder(plain)
     grounder.ground([("base", [])])
     judge.take(demand_problems(grounder.control, statements))
@@ -102,8 +102,8 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
     Raises:
         DomainError: the learned sources state something other than invariants of declared fluents.
     """
-    owned = _owned(program)
-    statements, problems = parse_sources(owned)
+    sources = owned(program)
+    statements, problems = parse_sources(sources)
     raise_problems(problems)
     paths = {source.path for source in learned}
     raise_problems(
@@ -112,7 +112,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
         if each.path in paths and not _states_invariant(each)
     )
     raise_problems([*directive_problems(statements), *vocabulary_problems(statements)])
-    grounder = Grounder(_one_free_step(program, owned))
+    grounder = Grounder(_one_free_step(program, sources))
     grounder.ground([("base", [])])
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, origins)
@@ -128,12 +128,6 @@ def _states_invariant(statement: Statement) -> bool:
     heads = [atom.signature for atom in statement.heads]
     plain = statement.is_rule and statement.node.head.ast_type == ASTType.Literal
     return statement.part != "base" or (plain and heads == [LEARNED_INVARIANT])
-
-
-def _owned(program: Program) -> list[tuple[Source, bool]]:
-    """Return the files of a program, each with whether it is the domain's own."""
-    encodings = _encodings_folder(program)
-    return [(source, source.path.parent not in (encodings, encodings / "rules")) for source in program.sources]
 
 
 def _facts(grounder: Grounder, origins: Origins) -> Facts:
@@ -178,12 +172,6 @@ def _check_steps(
 def _can_leave_out(statements: Sequence[Statement]) -> bool:
     """Return whether the encodings in use read what is left out: copies of older ones do not."""
     return any(atom.signature == LEFT_OUT for each in statements if not each.own for atom in each.body)
-
-
-def _encodings_folder(program: Program) -> Path:
-    """Return the folder of the encodings: they begin every program."""
-    contract = (source.path.parent for source in program.sources if source.path.name == CONTRACT)
-    return next(contract, program.sources[0].path.parent)
 
 
 def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:

@@ -11,13 +11,13 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground import GroundStep, ground_plan, ground_step
-from prag_asp.logic.ground.program import ADDED, canonical_program, whole_program, with_facts
+from prag_asp.logic.ground.program import canonical_program, whole_program, with_facts
 from prag_asp.logic.ground.stationary import StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
 from prag_asp.logic.symmetry.symmetry import interchangeable
-from prag_asp.program.sources import Program, read_sources
+from prag_asp.program.sources import ADDED, Program, read_sources
 
 
 @dataclass(frozen=True)

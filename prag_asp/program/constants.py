@@ -8,6 +8,7 @@ import clingo
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
+from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import raise_problems
 from prag_asp.program.sources import Source
@@ -26,7 +27,7 @@ def parse_constants(given: Mapping[str, Constant]) -> dict[str, str]:
     """Return the texts of the terms that constants get, in alphabetical order of their names.
 
     Raises:
-        DomainError: a value is no term of clingo.
+        DomainError: a value is no term of clingo, or has a number out of range.
     """
     return {name: _term(name, given[name]) for name in sorted(given)}
 
@@ -68,6 +69,8 @@ def _term(name: str, value: Constant) -> str:
     """Return the text of a term as clingo writes it."""
     text = str(value)
     readable = len(text) <= LONGEST and "\0" not in text and blanked(text).isascii() and not isinstance(value, bool)
+    for _, digits in too_large(blanked(text)) if readable else ():
+        raise DomainError(f"constant {name}: the number {shortened(digits)} is out of range: {TOLD}")
     try:
         if readable:
             return str(clingo.parse_term(text, logger=lambda *_: None))

@@ -8,10 +8,15 @@ from collections.abc import Callable, Iterable, Sequence
 import clingo
 
 from prag_asp.errors import DomainError
+from prag_asp.program.checks import Checks
+from prag_asp.program.guards import guarded
 from prag_asp.program.sources import Program
 
 POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
 UNSAFE = r"'([^']+)' is unsafe"
+
+SCRIPT = "#Script"
+"""How clingo writes, within an operation that is undefined, the value of a check."""
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
@@ -20,26 +25,28 @@ class Grounder:
     """A clingo control that holds one program; nothing of it is printed, whatever the program does.
 
     Raises:
-        DomainError: clingo cannot parse the program.
+        DomainError: clingo cannot parse the program, or an interval of it has too many numbers.
     """
 
     def __init__(self, program: Program, *arguments: str) -> None:
         self._program = program
+        found = guarded(program)
+        self._checks = Checks(found.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         self.control = clingo.Control(
             ["--warn=no-atom-undefined", *arguments],
             logger=lambda code, text: self._messages.append((code, text)),
             message_limit=100,
         )
-        self._run(lambda: self.control.add("base", [], program.text))
+        self._run(lambda: self.control.add("base", [], found.text))
 
     def ground(self, parts: Iterable[Part]) -> None:
         """Ground program parts.
 
         Raises:
-            DomainError: clingo cannot ground them, or an arithmetic or set operation is undefined.
+            DomainError: clingo cannot ground them, or an arithmetic or set operation is undefined or out of range.
         """
-        self._run(lambda: self.control.ground(list(parts)))
+        self._run(lambda: self.control.ground(list(parts), context=self._checks))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:
         """State ground atoms, which the parts that are ground later read."""
@@ -49,11 +56,15 @@ class Grounder:
 
     def _run(self, work: Callable[[], None]) -> None:
         self._messages.clear()
+        self._checks.overflows.clear()
         try:
             work()
         except RuntimeError as error:
             raise DomainError("\n".join(self._errors()) or f"clingo: {error}") from None
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
+        out_of_range = [text for text in undefined if SCRIPT in text]
+        if out_of_range:
+            raise self._checks.overflow(located(self._program, out_of_range[0]))
         if undefined:
             raise DomainError(f"{located(self._program, undefined[0])}; guard the operation")
 

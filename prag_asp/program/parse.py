@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 
 from clingo.ast import AST, ASTType, parse_string
 
+from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import Source
 from prag_asp.program.syntax import Statement
@@ -24,11 +26,26 @@ def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statemen
     statements: list[Statement] = []
     problems: list[Problem] = []
     for source, own in sources:
-        broken = _character_problem(source)
-        if broken is None:
-            broken = _parse(source, own, statements)
+        found, broken = _parsed(source, own)
+        statements += found
         problems += [broken] if broken else []
     return statements, problems
+
+
+@lru_cache(maxsize=64)
+def _parsed(source: Source, own: bool) -> tuple[tuple[Statement, ...], Problem | None]:
+    """Return the statements of a source, or its first problem."""
+    statements: list[Statement] = []
+    broken = _character_problem(source) or _parse(source, own, statements) or number_problem(source)
+    return (() if broken else tuple(statements)), broken
+
+
+def number_problem(source: Source) -> Problem | None:
+    """Return the first number of a source that clingo would change without a word."""
+    for position, digits in too_large(blanked(source.text)):
+        line = source.text.count("\n", 0, position) + 1
+        return Problem(source.path, line, f"the number {shortened(digits)} is out of range: {TOLD}")
+    return None
 
 
 def _character_problem(source: Source) -> Problem | None:

@@ -19,6 +19,9 @@ CONTRACT = "contract.lp"
 HIERARCHY = "hierarchy.lp"
 """The encoding that only domains with composites need."""
 
+ADDED = Path("<added by the library>")
+"""Where the facts would be that the library adds to a program; there is no such file."""
+
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 
@@ -137,3 +140,13 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
     paths = sorted(path for path in encodings.glob("*.lp") if path.name != HIERARCHY)
     found: Iterable[Source] = (source for path in paths for source in read_sources(path, encodings))
     return tuple({source.path.resolve(): source for source in found}.values())
+
+
+def owned(program: Program) -> list[tuple[Source, bool]]:
+    """Return the files of a program, each with whether it is the domain's own; the encodings begin every program."""
+    contracts = (source.path.parent for source in program.sources if source.path.name == CONTRACT)
+    encodings = next(contracts, program.sources[0].path.parent)
+    return [
+        (source, source.path.parent not in (encodings, encodings / "rules", encodings / "conditions"))
+        for source in program.sources
+    ]

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, overload
 from prag_asp.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.space.conditions.condition import Condition
@@ -174,20 +173,18 @@ class TaskSpace:
         }
 
     def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
-        """Return disjoint random parts without a common skeleton, each a task space with about its share of them.
+        """Return disjoint random parts without a common skeleton, each a task space of this length.
+
+        Their shares of the tasks are within two points of what is asked for, or, where whole skeletons allow no such
+        choice, as near as one was found; a warning says so.
 
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.conditions.clauses import Part
-        from prag_asp.space.parts.split import classes_for, divided, parse_shares
+        from prag_asp.space.parts.split import parse_shares
+        from prag_asp.space.parts.whole_skeletons import divide_skeletons
 
-        found = parse_shares(shares)
-        classes = classes_for(found)
-        parts = divided(classes, found)
-        return {
-            name: self.where(Condition((Part(tuple(residues), classes, seed),))) for name, residues in parts.items()
-        }
+        return divide_skeletons(self, parse_shares(shares), seed)
 
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
         """Return the tasks without and those with something: an entity, a class, an action's name or a pair of names.
@@ -391,7 +388,7 @@ class TaskSpace:
         if by != "task" or not found:
             return found
         groups = self._shared.model.groups(self.length)
-        return canonical_prefix(found, map(action_name, facts.actions), groups)
+        return canonical_prefix(found, {str(action): action for action in facts.actions}, groups)
 
 
 def _checked(length: int) -> int:

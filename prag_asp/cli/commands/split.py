@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -25,7 +26,11 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("words", metavar="DOMAIN... [NAME=SHARE]...", nargs=-1, required=True, shell_complete=complete.shares)
 @asks((*options.PROGRAM, options.LENGTH, *options.ANSWERED))
-@click.option("--skeletons", is_flag=True, help="No two parts have a skeleton in common; shares are approximate.")
+@click.option(
+    "--skeletons",
+    is_flag=True,
+    help="No two parts have a skeleton in common; shares are within 2 points, or a warning says so.",
+)
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=complete.names,
     help="Entity, class, action or pair that only the test part has.",
@@ -77,7 +82,14 @@ def _parts(
     if not all(name.isidentifier() and equals for name, equals, _ in pairs) or len({p[0] for p in pairs}) < len(pairs):
         raise QueryError(f"{' '.join(shares)}: write different names with their shares, such as train=0.8 test=0.2")
     wanted = {name: share for name, _, share in pairs}
-    return space.split_skeletons(wanted, seed=seed) if skeletons else space.split(wanted, seed=seed)
+    if not skeletons:
+        return space.split(wanted, seed=seed)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        parts = space.split_skeletons(wanted, seed=seed)
+    for each in told:
+        click.echo(f"warning: {each.message}", err=True)
+    return parts
 
 
 def _drawn(part: TaskSpace | RankedTasks, count: int, seed: int) -> Iterator[Task]:

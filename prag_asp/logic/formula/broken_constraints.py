@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from clingo.ast import AST, ASTType, parse_string
 from prag_asp.program.sources import Program, Source
 
 BROKEN = "__broken"
-TIMES = {"base": "0", "step": "t", "check": "t+1"}
+TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
 """When a constraint of a part is broken: the start, a step, or what comes after the last step."""
 
 
@@ -28,26 +28,37 @@ class ReportingProgram:
 
 
 def reporting(program: Program) -> ReportingProgram:
-    """Return a program with its constraints turned into rules that derive an atom."""
+    """Return a program with its constraints turned into rules that derive an atom; each line stays where it was."""
     lines = program.text.splitlines()
-    statements: list[str] = []
+    statements: dict[int, list[str]] = {}
     rules: dict[int, tuple[Path, int, str]] = {}
-    part = "base"
+    part, time = "base", "0"
 
     def collect(statement: AST) -> None:
-        nonlocal part
+        nonlocal part, time
+        begin, end = statement.location.begin.line, statement.location.end.line
         if statement.ast_type == ASTType.Program:
             part = statement.name
-        if not _is_constraint(statement) or part not in TIMES:
-            statements.append(str(statement))
-            return
-        begin, end = statement.location.begin.line, statement.location.end.line
-        rules[begin] = (*program.locate(begin), " ".join(line.strip() for line in lines[begin - 1 : end]))
-        body = "; ".join(map(str, statement.body))
-        statements.append(f"{BROKEN}({begin},{TIMES[part]}) :- {body or '#true'}.")
+            time = statement.parameters[0].name if statement.parameters else "0"
+        told = str(statement)
+        if _is_constraint(statement) and part in TIMES:
+            rules[begin] = (*program.locate(begin), " ".join(line.strip() for line in lines[begin - 1 : end]))
+            body = "; ".join(map(str, statement.body))
+            told = f"{BROKEN}({begin},{TIMES[part].format(time)}) :- {body or '#true'}."
+        statements.setdefault(begin, []).append(told)
 
     parse_string(program.text, collect)
-    return ReportingProgram(Program((Source(Path("reporting.lp"), "\n".join(statements)),)), rules)
+    return ReportingProgram(Program(tuple(_rewritten(program, statements))), rules)
+
+
+def _rewritten(program: Program, statements: Mapping[int, Sequence[str]]) -> Iterator[Source]:
+    """Yield the sources of a program with other statements on their lines; each begins after a line of its own."""
+    line = 1
+    for source in program.sources:
+        height = source.text.count("\n") + 1
+        texts = (" ".join(statements.get(number, ())) for number in range(line + 1, line + 1 + height))
+        yield Source(source.path, "\n".join(texts))
+        line += height + 1
 
 
 def broken_atoms(symbols: Mapping[clingo.Symbol, int]) -> dict[int, dict[int, int]]:

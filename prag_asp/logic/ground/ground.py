@@ -10,8 +10,10 @@ import clingo
 
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
+from prag_asp.program.checks import BoundReached
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.guards import guarded
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature
 
@@ -67,6 +69,14 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     Raises:
         DomainError: clingo cannot ground the program.
     """
+    try:
+        return _ground_step(program, facts, reads)
+    except BoundReached as error:
+        # No plan of some length needs to come so far: the engines that ground each step by itself find out.
+        return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, str(error)))
+
+
+def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     seeds = _seeds(facts, reads)
     started = _start(program)
     if _initial(started[0], reads) <= seeds:
@@ -102,6 +112,8 @@ def _most_steps(program: Program, reads: StepReads) -> int:
 
     A counter that is bounded ends at a number that the program names, or not far beyond.
     """
+    if not guarded(program).endless_steps:
+        return MOST_ATOMS
     if reads.growing & reads.previous:
         return FEW_STEPS
     numbers = (int(digits) for digits in re.findall(r"(?<!\d)\d{1,4}(?!\d)", program.text))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 
-from clingo.ast import AST, ASTType, ComparisonOperator, Sign, parse_string
+from clingo.ast import AST, ASTType, Sign, parse_string
 
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, atoms, children_of, head_atoms, variables
@@ -19,24 +19,31 @@ MADE = (ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Function)
 def growing_heads(
     heads: Iterable[AtomNode], body: Iterable[tuple[AST, str]], timed: Collection[Signature]
 ) -> Iterator[Signature]:
-    """Yield the heads of a rule that make new values of carried ones, with nothing in the body to bound them.
+    """Yield the heads of a rule that make new values of carried ones, with nothing in the body that may bound them.
 
-    The literals of the body come with their texts. What bounds a variable is a comparison other than !=, or an atom
-    that takes its values from what does not change.
+    The literals of the body come with their texts. Whatever else reads a variable than one atom of a step may bound it.
     """
     made = [(head.signature, _made_of(head)) for head in heads]
     if not any(names for _, names in made):
         return
+    carried: set[str] = set()
     bounded: set[str] = set()
     for literal, text in body:
-        if literal.ast_type != ASTType.Literal or literal.sign != Sign.NoSign:
-            continue
-        if literal.atom.ast_type == ASTType.Comparison:
-            if all(guard.comparison != ComparisonOperator.NotEqual for guard in literal.atom.guards):
-                bounded |= variables(text)
-        elif any(atom.signature in FINITE or atom.signature not in timed for atom in atoms(literal, text)):
-            bounded |= variables(text)
+        read = variables(text)
+        plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
+        if plain and _is_carried(literal, text, timed):
+            bounded |= read & carried
+            carried |= read
+        else:
+            bounded |= read
     yield from (head for head, names in made if not bounded.issuperset(names))
+
+
+def _is_carried(literal: AST, text: str, timed: Collection[Signature]) -> bool:
+    """Return whether a positive literal is an atom of a step that may take any values."""
+    return literal.atom.ast_type == ASTType.SymbolicAtom and all(
+        atom.signature in timed and atom.signature not in FINITE for atom in atoms(literal, text)
+    )
 
 
 def _made_of(head: AtomNode) -> set[str]:

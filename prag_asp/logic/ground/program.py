@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from pathlib import Path
 
 import clingo
 
 from prag_asp.domain.load import Domain
 from prag_asp.program.facts import Facts
-from prag_asp.program.sources import Program, Source, read_sources
-
-ADDED = Path("<added by the library>")
+from prag_asp.program.sources import ADDED, Program, Source, read_sources
 
 
 def whole_program(domain: Domain) -> Program:

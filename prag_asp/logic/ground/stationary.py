@@ -18,14 +18,48 @@ from prag_asp.logic.ground.growth import growing_heads
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import STRING, AtomNode, Signature, atoms, children_of, head_atoms, plain_atom
 
-NOW, BEFORE, START = "t", "(t-1)", "0"
-"""How the times of a step are written, and that of the start."""
+START = "0"
+"""How the time of the start is written."""
 
 PARTS = ("base", "step", "check")
-NUMBER = clingo.Function("t", [])
-"""The number of the step."""
 
-SPELLED_NUMBER = re.compile(r"(?<![\w'])t(?![\w'(])")
+
+@dataclass(frozen=True)
+class _Times:
+    """How the rules of a program part write the number of the step, which is the parameter of the part."""
+
+    now: str = "t"
+
+    @property
+    def before(self) -> str:
+        """How they write the step before."""
+        return f"({self.now}-1)"
+
+    @cached_property
+    def spelled(self) -> re.Pattern[str]:
+        """What finds the number of the step in a text."""
+        return re.compile(rf"(?<![\w']){re.escape(self.now)}(?![\w'(])")
+
+    def depend(self, atom: AtomNode) -> bool:
+        """Return whether an argument of an atom other than its time has the number of the step."""
+        others = atom.arguments[:-1] if _time_of(atom) in (self.now, self.before) else atom.arguments
+        return any(self.spelled.search(STRING.sub("", argument)) for argument in others)
+
+    def stand_in(self, node: AST, text: str) -> bool:
+        """Return whether the number of the step stands in a literal anywhere but as the time of an atom."""
+        if not self.spelled.search(text):
+            return False
+        plain = plain_atom(node, text)
+        return self.depend(plain) if plain else self._stand_below(node)
+
+    def _stand_below(self, node: AST) -> bool:
+        """Return the same of any node of a syntax tree."""
+        kind = node.ast_type
+        if kind == ASTType.SymbolicTerm:
+            return bool(node.symbol == clingo.Function(self.now))
+        if kind == ASTType.SymbolicAtom:
+            return any(map(self.depend, atoms(node, str(node))))
+        return any(map(self._stand_below, children_of(node)))
 
 
 @dataclass(frozen=True)
@@ -49,6 +83,7 @@ class _Rule:
     """
 
     node: AST
+    times: _Times
 
     @cached_property
     def text(self) -> str:
@@ -77,29 +112,30 @@ class _Rule:
 
     def reads_number(self) -> bool:
         """Return whether the number of the step stands anywhere but as the time of an atom."""
-        if not SPELLED_NUMBER.search(self.text):
+        if not self.times.spelled.search(self.text):
             return False
         head = self.node.head
-        return any(_reads_number(node, text) for node, text in ((head, str(head)), *self.literals))
+        return any(self.times.stand_in(node, text) for node, text in ((head, str(head)), *self.literals))
 
 
 def read_step(program: Program) -> StepReads:
     """Return what the parts ``step(t)`` and ``check(t)`` of a program read of step t-1."""
     rules: dict[str, list[_Rule]] = {name: [] for name in PARTS}
-    part = rules["base"]
+    part, times = rules["base"], _Times()
 
     def collect(statement: AST) -> None:
-        nonlocal part
+        nonlocal part, times
         kind = statement.ast_type
         if kind == ASTType.Program:
             part = rules.setdefault(statement.name, [])
+            times = _Times(statement.parameters[0].name) if statement.parameters else _Times()
         elif kind == ASTType.Rule:
-            part.append(_Rule(statement))
+            part.append(_Rule(statement, times))
 
     parse_string(program.text, collect)
     timed = {("occurs", 2), ("holds", 3)}
     for rule in rules["step"]:
-        timed |= {atom.signature for atom in rule.heads if _time_of(atom) == NOW}
+        timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.times.now}
     rules["base"] = [rule for rule in rules["base"] if _may_carry_time(rule, timed)]
     previous: set[Signature] = set()
     obstacles = []
@@ -115,19 +151,19 @@ def read_step(program: Program) -> StepReads:
 
 def _may_carry_time(rule: _Rule, timed: Collection[Signature]) -> bool:
     """Return whether the text of a rule has the name of a predicate that carries a time, or the step before."""
-    return BEFORE in rule.text or any(name in rule.text for name, _ in timed)
+    return rule.times.before in rule.text or any(name in rule.text for name, _ in timed)
 
 
 def _obstacle(rule: _Rule, part: str, timed: Collection[Signature], previous: set[Signature]) -> str | None:
     """Return why a rule is not the same at every step, if it is not; add what it reads of the step before."""
     for atom in rule.atoms():
-        obstacle = _read_elsewhere(atom, timed) if part == "base" else _misread(atom, part, timed)
+        obstacle = _read_elsewhere(atom, timed) if part == "base" else _misread(atom, part, rule.times, timed)
         if obstacle:
             return f"{atom.name}/{len(atom.arguments)} {obstacle}"
-        if _time_of(atom) == BEFORE:
+        if _time_of(atom) == rule.times.before:
             previous.add(atom.signature)
-    if part == "step" and any(_time_of(atom) != NOW for atom in rule.heads):
-        return "a head in step(t) does not carry the time t"
+    if part == "step" and any(_time_of(atom) != rule.times.now for atom in rule.heads):
+        return f"a head in step({rule.times.now}) does not carry the time {rule.times.now}"
     if part != "base" and rule.reads_number():
         return "the rule reads the number of the step; carry a counter along instead"
     return None
@@ -139,40 +175,16 @@ def _read_elsewhere(atom: AtomNode, timed: Collection[Signature]) -> str | None:
     return None
 
 
-def _misread(atom: AtomNode, part: str, timed: Collection[Signature]) -> str | None:
+def _misread(atom: AtomNode, part: str, times: _Times, timed: Collection[Signature]) -> str | None:
     time = _time_of(atom)
-    if atom.name.startswith("-") and (time in (NOW, BEFORE) or atom.signature in timed):
+    if atom.name.startswith("-") and (time in (times.now, times.before) or atom.signature in timed):
         return "is strongly negated; carry a predicate of another name along instead"
-    if time == BEFORE and part == "check":
+    if time == times.before and part == "check":
         return "is read at step t-1 by the check after the last step"
-    if atom.signature in timed and time not in (NOW, BEFORE, START):
+    if atom.signature in timed and time not in (times.now, times.before, START):
         return "is read at a step other than t and t-1"
     return None
 
 
 def _time_of(atom: AtomNode) -> str:
     return atom.arguments[-1] if atom.arguments else ""
-
-
-def _reads_number(node: AST, text: str) -> bool:
-    """Return whether the number of the step stands in a literal anywhere but as the time of an atom."""
-    if not SPELLED_NUMBER.search(text):
-        return False
-    plain = plain_atom(node, text)
-    return _depends_on_number(plain) if plain else _has_number(node)
-
-
-def _has_number(node: AST) -> bool:
-    """Return the same of any node of a syntax tree."""
-    kind = node.ast_type
-    if kind == ASTType.SymbolicTerm:
-        return bool(node.symbol == NUMBER)
-    if kind == ASTType.SymbolicAtom:
-        return any(map(_depends_on_number, atoms(node, str(node))))
-    return any(map(_has_number, children_of(node)))
-
-
-def _depends_on_number(atom: AtomNode) -> bool:
-    """Return whether an argument of an atom other than its time has the number of the step."""
-    others = atom.arguments[:-1] if _time_of(atom) in (NOW, BEFORE) else atom.arguments
-    return any(SPELLED_NUMBER.search(STRING.sub("", argument)) for argument in others)

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from prag_asp.domain.load import Domain
-from prag_asp.logic.ground.program import ADDED
 from prag_asp.program.facts import Assignment, Facts
-from prag_asp.program.sources import Program, Source, read_sources
+from prag_asp.program.sources import ADDED, Program, Source, read_sources
 from prag_asp.space.conditions.clauses import Ends, asked_end
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.formula import Conjunction

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from prag_asp.atom import split_terms
 from prag_asp.errors import QueryError
+from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.space.conditions.clauses import (
     After,
     Begins,
@@ -42,6 +43,8 @@ def parse_clause(text: str) -> Clause:
         raise QueryError(f"condition {text!r}: " + unknown(keyword, KEYWORDS, "condition"))
     if bool(rest) == (keyword in WHOLE):
         raise QueryError(f"condition {text!r}: write it like {EXAMPLES[keyword]!r}")
+    for _, digits in too_large(words.partition(" by seed ")[0]):
+        raise QueryError(f"condition {text!r}: the number {shortened(digits)} is out of range: {TOLD}")
     return KEYWORDS[keyword](rest)
 
 

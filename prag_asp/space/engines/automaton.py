@@ -13,7 +13,7 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
-from prag_asp.space.engines.protocol import Letters, Level, Progress
+from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import Explorer, Reach
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, cache_folder
 from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
@@ -154,9 +154,11 @@ class AutomatonEngine:
         return [self._matching(text) for text in prefix]
 
     def _matching(self, text: str) -> frozenset[int]:
-        if self._level == "skeleton" or text in self._numbers:
-            return frozenset({self._numbers[text]} if text in self._numbers else ())
-        return frozenset(number for number, name in enumerate(self._names) if name == text)
+        name = name_in_prefix(text, self._numbers)
+        if name is None:
+            return frozenset({self._numbers[text]})
+        names = () if self._level == "skeleton" else self._names
+        return frozenset(number for number, each in enumerate(names) if each == name)
 
     def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
         sets = self._sets(prefix)

@@ -12,7 +12,7 @@ from prag_asp.logic.model import Model
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.listed import listed
-from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
+from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters, name_in_prefix
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights
 
@@ -97,7 +97,7 @@ class ClingoEngine:
     def _fits(self, letter: str, wanted: Letters) -> bool:
         if not wanted or wanted[0] == letter:
             return True
-        return wanted[0] not in self.letters and letter.partition("(")[0] == wanted[0]
+        return letter.partition("(")[0] == name_in_prefix(wanted[0], self.letters)
 
     def _plans(self, length: int) -> _Unrolled:
         if self._unrolled is None or self._unrolled[0] != length:
@@ -126,9 +126,9 @@ class _Unrolled:
             return None
         found = []
         for step, letter in enumerate(letters, 1):
-            predicate = self._shown if letter in self._letters else "named"
-            term = self._letters[letter] if letter in self._letters else clingo.Function(letter)
-            symbol = clingo.Function(predicate, [term, clingo.Number(step)])
+            name = name_in_prefix(letter, self._letters)
+            term = self._letters[letter] if name is None else clingo.Function(name)
+            symbol = clingo.Function(self._shown if name is None else "named", [term, clingo.Number(step)])
             atom = self._control.symbolic_atoms[symbol]
             if atom is None:
                 return None

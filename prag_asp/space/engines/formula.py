@@ -12,7 +12,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.formula.clauses import TRUE, Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.model import Model
-from prag_asp.space.engines.protocol import Letters, Level, all_letters
+from prag_asp.space.engines.protocol import Letters, Level, all_letters, name_in_prefix
 
 SHOWN = {"plan": "occurs", "task": "occurs", "skeleton": "named"}
 """The predicate whose atoms tell the words of a level apart."""
@@ -36,7 +36,7 @@ class WordFormula:
 
     def fits(self, letter: str, wanted: Sequence[str]) -> bool:
         """Return whether a letter is the first of those wanted, or an action of that name, if any is wanted."""
-        return not wanted or letter == wanted[0] or (wanted[0] not in self.letters and _name(letter) == wanted[0])
+        return not wanted or letter == wanted[0] or _name(letter) == name_in_prefix(wanted[0], self.letters)
 
     def word(self, model: Sequence[Literal]) -> Letters:
         """Return the word that a model is.
@@ -70,9 +70,9 @@ class WordFormula:
         return [tuple(letter for at, letter in facts if at == step) for step in range(1, self.length + 1)]
 
     def _atom(self, letter: str, step: int) -> clingo.Symbol:
-        known = letter in self.letters
-        term = self.letters[letter] if known else clingo.Function(letter)
-        return clingo.Function(SHOWN[self.level] if known else "named", [term, clingo.Number(step)])
+        name = name_in_prefix(letter, self.letters)
+        term = self.letters[letter] if name is None else clingo.Function(name)
+        return clingo.Function(SHOWN[self.level] if name is None else "named", [term, clingo.Number(step)])
 
 
 def word_formula(model: Model, level: Level, length: int) -> WordFormula:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal, Protocol
@@ -34,8 +34,8 @@ class Draw:
 class Engine(Protocol):
     """A way to count, enumerate and draw the words of one domain at one level.
 
-    `prefix` holds, for the first steps, the text of an action or of an action's name. Words come in the order of
-    their letters: actions in clingo's order of terms, names in alphabetical order.
+    `prefix` holds, for the first steps, the text of a letter or the name of several (see `name_in_prefix`). Words come
+    in the order of their letters: actions in clingo's order of terms, names in alphabetical order.
     """
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -76,6 +76,17 @@ class Engine(Protocol):
 
 Progress = Callable[[str], None]
 """Told in a few words how far a long computation is."""
+
+ALL = "(...)"
+"""What an item of a prefix ends with that is a name though an action is spelled like it: all actions of that name."""
+
+
+def name_in_prefix(item: str, letters: Container[str]) -> str | None:
+    """Return the name that an item of a prefix stands for, or None where it is one of the letters."""
+    if item.endswith(ALL):
+        return item.removesuffix(ALL)
+    return None if item in letters else item
+
 
 MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import accumulate, pairwise
-from math import lcm
 
 import clingo
 
@@ -14,9 +13,6 @@ from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
 from prag_asp.program.names import refuse_ambiguous
 from prag_asp.space.weighing.weights import Number
-
-FEWEST_CLASSES = 20
-"""Classes that skeletons are divided into at least: parts are made of whole classes."""
 
 
 def parse_shares(shares: Mapping[str, Number | float]) -> dict[str, Fraction]:
@@ -38,12 +34,6 @@ def divided(total: int, shares: Mapping[str, Fraction]) -> dict[str, range]:
     """Return consecutive ranges of the numbers below `total`, one for each share, each rounded by less than 1."""
     bounds = [0, *(int(total * share + Fraction(1, 2)) for share in accumulate(shares.values()))]
     return {name: range(low, high) for name, (low, high) in zip(shares, pairwise(bounds), strict=True)}
-
-
-def classes_for(shares: Mapping[str, Fraction]) -> int:
-    """Return into how many equal classes skeletons are divided, so that each share is a whole number of them."""
-    exact = lcm(*(share.denominator for share in shares.values()))
-    return exact * -(-FEWEST_CLASSES // exact)
 
 
 def held_out(what: str, facts: Facts, groups: Sequence[Sequence[clingo.Symbol]]) -> tuple[str, str]:

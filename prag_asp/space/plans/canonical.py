@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import clingo
 
-from prag_asp.atom import symbol_of
 from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import mentioned_entities
 from prag_asp.logic.symmetry.renaming import renamed
@@ -29,21 +28,19 @@ def canonical_names(
 
 
 def canonical_prefix(
-    prefix: Sequence[str], names: Iterable[str], groups: Sequence[Sequence[clingo.Symbol]]
+    prefix: Sequence[str], actions: Mapping[str, clingo.Symbol], groups: Sequence[Sequence[clingo.Symbol]]
 ) -> tuple[str, ...]:
-    """Return what tasks begin with where some renaming of them begins with `prefix`: actions, or `names` of actions.
+    """Return what tasks begin with where some renaming of them begins with `prefix`: `actions` by their texts or names.
 
     Raises:
         QueryError: after a mere name, an action speaks of an interchangeable entity for the first time.
     """
-    named = set(names)
-    actions = {item: symbol_of(item) for item in prefix if item not in named}
     renaming = canonical_names((actions[item] for item in prefix if item in actions), groups)
     grouped = {entity for group in groups for entity in group}
     introduced: set[clingo.Symbol] = set()
     for place, item in enumerate(prefix):
         used = set(mentioned_entities(actions[item], grouped)) if item in actions else set()
-        if used - introduced and any(earlier in named for earlier in prefix[:place]):
+        if used - introduced and any(earlier not in actions for earlier in prefix[:place]):
             raise QueryError(
                 f"{item} names the interchangeable {min(map(str, used - introduced))}, but it comes after a mere name: "
                 "give the actions before it in full, or count plans"

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from typing import TypeVar
+
+Node = TypeVar("Node", bound=Hashable)
 
 
-def components(roots: Iterable[int], below: Callable[[int], Iterable[int]]) -> Iterator[list[int]]:
+def components(roots: Iterable[Node], below: Callable[[Node], Iterable[Node]]) -> Iterator[list[Node]]:
     """Yield the strongly connected components that `roots` lead to (Tarjan 1972, without recursion).
 
     Each comes after those that it leads to; `below` gives the nodes that a node leads to.
     """
-    index: dict[int, int] = {}
-    low: dict[int, int] = {}
-    path: list[int] = []
-    waiting: set[int] = set()
+    index: dict[Node, int] = {}
+    low: dict[Node, int] = {}
+    path: list[Node] = []
+    waiting: set[Node] = set()
 
-    def entered(node: int) -> tuple[int, Iterator[int]]:
+    def entered(node: Node) -> tuple[Node, Iterator[Node]]:
         index[node] = low[node] = len(index)
         path.append(node)
         waiting.add(node)

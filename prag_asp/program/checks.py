@@ -1,0 +1,156 @@
+"""What clingo asks while it grounds a guarded program: whether numbers stay in range, and how much a rule made."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import clingo
+
+from prag_asp.errors import DomainError
+from prag_asp.integers import LARGEST, fits
+from prag_asp.program.arithmetic import Expression, OutOfRange, check_range, divides
+
+MOST_USES, DEEPEST, WIDEST = 100_000, 1_000, 1_000_000
+"""How often a rule that may be endless is used within one step, how deep its terms are nested, and how many numbers an
+interval has."""
+
+BOUND = "bound it by a condition such as N < 10"
+
+
+class BoundReached(DomainError):
+    """Grounding made a number that is out of range, or more than it may make."""
+
+
+@dataclass(frozen=True)
+class Site:
+    """A place in the files where a check was written in, and what is checked there."""
+
+    path: Path
+    line: int
+    told: str
+    expression: Expression = 0
+    inputs: tuple[str, ...] = ()
+    certain: bool = False
+
+    def error(self, what: str) -> BoundReached:
+        """Return the error for what was found here."""
+        return BoundReached(f"{self.path}:{self.line}: {what}")
+
+
+@dataclass
+class Checks:
+    """The functions that a guarded program asks while one control grounds it.
+
+    `overflows` are the places where a number out of range was made: clingo then says that an operation is undefined.
+    """
+
+    sites: Sequence[Site]
+    overflows: list[Site] = field(default_factory=list)
+    _uses: dict[tuple[int, clingo.Symbol], int] = field(default_factory=dict)
+    _depths: dict[clingo.Symbol, int] = field(default_factory=dict)
+    _sums: dict[tuple[int, clingo.Symbol], tuple[set[clingo.Symbol], int]] = field(default_factory=dict)
+
+    def overflow(self, message: str) -> BoundReached:
+        """Return the error for an operation that went out of range, of which clingo says that it is undefined."""
+        here = [site for site in self.overflows if message.startswith(f"{site.path}:{site.line}:")]
+        site = (here or self.overflows)[0]
+        return site.error(out_of_range(site.told))
+
+    def in_range(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
+        """Return 0 where an operation on these inputs stays in range, otherwise what no operation takes.
+
+        Raises:
+            BoundReached: it does not, and clingo would not survive it.
+        """
+        site = self.sites[number.number]
+        try:
+            check_range(site.expression, dict(zip(site.inputs, inputs, strict=True)))
+        except OutOfRange:
+            if divides(site.expression):
+                raise site.error(out_of_range(site.told)) from None
+            self.overflows.append(site)
+            return clingo.Function("out_of_range")
+        return clingo.Number(0)
+
+    def must_fit(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
+        """Return 0 where an operation on these inputs stays in range.
+
+        Raises:
+            BoundReached: it does not.
+        """
+        if self.in_range(number, *inputs).type != clingo.SymbolType.Number:
+            site = self.sites[number.number]
+            raise site.error(out_of_range(site.told))
+        return clingo.Number(0)
+
+    def up_to(self, number: clingo.Symbol, low: clingo.Symbol, high: clingo.Symbol) -> clingo.Symbol:
+        """Return the upper end of an interval.
+
+        Raises:
+            BoundReached: the interval has too many numbers.
+        """
+        both = low.type == high.type == clingo.SymbolType.Number
+        if both and high.number - low.number >= WIDEST:
+            raise self.sites[number.number].error(too_wide(self.sites[number.number].told, low.number, high.number))
+        return high
+
+    def summed(self, number: clingo.Symbol, group: clingo.Symbol, element: clingo.Symbol) -> clingo.Symbol:
+        """Return 0 where the sum of the elements of a group stays in range, otherwise what no operation takes."""
+        found, total = self._sums.get((number.number, group), (set(), 0))
+        weight = element.arguments[0]
+        if element not in found and weight.type == clingo.SymbolType.Number:
+            found.add(element)
+            total += abs(weight.number)
+            self._sums[number.number, group] = (found, total)
+        if not fits(total):
+            self.overflows.append(self.sites[number.number])
+            return clingo.Function("out_of_range")
+        return clingo.Number(0)
+
+    def goes_on(self, number: clingo.Symbol, time: clingo.Symbol, *values: clingo.Symbol) -> clingo.Symbol:
+        """Return 0 where a rule may be used once more, on these values.
+
+        Raises:
+            BoundReached: it was used too often, makes terms that are too deep, or would never end.
+        """
+        site = self.sites[number.number]
+        key = (number.number, time)
+        uses = self._uses[key] = self._uses.get(key, 0) + 1
+        if site.certain:
+            raise site.error(ever_larger(site.told))
+        if uses > MOST_USES:
+            raise site.error(f"this rule made terms of {site.told} from one another {MOST_USES:,} times; {BOUND}")
+        if any(self._depth(value) > DEEPEST for value in values):
+            raise site.error(f"this rule makes terms of {site.told} nested more than {DEEPEST:,} deep; {BOUND}")
+        return clingo.Number(0)
+
+    def _depth(self, symbol: clingo.Symbol) -> int:
+        """Return how deep a term is nested; the terms in it were mostly seen before."""
+        waiting = [symbol]
+        while waiting:
+            each = waiting[-1]
+            inner = each.arguments if each.type == clingo.SymbolType.Function else ()
+            unseen = [term for term in inner if term not in self._depths]
+            if unseen:
+                waiting += unseen
+            else:
+                self._depths[each] = max((self._depths[term] + 1 for term in inner), default=0)
+                waiting.pop()
+        return self._depths[symbol]
+
+
+def ever_larger(name: str) -> str:
+    """Return what is told of a rule that never ends."""
+    return f"this rule makes ever larger terms of {name} and never ends; {BOUND}"
+
+
+def out_of_range(operation: str) -> str:
+    """Return what is told of an operation that makes a number out of range."""
+    return f"{operation} makes a number that is out of range; keep it from -{LARGEST} to {LARGEST}"
+
+
+def too_wide(interval: str, low: int, high: int) -> str:
+    """Return what is told of an interval that has too many numbers."""
+    return f"{interval} has {high - low + 1:,} numbers, more than {WIDEST:,}; make it smaller"

@@ -1,0 +1,297 @@
+"""Write checks into the rules of a domain: numbers stay in range, and what may grow without end is counted.
+
+A rule asks functions of the library while it is ground; each line stays where it was. The range of an operation is
+checked where clingo computes it: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0, or has no value. Where clingo
+solves an operation for a variable instead, as in an atom of a body, the check comes after it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
+
+from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, Sign, UnaryOperator
+
+from prag_asp.program.arithmetic import OPERATIONS, divides, leaves, read_expression
+from prag_asp.program.checks import WIDEST, BoundReached, Site, too_wide
+from prag_asp.program.endless import Endless, endless_rules
+from prag_asp.program.parse import number_problem, parse_sources
+from prag_asp.program.sources import ADDED, Program, Source, owned
+from prag_asp.program.syntax import Statement, children_of, variables
+
+OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
+"""What the text of a rule has, as clingo writes it, wherever there is arithmetic; more may have it."""
+
+SUMS = (AggregateFunction.Sum, AggregateFunction.SumPlus)
+SMALL = 1_000
+"""A weight up to which no sum is checked: nobody grounds so many elements."""
+
+
+@dataclass(frozen=True)
+class Guarded:
+    """The text of a program with its checks, and where they are.
+
+    `endless_steps` says whether steps may make ever new terms, one after the other or at once.
+    """
+
+    text: str
+    sites: tuple[Site, ...]
+    endless_steps: bool
+
+
+@lru_cache(maxsize=16)
+def guarded(program: Program) -> Guarded:
+    """Return a program with its checks.
+
+    Raises:
+        BoundReached: a number is out of range, or an interval has too many numbers.
+    """
+    for source in program.sources:
+        problem = number_problem(source)
+        if problem:
+            raise BoundReached(str(problem))
+    read = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
+    endless: dict[Statement, list[Endless]] = {}
+    for each in endless_rules(chain.from_iterable(read.values())):
+        endless.setdefault(each.rule, []).append(each)
+    sites: list[Site] = []
+    sources = []
+    for source in program.sources:
+        writer = _Writer(sites)
+        for statement in read.get(source, ()):
+            if statement.own and statement.is_rule:
+                writer.guard(statement, endless.get(statement, ()))
+        sources.append(Source(source.path, writer.written(source.text)))
+    endless_steps = any(statement.timed for statement in endless)
+    return Guarded(Program(tuple(sources)).text, tuple(sites), endless_steps)
+
+
+class _Writer:
+    """Writes checks into the text of one source; those at one place come in the order in which they are made."""
+
+    def __init__(self, sites: list[Site]) -> None:
+        self._sites = sites
+        self._added: list[tuple[int, int, int, str]] = []
+        self._rule: Statement
+
+    def written(self, text: str) -> str:
+        """Return the text with the checks; clingo counts columns in bytes."""
+        if not self._added:
+            return text
+        lines = text.encode().split(b"\n")
+        for line, column, _, added in sorted(self._added, reverse=True):
+            old = lines[line - 1]
+            lines[line - 1] = old[: column - 1] + added.encode() + old[column - 1 :]
+        return b"\n".join(lines).decode()
+
+    def guard(self, rule: Statement, endless: Sequence[Endless]) -> None:
+        """Write the checks of a rule."""
+        self._rule = rule
+        text = str(rule.node)
+        if OPERATION.search(text.replace(":-", "").replace(self._before, "")) or "#sum" in text:
+            bound = self._scope(rule.node.body, frozenset())
+            self._head(rule.node.head, bound)
+        for each in endless:
+            self._count(each)
+
+    @property
+    def _before(self) -> str:
+        """How the rule writes the step before, whose number is in range."""
+        return f"({self._rule.parameters[0]}-1)" if self._rule.timed and self._rule.parameters else ":-"
+
+    def _count(self, endless: Endless) -> None:
+        """Write the check that counts how often an endless rule is used."""
+        rule = endless.rule
+        time = rule.parameters[0] if rule.timed and rule.parameters else "0"
+        told = "/".join(dict.fromkeys(head.name for head in rule.heads))
+        check = self._call(
+            "goes_on", Site(rule.path, rule.line, told, certain=endless.certain), time, *endless.variables
+        )
+        if endless.element is None:
+            end = rule.node.location.end
+            self._add((end.line, end.column - 1), f";0={check}")
+        else:
+            self._add(_end(_conditions(rule.node.head)[endless.element][-1]), f",0={check}")
+
+    def _scope(self, literals: Iterable[AST], bound: frozenset[str]) -> frozenset[str]:
+        """Write the checks of literals that hold together, and return the variables that are bound by them."""
+        literals = tuple(literals)
+        bound = _bound(literals, bound)
+        for literal in literals:
+            if literal.ast_type == ASTType.ConditionalLiteral:
+                inner = self._scope(literal.condition, bound)
+                self._literal(literal.literal, inner, binding=False)
+            else:
+                self._literal(literal, bound, binding=literal.sign == Sign.NoSign)
+        return bound
+
+    def _literal(self, literal: AST, bound: frozenset[str], *, binding: bool) -> None:
+        """Write the checks of a literal: after it, where it binds a variable by way of an operation."""
+        atom = literal.atom
+        if atom.ast_type == ASTType.SymbolicAtom:
+            self._terms([atom.symbol], literal if binding else None)
+        elif atom.ast_type == ASTType.Comparison:
+            terms = [atom.term, *(guard.term for guard in atom.guards)]
+            free = any(not variables(str(term)) <= bound for term in terms)
+            self._terms(terms, literal if binding and free else None)
+        elif atom.ast_type in (ASTType.BodyAggregate, ASTType.Aggregate):
+            self._aggregate(atom, bound)
+
+    def _head(self, head: AST, bound: frozenset[str]) -> None:
+        if head.ast_type == ASTType.Literal:
+            self._literal(head, bound, binding=False)
+        elif head.ast_type == ASTType.Disjunction:
+            for element in head.elements:
+                self._literal(element.literal, self._scope(element.condition, bound), binding=False)
+        elif head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate):
+            self._aggregate(head, bound)
+
+    def _aggregate(self, aggregate: AST, bound: frozenset[str]) -> None:
+        guards = [each.term for each in (aggregate.left_guard, aggregate.right_guard) if each is not None]
+        self._terms([term for term in guards if variables(str(term)) <= bound], None)
+        for element in aggregate.elements:
+            if aggregate.ast_type == ASTType.Aggregate:
+                self._literal(element.literal, self._scope(element.condition, bound), binding=False)
+                continue
+            condition = element.condition
+            literals = condition.condition if aggregate.ast_type == ASTType.HeadAggregate else condition
+            inner = self._scope(literals, bound)
+            if aggregate.ast_type == ASTType.HeadAggregate:
+                self._literal(condition.literal, inner, binding=False)
+            self._tuple(aggregate, element, bound)
+
+    def _tuple(self, aggregate: AST, element: AST, bound: frozenset[str]) -> None:
+        """Write the checks of the tuple of an element, and of the sum that its weight belongs to."""
+        terms = list(element.terms)
+        if aggregate.function not in SUMS or not terms or _is_small(terms[0]):
+            self._terms(terms, None)
+            return
+        groups = sorted(variables(str(element)) & bound)
+        site = Site(self._rule.path, terms[0].location.begin.line, f"the sum of {terms[0]}")
+        time = self._rule.parameters if self._rule.timed else ()
+        whole, group = ",".join([*map(str, terms), ""]), ",".join([*groups, *time, "0", ""])
+        self._add(_begin(terms[0]), "(")
+        self._terms(terms[:1], None)
+        self._add(_end(terms[0]), f")+{self._call('summed', site, f'({group})', f'({whole})')}")
+        self._terms(terms[1:], None)
+
+    def _terms(self, terms: Iterable[AST], after: AST | None) -> None:
+        """Write the checks of the operations and intervals in terms: where they stand, or after a literal."""
+        for term in terms:
+            kind = term.ast_type
+            if kind in OPERATIONS and not _is_signed(term):
+                self._operation(term, after)
+            elif kind == ASTType.Interval:
+                self._interval(term)
+            elif kind not in (ASTType.SymbolicTerm, ASTType.Variable):
+                self._terms(children_of(term), after)
+
+    def _operation(self, term: AST, after: AST | None) -> None:
+        expression, text = read_expression(term), str(term)
+        inputs = tuple(dict.fromkeys(leaves(expression)))
+        if text == self._before or "_" in inputs:
+            return
+        site = Site(self._rule.path, term.location.begin.line, _bare(text), expression, inputs)
+        if after is not None and not divides(expression):
+            self._intervals(term)
+            self._add(_end(after), f",0={self._call('must_fit', site, *inputs)}")
+            return
+        self._add(_begin(term), "(")
+        self._intervals(term)
+        self._add(_end(term), f")+{self._call('in_range', site, *inputs)}")
+
+    def _intervals(self, term: AST) -> None:
+        """Write the checks of the intervals within an operation."""
+        for child in children_of(term):
+            if child.ast_type == ASTType.Interval:
+                self._interval(child)
+            else:
+                self._intervals(child)
+
+    def _interval(self, term: AST) -> None:
+        low, high = term.left, term.right
+        site = Site(self._rule.path, term.location.begin.line, _bare(str(term)))
+        ends = [read_expression(low), read_expression(high)]
+        if isinstance(ends[0], int) and isinstance(ends[1], int):
+            if ends[1] - ends[0] >= WIDEST:
+                raise site.error(too_wide(site.told, ends[0], ends[1]))
+            return
+        self._terms([low], None)
+        name = self._call("up_to", site, str(low))
+        self._add(_begin(high), f"{name[:-1]},")
+        self._terms([high], None)
+        self._add(_end(high), ")")
+
+    def _call(self, function: str, site: Site, *inputs: str) -> str:
+        self._sites.append(site)
+        return f"@{function}({','.join([str(len(self._sites) - 1), *inputs])})"
+
+    def _add(self, place: tuple[int, int], text: str) -> None:
+        self._added.append((*place, len(self._added), text))
+
+
+def _begin(node: AST) -> tuple[int, int]:
+    return node.location.begin.line, node.location.begin.column
+
+
+def _end(node: AST) -> tuple[int, int]:
+    return node.location.end.line, node.location.end.column
+
+
+def _conditions(head: AST) -> list[Sequence[AST]]:
+    """Return the conditions of the elements of a head."""
+    if head.ast_type == ASTType.HeadAggregate:
+        return [element.condition.condition for element in head.elements]
+    return [element.condition for element in head.elements]
+
+
+def _bound(literals: Sequence[AST], outer: frozenset[str]) -> frozenset[str]:
+    """Return the variables that literals bind without solving an operation for one."""
+    bound = set(outer)
+    equations: list[tuple[str, set[str]]] = []
+    for literal in literals:
+        if literal.ast_type != ASTType.Literal or literal.sign != Sign.NoSign:
+            continue
+        atom = literal.atom
+        if atom.ast_type == ASTType.SymbolicAtom:
+            bound |= _plain_variables(atom.symbol)
+        elif atom.ast_type == ASTType.Comparison and atom.guards[0].comparison == ComparisonOperator.Equal:
+            for term, other in ((atom.term, atom.guards[0].term), (atom.guards[0].term, atom.term)):
+                equations += [(name, variables(str(other))) for name in _plain_variables(term)]
+        elif atom.ast_type in (ASTType.BodyAggregate, ASTType.Aggregate):
+            for guard in (atom.left_guard, atom.right_guard):
+                if guard is not None and guard.comparison == ComparisonOperator.Equal:
+                    bound |= _plain_variables(guard.term)
+    while True:
+        new = {name for name, needed in equations if name not in bound and needed <= bound}
+        if not new:
+            return frozenset(bound)
+        bound |= new
+
+
+def _plain_variables(term: AST) -> set[str]:
+    """Return the variables of a term that stand in no operation of it."""
+    if term.ast_type == ASTType.Variable:
+        return {term.name}
+    if (term.ast_type in OPERATIONS and not _is_signed(term)) or term.ast_type == ASTType.Interval:
+        return set()
+    return {name for child in children_of(term) for name in _plain_variables(child)}
+
+
+def _is_signed(term: AST) -> bool:
+    """Return whether a term is another with a sign or between bars: that is in range where the other is."""
+    return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
+
+
+def _is_small(term: AST) -> bool:
+    """Return whether a weight is a number of which no sum that can be made goes out of range."""
+    expression = read_expression(term)
+    return isinstance(expression, int) and abs(expression) <= SMALL
+
+
+def _bare(text: str) -> str:
+    """Return the text of an operation without the parentheses around it."""
+    return text[1:-1] if text.startswith("(") else text

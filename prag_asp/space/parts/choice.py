@@ -1,0 +1,140 @@
+"""Choose parts of whole pieces whose sizes come as near as possible to the shares that are wanted."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+NEAR = Fraction(2, 100)
+"""How far from its share a part may be where the choice is random."""
+
+ATTEMPTS, NODES = 20, 200_000
+"""Random choices before the nearest is searched for, and how many places that search looks at."""
+
+SWAPPED = 100
+"""Pieces up to which pairs of them are exchanged as well."""
+
+
+def farthest(sizes: Sequence[int], shares: Sequence[Fraction]) -> Fraction:
+    """Return how far the share of a part is from the one wanted, at most; `sizes` are those of the parts."""
+    total = sum(sizes)
+    return max(abs(Fraction(size, total) - share) for size, share in zip(sizes, shares, strict=True)) if total else NEAR
+
+
+def choose_parts(pieces: Sequence[int], shares: Sequence[Fraction], seed: int) -> list[int]:
+    """Return the number of the part that each piece belongs to, given the sizes of the pieces, at least one above 0.
+
+    The choice is random among those that come near: pieces go at random to parts that lack some, then move where that
+    helps. Where none of several choices comes near, the nearest of all is searched for, by branch and bound.
+    """
+    chance = random.Random(f"parts {seed}")
+    best: list[int] = []
+    for _ in range(ATTEMPTS):
+        found = _improved(_random_parts(pieces, shares, chance), pieces, shares)
+        if not best or _distance(found, pieces, shares) < _distance(best, pieces, shares):
+            best = found
+        if _distance(best, pieces, shares) <= NEAR:
+            return best
+    return _nearest(pieces, shares, best)
+
+
+def _distance(parts: Sequence[int], pieces: Sequence[int], shares: Sequence[Fraction]) -> Fraction:
+    return farthest(_sums(parts, pieces, len(shares)), shares)
+
+
+def _sums(parts: Sequence[int], pieces: Sequence[int], number: int) -> list[int]:
+    sums = [0] * number
+    for part, size in zip(parts, pieces, strict=True):
+        sums[part] += size
+    return sums
+
+
+def _random_parts(pieces: Sequence[int], shares: Sequence[Fraction], chance: random.Random) -> list[int]:
+    """Return a choice in which pieces, in random order, go to parts in proportion to what these still lack."""
+    total = sum(pieces)
+    lacking = [share * total for share in shares]
+    parts = [0] * len(pieces)
+    for piece in chance.sample(range(len(pieces)), len(pieces)):
+        able = [max(lack, Fraction(0)) for lack in lacking]
+        point = Fraction(chance.getrandbits(64), 2**64) * sum(able)
+        part = 0
+        while part < len(able) - 1 and point >= able[part]:
+            point -= able[part]
+            part += 1
+        parts[piece] = part
+        lacking[part] -= pieces[piece]
+    return parts
+
+
+def _improved(parts: list[int], pieces: Sequence[int], shares: Sequence[Fraction]) -> list[int]:
+    """Return a choice that no move of one piece, nor an exchange of two, brings nearer."""
+    total = sum(pieces)
+    excess = [size - share * total for size, share in zip(_sums(parts, pieces, len(shares)), shares, strict=True)]
+    while True:
+        worst = max(map(abs, excess))
+        step = min(_steps(parts, pieces, excess), default=None)
+        if step is None or step[0] >= worst or worst <= NEAR * total / 4:
+            return parts
+        _, changes = step
+        for piece, part in changes:
+            excess[parts[piece]] -= pieces[piece]
+            excess[part] += pieces[piece]
+            parts[piece] = part
+
+
+def _steps(
+    parts: Sequence[int], pieces: Sequence[int], excess: Sequence[Fraction]
+) -> Iterator[tuple[Fraction, tuple[tuple[int, int], ...]]]:
+    """Yield what can be changed at once, after how far the parts are then from what they should have."""
+
+    def after(source: int, target: int, size: int) -> Fraction:
+        return max(
+            abs(each - size if part == source else each + size if part == target else each)
+            for part, each in enumerate(excess)
+        )
+
+    for piece, part in enumerate(parts):
+        for other in range(len(excess)):
+            if other != part:
+                yield after(part, other, pieces[piece]), ((piece, other),)
+    if len(pieces) <= SWAPPED:
+        for first, part in enumerate(parts):
+            for second in range(first + 1, len(parts)):
+                other = parts[second]
+                if other != part:
+                    yield after(part, other, pieces[first] - pieces[second]), ((first, other), (second, part))
+
+
+def _nearest(pieces: Sequence[int], shares: Sequence[Fraction], best: list[int]) -> list[int]:
+    """Return the nearest choice, where it is found in time, else the best one that is known.
+
+    Pieces are placed from the largest on. What a part has too much it keeps: that bounds what can become of it.
+    """
+    total = sum(pieces)
+    order = sorted(range(len(pieces)), key=lambda piece: -pieces[piece])
+    excess = [-share * total for share in shares]
+    least = _distance(best, pieces, shares) * total
+    parts, nodes = [0] * len(pieces), 0
+    waiting = [iter(range(len(shares)))]
+    while waiting:
+        depth = len(waiting) - 1
+        part = next(waiting[-1], None)
+        if part is None or nodes > NODES:
+            waiting.pop()
+            if depth:
+                excess[parts[order[depth - 1]]] -= pieces[order[depth - 1]]
+            continue
+        nodes += 1
+        piece = order[depth]
+        if excess[part] + pieces[piece] >= least:
+            continue
+        excess[part] += pieces[piece]
+        parts[piece] = part
+        if depth + 1 < len(order):
+            waiting.append(iter(range(len(shares))))
+            continue
+        if max(map(abs, excess)) < least:
+            least, best = max(map(abs, excess)), list(parts)
+        excess[part] -= pieces[piece]
+    return best

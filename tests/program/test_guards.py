@@ -1,0 +1,146 @@
+"""Numbers out of range are told with file and line, whatever makes them, and nothing else changes."""
+
+from __future__ import annotations
+
+import pytest
+
+from prag_asp.errors import DomainError
+from tests.program.grounded import ground, ground_by_clingo_alone
+
+MOST = 2**31 - 1
+LARGE = f"q({MOST}). q(3). "
+SMALL = f"q(-{MOST}). q(3). "
+KEEP = rf"; keep it from -{MOST} to {MOST}$"
+
+OUT_OF_RANGE = [
+    # operators
+    (LARGE + "p(X+1) :- q(X).", r"X\+1 makes"),
+    (SMALL + "p(X-1) :- q(X).", "X-1 makes"),
+    (LARGE + "p(X*2) :- q(X).", r"X\*2 makes"),
+    (LARGE + "p(X*X) :- q(X).", r"X\*X makes"),
+    (LARGE + "p(X**2) :- q(X).", r"X\*\*2 makes"),
+    ("q(7;31). p(2**X) :- q(X).", r"2\*\*X makes"),
+    (LARGE + "p(2**X) :- q(X).", r"2\*\*X makes"),
+    (LARGE + "p(~X) :- q(X).", "~X makes"),
+    (SMALL + "p(X&(-2)) :- q(X).", "X&-2 makes"),
+    (SMALL + "p((X-1)^0) :- q(X).", r"\(X-1\)\^0 makes"),
+    (SMALL + "p((X-1)?0) :- q(X).", r"\(X-1\)\?0 makes"),
+    (SMALL + "p((X-1)/ -1) :- q(X).", r"\(X-1\)/-1 makes"),
+    (SMALL + "p((X-1)\\ -1) :- q(X).", r"\(X-1\)\\-1 makes"),
+    (LARGE + "p(-(X+1)) :- q(X).", r"X\+1 makes"),
+    (SMALL + "p(|X-1|) :- q(X).", "X-1 makes"),
+    # on the way
+    (LARGE + "p(X+1-1) :- q(X).", r"\(X\+1\)-1 makes"),
+    (LARGE + "p(X*2/2) :- q(X).", r"\(X\*2\)/2 makes"),
+    ("p(2**31-1).", r"\(2\*\*31\)-1 makes"),
+    (LARGE + "p((1;2)+X) :- q(X).", r"\(1;2\)\+X makes"),
+    (LARGE + "p((1..2)+X) :- q(X).", r"\(1\.\.2\)\+X makes"),
+    # places
+    ("p(2147483647+1).", r"2147483647\+1 makes"),
+    (f"#const n = {MOST}. p(n+1).", r"n\+1 makes"),
+    (LARGE + "p(f(a,(X+1,b))) :- q(X).", r"X\+1 makes"),
+    (LARGE + "p(Y) :- q(X), Y = X+1.", r"X\+1 makes"),
+    (LARGE + "p(Y) :- q(X), X+1 = Y.", r"X\+1 makes"),
+    (LARGE + "p :- q(X), X+1 < 0.", r"X\+1 makes"),
+    (LARGE + "p :- q(X), 0 < X < X+1.", r"X\+1 makes"),
+    (LARGE + "p :- q(X), not X+1 < 0.", r"X\+1 makes"),
+    (LARGE + "p :- q(X), not r(X+1). {r(3)}.", r"X\+1 makes"),
+    (LARGE + ":- q(X), X+1 < 0.", r"X\+1 makes"),
+    (LARGE + "{p(X+1)} :- q(X).", r"X\+1 makes"),
+    (LARGE + "{p(X+1) : q(X)}.", r"X\+1 makes"),
+    (LARGE + "p(X+1) : q(X).", r"X\+1 makes"),
+    (LARGE + "p(X) ; r(X+1) :- q(X).", r"X\+1 makes"),
+    (LARGE + "{p(X) : q(X), X+1 > 2}.", r"X\+1 makes"),
+    (LARGE + "p :- q(X), r(Y+1) : q(Y). r(4).", r"Y\+1 makes"),
+    (LARGE + "p(N) :- N = #max {X+1 : q(X)}.", r"X\+1 makes"),
+    (LARGE + "p(N) :- N = #count {X : q(X), X+1 > 0}.", r"X\+1 makes"),
+    (LARGE + "p :- q(X), X+1 < #count {Y : q(Y)}.", r"X\+1 makes"),
+    (LARGE + "#sum {X,p : p(X) : q(X)} X+1 :- q(X).", r"X\+1 makes"),
+    (SMALL + "p(X) :- q(X+2).", r"X\+2 makes"),
+    (SMALL + "p(X) :- q(Y), Y = X+2.", r"X\+2 makes"),
+    (SMALL + "p(1..X) :- q(Y), X = Y-1.", "Y-1 makes"),
+    (LARGE + "#program step(t). p(X+t,t) :- q(X).", r"X\+t makes"),
+    (LARGE + "#program step(k). p(X+k,k) :- q(X).", r"X\+k makes"),
+    # sums
+    (LARGE + "p(N) :- N = #sum {X : q(X)}.", "the sum of X makes"),
+    (LARGE + "p(N) :- N = #sum+ {X : q(X)}.", r"the sum of X makes"),
+    (LARGE + "p :- #sum {X : q(X)} > 3.", "the sum of X makes"),
+    (LARGE + "{r}. p :- #sum {X,r : q(X), r} > 3.", "the sum of X makes"),
+    (LARGE + "1 #sum {X,a : p(X) : q(X)}.", "the sum of X makes"),
+    (LARGE + "p(N) :- N = #sum {X+1 : q(X)}.", r"(X\+1|the sum of \(X\+1\)) makes"),
+]
+
+
+@pytest.mark.parametrize(("text", "said"), OUT_OF_RANGE, ids=[text for text, _ in OUT_OF_RANGE])
+def test_an_operation_out_of_range_is_told_where_it_stands(text: str, said: str) -> None:
+    with pytest.raises(DomainError, match=rf"^domain\.lp:3: {said} a number that is out of range{KEEP}"):
+        ground(f"% one\n% two\n{text}\n")
+
+
+def test_the_line_is_that_of_the_operation_where_a_rule_has_several() -> None:
+    with pytest.raises(DomainError, match=r"^domain\.lp:3: X\+1 makes"):
+        ground(LARGE + "\np(Y) :- q(X),\n  X+1 = Y.")
+    with pytest.raises(DomainError, match=r"^domain\.lp:4: operation undefined: \(4/X\); guard the operation$"):
+        ground("q(0..1). é_free :- q(1).\n".replace("é_", "") + "p(4-X,Y)\n:- q(X),\n Y = 4/X.")
+
+
+IN_RANGE = [
+    LARGE + "p(X+1) :- q(X), X < 9.",
+    LARGE + "p(X-1,X/2,X\\7,-X,|X|,X&1,X?1,X^1) :- q(X).",
+    SMALL + "p(X / -1, X \\ -1, -X, |X|, X+1, ~X) :- q(X).",
+    SMALL + "r(X+1) :- q(X). p(X) :- r(X+1), q(X).",
+    LARGE + "r(1). p :- q(X), r(X+1).",
+    "q(1..2). r(1..3). p(X) :- q(X), r(X+1).",
+    "q(1..4). p(X,Y) :- q(X), q(Y), |X-Y| = 1. s(X+Y,X*Y) :- p(X,Y),\n  X < Y ; not q(X\n+Y).",
+    "q(1..4). p(X) :- q(X+1). r(X) :- q(Y), X+1 = Y. s(X) :- q(2*X+1). u(X) :- q(3-X).",
+    "q(1..4). p(Z) :- q(X), Z = X-1..X+1. r(1..X+1) :- q(X). s((1;2)+X,(1..X)*2) :- q(X).",
+    "q(1..4). p(N) :- N = #sum {X*2,X : q(X)}. r(X) :- q(X), 3 <= #sum+ {Y-X,Y : q(Y), Y > X} <= 5.",
+    "q(1..4). 1 {p(X+1) : q(X), X+1 < 4; r(X-1) : q(X)} 2. s(X) :- q(X), p(X+1), not r(X-1).",
+    "q(1..4). p(X) :- q(X), q(Y+1) : q(Y), Y+1 < X+2; q(X). r :- not q(X-1) : q(X).",
+    "q(1..4). 2 < #sum {X+1,X : p(X+1) : q(X)} < 9. r(X) ; s(X+1) : q(X) :- q(X+1), q(1).",
+    '#const n = 3. q(1..n). p(n-1..n+1). s("1+2 % no", "a\\"b") :- q(1). % X+1\n%* q(X+1)\n *% r(2*n).',
+    "q(0..3). p(2**X, X**2, X**0, (-2)**X, 2**(X-1)) :- q(X).",
+    "q(1..2). #program step(t). p(t-1,t). r(X+t,t) :- q(X), p(t-1,t). #program step(k). s(k*2-1,k) :- p(k-1,k).",
+    "q((1,2);(3,4)). p(X+Y) :- q((X,Y)). -s(X-1) :- q((X,_)). u :- -s(X-1), q((X,_)).",
+    "n(0). n(X+1) :- n(X), X < 30. m(Y) :- n(X), Y = X\\7+(X/7)*10.",
+]
+
+
+@pytest.mark.parametrize("text", IN_RANGE)
+def test_a_program_in_range_has_the_atoms_that_clingo_itself_makes(text: str) -> None:
+    found = ground(text)
+    assert found == ground_by_clingo_alone(text)
+    assert found
+
+
+LITERALS = ["99999999999", "-99999999999", "2147483648", "0xFFFFFFFF", "0b11111111111111111111111111111111", "1" * 5000]
+
+
+@pytest.mark.parametrize("number", LITERALS)
+def test_a_number_out_of_range_is_told_as_its_author_wrote_it(number: str) -> None:
+    shown = number.lstrip("-") if len(number) < 25 else r"\w{20}\.\.\. \(\d+ digits\)"
+    with pytest.raises(DomainError, match=rf"^domain\.lp:2: the number {shown} is out of range: write numbers from -2"):
+        ground(f"a.\nq({number}).")
+
+
+def test_digits_in_names_texts_and_comments_are_no_numbers() -> None:
+    text = (
+        'q(a99999999999,_x99999999999,"99999999999 \\" 99999999999"). % 99999999999\n%* 99999999999 *% p(2147483647).'
+    )
+    assert ground(text) == ground_by_clingo_alone(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "p(1..1000000000).",
+        "q(1000000000). p(1..X) :- q(X).",
+        "#const n = 1000000000. p(1..n).",
+        "p(2*(1..1000000000)).",
+    ],
+)
+def test_an_interval_of_too_many_numbers_is_told_before_it_is_made(text: str) -> None:
+    with pytest.raises(
+        DomainError, match=r"^domain\.lp:2: 1\.\.\w+ has 1,000,000,000 numbers, more than 1,000,000; make"
+    ):
+        ground(f"\n{text}")

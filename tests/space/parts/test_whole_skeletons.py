@@ -1,0 +1,71 @@
+"""Parts of whole skeletons are disjoint, are all together, and have the shares asked for or a warning."""
+
+from __future__ import annotations
+
+from itertools import chain
+from pathlib import Path
+
+import pytest
+
+from prag_asp import TaskSpace
+from prag_asp.space.parts.whole_skeletons import SharesWarning
+from tests.commands import run
+from tests.domains import domain_of
+
+SKEWED = "fluent(f). initially(f,true). action(a(1..9)). action(b(1..3)). action(c). action(d(1..2))."
+LARGE = "fluent(f). initially(f,true). action(a(1..40)). action(b)."
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("shares", [{"train": 0.8, "test": 0.2}, {"a": "1/2", "b": "3/10", "c": "1/5"}])
+def test_shares_are_met_by_whole_skeletons(seed: int, shares: dict[str, float | str]) -> None:
+    space = TaskSpace(domain_of(SKEWED), 3)
+    parts = space.split_skeletons(shares, seed=seed)
+    words = {name: set(part.words("task")) for name, part in parts.items()}
+    assert sum(map(len, words.values())) == space.count()
+    assert set(chain.from_iterable(words.values())) == set(space.words("task"))
+    skeletons = [set(part.words("skeleton")) for part in parts.values()]
+    assert sum(map(len, skeletons)) == len(set(chain.from_iterable(skeletons))) == space.count("skeleton")
+    for part, share in zip(parts.values(), (0.8, 0.2) if len(shares) == 2 else (0.5, 0.3, 0.2), strict=True):
+        assert abs(part.count() / space.count() - share) <= 0.02
+        assert {part.index(part[rank]) for rank in range(0, part.count(), 97)} == set(range(0, part.count(), 97))
+
+
+def test_different_seeds_choose_different_skeletons() -> None:
+    space = TaskSpace(domain_of(SKEWED), 3)
+    tests = {
+        frozenset(space.split_skeletons({"a": 0.8, "b": 0.2}, seed=seed)["b"].words("skeleton")) for seed in range(5)
+    }
+    assert len(tests) > 2
+
+
+def test_the_nearest_that_whole_skeletons_allow_comes_with_a_warning() -> None:
+    space = TaskSpace(domain_of(LARGE), 1)
+    said = (
+        r"^train has 97\.6 %, test has 2\.4 % of the tasks, not 80 %, 20 %: no choice of whole skeletons comes nearer"
+    )
+    with pytest.warns(SharesWarning, match=said):
+        parts = space.split_skeletons({"train": 0.8, "test": 0.2})
+    assert {name: part.count() for name, part in parts.items()} == {"train": 40, "test": 1}
+    with pytest.warns(SharesWarning, match=r"a has 0\.0 %, b has 100\.0 %|a has 100\.0 %, b has 0\.0 %"):
+        empty = space.at(0).split_skeletons({"a": "1/2", "b": "1/2"})
+    assert sorted(part.count() for part in empty.values()) == [0, 1]
+
+
+def test_classes_are_adjusted_where_there_are_too_many_skeletons_to_list(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("prag_asp.space.parts.whole_skeletons.LISTED", 3)
+    space = TaskSpace(domain_of(SKEWED), 4)
+    for seed in range(3):
+        parts = space.split_skeletons({"train": 0.8, "test": 0.2}, seed=seed)
+        assert sum(part.count() for part in parts.values()) == space.count() == 15**4
+        assert abs(parts["test"].count() / space.count() - 0.2) <= 0.02
+        assert all("part" in str(part.condition) for part in parts.values())
+
+
+def test_the_command_warns_on_standard_error(tmp_path: Path) -> None:
+    file = tmp_path / "large.lp"
+    file.write_text(LARGE, encoding="utf-8")
+    done = run("split", str(file), "--length", "1", "train=0.8", "test=0.2", "--skeletons")
+    assert done.returncode == 0
+    assert done.stdout == "train  40\ntest   1\n"
+    assert "warning: train has 97.6 %, test has 2.4 % of the tasks, not 80 %, 20 %" in done.stderr
