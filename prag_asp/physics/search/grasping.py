@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
-from prag_asp.physics.predicates.gripper import CLEARANCE
+from prag_asp.physics.predicates.gaps import ROUNDING
+from prag_asp.physics.predicates.gripper import CLEARANCE, lowest_grip
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
@@ -51,13 +52,15 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     the palm lets them in, then at the top, where the palm passes over what stands around.
 
     Raises:
-        Failure: the object is too wide for the gripper.
+        Failure: the object is too wide for the gripper, or too low.
     """
     shape, pose = situation.shape(entity), situation.pose(entity)
     x, y, z = pose.position
     half = situation.half(entity)[2]
-    bottom = z - half + search.robot.fingertip + 0.002
-    height = max(z, z + half - search.robot.finger_depth, bottom)
+    lowest = z - half + lowest_grip(search.robot)
+    if lowest > z + half + ROUNDING:
+        raise Failure(NO_GRASP)
+    height = min(max(z, z + half - search.robot.finger_depth, lowest), z + half)
     base_x, base_y, _ = search.robot.base.position
     heading = math.atan2(y - base_y, x - base_x)
     round_body = shape.traits.round

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
+from prag_asp.physics.predicates.gripper import slips
+from prag_asp.physics.search.attempt import ARM_COLLIDES, LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, collide
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Waypoint
@@ -22,10 +23,16 @@ def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
 
 
 def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> Snapshot:
-    """Move a lowered gripper straight up, with what it holds."""
+    """Move a lowered gripper straight up, with what it holds.
+
+    Raises:
+        Failure: it slips out of the gripper, or something is in the way.
+    """
     assert snapshot.above is not None
     poses, held = snapshot.situation.poses, snapshot.arm.held
     if held is not None:
+        if slips(search.scene, held, snapshot.acting) is not None:
+            raise Failure(LOST)
         poses = with_riders(snapshot.situation, held, raised(poses[held], LIFT), search.objects)
     after = moved_arm(snapshot, snapshot.above, poses)
     if held is not None:
