@@ -67,7 +67,7 @@ def _heavy(scene: Scene, name: str, robot: Robot, entity: str) -> Iterator[tuple
         )
     elif mass > LIFTED * bears:
         friction = scene.material(entity).friction
-        text = f"{mass:.3g} kg heavy and by its friction of {friction:.3g} the gripper bears {bears:.3g} kg at rest"
+        text = f"{mass:.3g} kg heavy and with a friction of {friction:.3g} the gripper bears {bears:.3g} kg at rest"
         yield "too-heavy", "materials", f"{text}, and lifts about {LIFTED * bears:.3g} kg; make it lighter or rougher"
 
 

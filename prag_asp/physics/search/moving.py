@@ -32,7 +32,7 @@ def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> 
     poses, held = snapshot.situation.poses, snapshot.arm.held
     if held is not None:
         if slips(search.scene, held, snapshot.acting) is not None:
-            raise Failure(LOST)
+            raise Failure(LOST, held)
         poses = with_riders(snapshot.situation, held, raised(poses[held], LIFT), search.objects)
     after = moved_arm(snapshot, snapshot.above, poses)
     if held is not None:
@@ -65,8 +65,9 @@ def require_free(search: Search, snapshot: Snapshot, touched: str | None = None)
     """Check that the arm of a snapshot is free of collisions."""
     arm = snapshot.arm
     wanted = Configuration(snapshot.situation, arm.width, touched or arm.held)
-    if collide(search, arm.joints, wanted) is not None:
-        raise Failure(ARM_COLLIDES)
+    hit = collide(search, arm.joints, wanted)
+    if hit is not None:
+        raise Failure(ARM_COLLIDES, hit.other)
 
 
 def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
@@ -81,7 +82,9 @@ def verify_objects(search: Search, situation: Situation, moved: Iterable[str]) -
     Raises:
         Failure: they collide, or one would fall.
     """
-    if colliding(search.simulator, situation, moved, search.objects) is not None:
-        raise Failure(OBJECTS_COLLIDE)
-    if unsupported(situation, search.objects, STEADY) is not None:
-        raise Failure(UNSUPPORTED)
+    pair = colliding(search.simulator, situation, moved, search.objects)
+    if pair is not None:
+        raise Failure(OBJECTS_COLLIDE, *pair)
+    falling = unsupported(situation, search.objects, STEADY)
+    if falling is not None:
+        raise Failure(UNSUPPORTED, falling)
