@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.proofs.surfaces import outline_of
 from prag_asp.physics.situation import fixed_pose
 from prag_asp.program.problem import Problem
@@ -39,7 +38,7 @@ def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
         text = _beyond(scene, place)
         if text:
             line = domain.settings.line_of("scene", "fixed", place)
-            yield Problem(domain.settings.path, line, f"{words(place)} is out of reach: {text}", "out-of-reach")
+            yield Problem(domain.settings.path, line, f"{place} is out of reach: {text}", "out-of-reach")
 
 
 def _beyond(scene: Scene, place: str) -> str:
