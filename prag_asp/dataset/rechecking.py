@@ -34,13 +34,17 @@ Told = tuple[Record, str]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a task: feasible, not_found, infeasible, invalid or witness_fails; why, and failed attempts."""
+    """What became of a task: feasible, not_found, infeasible, invalid or witness_fails; why, and failed attempts.
+
+    `detail` names in words the fact or the bodies to blame for the reason, where they are known.
+    """
 
     record: Record
     status: str
     reason: str = ""
     causes: Mapping[str, int] = field(default_factory=dict)
     demonstration: Demonstration | None = None
+    detail: str = ""
 
 
 @dataclass(frozen=True)
@@ -144,7 +148,7 @@ def _anew(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outco
         for verdict in verdicts:
             yield from _invalid(waiting)
             record, _ = waiting.popleft()
-            yield Outcome(record, verdict.status, verdict.reason, verdict.causes, verdict.demonstration)
+            yield Outcome(record, verdict.status, verdict.reason, verdict.causes, verdict.demonstration, verdict.detail)
     yield from _invalid(waiting)
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
 from prag_asp.physics.checks.settling import Settling, open_settling
 from prag_asp.physics.demonstration.demonstration import Demonstration
@@ -17,15 +18,18 @@ from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
 from prag_asp.physics.motion.transit import with_transit
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.actions import advance
-from prag_asp.physics.search.attempt import CAUSES, NO_PATH, Exhausted, Failure, Search, Snapshot
+from prag_asp.physics.search.attempt import CAUSES, NO_PATH, Exhausted, Failure, Fault, Search, Snapshot
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.search.start import draw_start
-from prag_asp.physics.verdict import Budget, Verdict
+from prag_asp.physics.verdict import Budget, Detail, Verdict
 from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.model import Scene, Size
 from prag_asp.task import Task
+
+LISTED = 8
+"""How many details of failed attempts a verdict tells at most."""
 
 
 class Validator:
@@ -59,30 +63,37 @@ class Validator:
 
     def _look(self, physical: PhysicalTask, search: Search, budget: Budget, seed: int, index: int) -> Verdict:
         """Search for a witness within a budget."""
-        causes: Counter[str] = Counter()
+        faults: Counter[Fault] = Counter()
         for restart in range(budget.restarts):
             search, sizes = self._sized(physical, search)
-            witness = _attempt(physical, search, sizes, budget.samples, causes)
-            if witness is None or not self._settles(physical, witness, budget, causes):
+            witness = _attempt(physical, search, sizes, budget.samples, faults)
+            if witness is None or not self._settles(physical, witness, budget, faults):
                 continue
-            witness = self._travels(physical, witness, budget, causes)
+            witness = self._travels(physical, witness, budget, faults)
             if witness is None:
                 continue
-            demonstration = self._perform(physical, witness, budget, causes)
+            demonstration = self._perform(physical, witness, budget, faults)
             if demonstration is None or demonstration.success:
                 return Verdict(
                     "feasible",
                     budget,
                     seed,
                     index,
-                    causes=_ordered(causes),
+                    causes=_causes(faults),
+                    details=_details(faults, self._scene),
                     restarts=restart + 1,
                     witness=witness,
                     demonstration=demonstration,
                 )
-        reason = causes.most_common(1)[0][0]
         return Verdict(
-            "not_found", budget, seed, index, reason=reason, causes=_ordered(causes), restarts=budget.restarts
+            "not_found",
+            budget,
+            seed,
+            index,
+            reason=_most_common(faults),
+            causes=_causes(faults),
+            restarts=budget.restarts,
+            details=_details(faults, self._scene),
         )
 
     def _sized(self, physical: PhysicalTask, search: Search) -> tuple[Search, Mapping[str, Size]]:
@@ -96,30 +107,30 @@ class Validator:
         sizes = {entity: shape.size for entity, shape in drawn.items()}
         return replace(search, foresight=foresee(physical, scene)), sizes
 
-    def _settles(self, physical: PhysicalTask, witness: Witness, budget: Budget, causes: Counter[str]) -> bool:
+    def _settles(self, physical: PhysicalTask, witness: Witness, budget: Budget, faults: Counter[Fault]) -> bool:
         """Tell whether the states of a witness are stable, as far as a budget asks for it."""
         if not budget.includes("settling"):
             return True
         if self._settling is None:
             self._settling = self._resources.enter_context(open_settling(self._scene))
-        failure = self._settling.failure(physical, witness)
-        if failure is not None:
-            causes[failure] += 1
-        return failure is None
+        fault = self._settling.fault(physical, witness)
+        if fault is not None:
+            faults[fault] += 1
+        return fault is None
 
     def _travels(
-        self, physical: PhysicalTask, witness: Witness, budget: Budget, causes: Counter[str]
+        self, physical: PhysicalTask, witness: Witness, budget: Budget, faults: Counter[Fault]
     ) -> Witness | None:
         """Return a witness with the ways of the arm, as far as a budget asks for them; None where one is missing."""
         if not budget.includes("transit"):
             return witness
         travelled = with_transit(self._simulator, physical, witness)
         if travelled is None:
-            causes[NO_PATH] += 1
+            faults[Fault(NO_PATH)] += 1
         return travelled
 
     def _perform(
-        self, physical: PhysicalTask, witness: Witness, budget: Budget, causes: Counter[str]
+        self, physical: PhysicalTask, witness: Witness, budget: Budget, faults: Counter[Fault]
     ) -> Demonstration | None:
         """Return the recording of the robot performing a witness, None where a budget does not ask for it."""
         if not budget.includes("demonstration"):
@@ -129,7 +140,7 @@ class Validator:
             self._performer = self._resources.enter_context(opened)
         demonstration = self._performer.perform(physical, witness)
         if not demonstration.success:
-            causes[demonstration.cause] += 1
+            faults[Fault(demonstration.cause, text=demonstration.detail)] += 1
         return demonstration
 
 
@@ -151,15 +162,15 @@ def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget
 
 
 def _attempt(
-    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, causes: Counter[str]
+    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[Fault]
 ) -> Witness | None:
     """Return a witness found from one first state, None where an action fails in all its samples."""
-    snapshot = _start(search, physical, samples, causes)
+    snapshot = _start(search, physical, samples, faults)
     if snapshot is None:
         return None
     moments, motions = [snapshot.moment()], []
     for effect in physical.effects:
-        outcome = _step(search, snapshot, effect, samples, causes)
+        outcome = _step(search, snapshot, effect, samples, faults)
         if outcome is None:
             return None
         snapshot, waypoints = outcome
@@ -168,18 +179,18 @@ def _attempt(
     return Witness(tuple(moments), tuple(motions), sizes)
 
 
-def _start(search: Search, physical: PhysicalTask, samples: int, causes: Counter[str]) -> Snapshot | None:
+def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter[Fault]) -> Snapshot | None:
     """Return a first state, None where all samples fail."""
     for _ in range(samples):
         try:
             return draw_start(search, physical)
         except Failure as failure:
-            causes[str(failure)] += 1
+            faults[failure.fault] += 1
     return None
 
 
 def _step(
-    search: Search, snapshot: Snapshot, effect: Effect, samples: int, causes: Counter[str]
+    search: Search, snapshot: Snapshot, effect: Effect, samples: int, faults: Counter[Fault]
 ) -> tuple[Snapshot, tuple[Waypoint, ...]] | None:
     """Return what an action leads to, None where all samples fail."""
     for attempt in range(samples):
@@ -188,10 +199,39 @@ def _step(
         except Exhausted:
             break
         except Failure as failure:
-            causes[str(failure)] += 1
+            faults[failure.fault] += 1
     return None
 
 
-def _ordered(causes: Counter[str]) -> dict[str, int]:
-    """Return counts in the order of the checks."""
-    return {cause: causes[cause] for cause in CAUSES if causes[cause]}
+def _causes(faults: Counter[Fault]) -> dict[str, int]:
+    """Return how often attempts failed for each cause, in the order of the checks."""
+    counted = _by_cause(faults)
+    return {cause: counted[cause] for cause in CAUSES if counted[cause]}
+
+
+def _most_common(faults: Counter[Fault]) -> str:
+    """Return the cause for which most attempts failed, of several the first one met."""
+    return _by_cause(faults).most_common(1)[0][0]
+
+
+def _by_cause(faults: Counter[Fault]) -> Counter[str]:
+    counted: Counter[str] = Counter()
+    for fault, number in faults.items():
+        counted[fault.cause] += number
+    return counted
+
+
+def _details(faults: Counter[Fault], scene: Scene) -> tuple[Detail, ...]:
+    """Return of what the attempts failed that say so, the most common first, `LISTED` at most."""
+    found: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
+    for fault, number in faults.items():
+        fact, value, text = "", None, fault.text
+        if fault.fact is not None:
+            fact = str(Atom(fault.fact.predicate.name, fault.fact.arguments))
+            value, text = fault.fact.value, fault.fact.sentence()
+        entities = tuple(name for name in fault.entities if name in scene.shapes or name in scene.robots)
+        if fact or text or entities:
+            found[fault.cause, text, fact, value, entities] += number
+    order = {cause: i for i, cause in enumerate(CAUSES)}
+    ranked = sorted(found.items(), key=lambda item: (-item[1], order[item[0][0]], item[0][1:3], item[0][4]))
+    return tuple(Detail(*what, attempts=number) for what, number in ranked[:LISTED])

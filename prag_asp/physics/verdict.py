@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import msgspec
 
@@ -55,12 +55,45 @@ class Budget:
         return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier}
 
 
+class Detail(NamedTuple):
+    """Of what attempts failed for a cause, and how many of them.
+
+    `fact` is a spatial predicate with its arguments that should have the `value`, told in words by `text`; where no
+    fact is to blame it is "", and the value None. `entities` are the bodies and robots concerned.
+    """
+
+    cause: str
+    text: str
+    fact: str
+    value: bool | None
+    entities: tuple[str, ...]
+    attempts: int
+
+    def __str__(self) -> str:
+        return self.text or ", ".join(self.entities)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the detail as JSON-able data."""
+        return {**self._asdict(), "entities": list(self.entities)}
+
+
 class _BudgetForm(msgspec.Struct):
     """A budget as it stands in a file."""
 
     restarts: Whole
     samples: Whole
     tier: str
+
+
+class _DetailForm(msgspec.Struct):
+    """A detail as it stands in a file."""
+
+    cause: str
+    text: str
+    fact: str
+    value: bool | None
+    entities: tuple[str, ...]
+    attempts: Whole
 
 
 class _VerdictForm(msgspec.Struct):
@@ -74,15 +107,17 @@ class _VerdictForm(msgspec.Struct):
     causes: dict[str, Whole]
     restarts: Whole
     witness: Any
+    details: tuple[_DetailForm, ...] = ()
 
 
 @dataclass(frozen=True)
 class Verdict:
     """What physics says of a task, and how hard it looked.
 
-    `reason` says why a task is proved infeasible or could not be looked at; `causes` counts why attempts
-    failed; `restarts` is how many first states were tried. `seed` and `index` together repeat the search.
-    `demonstration` is there where the budget asks for one; it is too large for JSON, and has a file of its own.
+    `reason` says why a task is proved infeasible or could not be looked at; `causes` counts why attempts failed, by the
+    kinds in `CAUSES`, and `details` name of what; `restarts` is how many first states were tried. `seed` and `index`
+    together repeat the search. `demonstration` is there where the budget asks for one; it is too large for JSON, and
+    has a file of its own.
     """
 
     status: Status
@@ -94,11 +129,17 @@ class Verdict:
     restarts: int = 0
     witness: Witness | None = None
     demonstration: Demonstration | None = None
+    details: tuple[Detail, ...] = ()
 
     @property
     def feasible(self) -> bool:
         """Whether a witness was found."""
         return self.status == "feasible"
+
+    @property
+    def detail(self) -> str:
+        """In words the fact, or the bodies, to blame most often for the reason of a task that was not found."""
+        return next((str(detail) for detail in self.details if detail.cause == self.reason), "")
 
     def to_json(self) -> dict[str, Any]:
         """Return the verdict as JSON-able data."""
@@ -111,6 +152,7 @@ class Verdict:
             "causes": dict(self.causes),
             "restarts": self.restarts,
             "witness": None if self.witness is None else self.witness.to_json(),
+            **({"details": [detail.to_json() for detail in self.details]} if self.details else {}),
         }
 
     @classmethod
@@ -131,4 +173,5 @@ class Verdict:
             causes=form.causes,
             restarts=form.restarts,
             witness=None if form.witness is None else witness_of(form.witness, "verdict.witness", robot),
+            details=tuple(Detail(*msgspec.structs.astuple(detail)) for detail in form.details),
         )

@@ -12,6 +12,11 @@ from tests.commands import run
 WAREHOUSE = Path(__file__).parents[2] / "examples" / "warehouse"
 LINE = 'crate = { kind = "box", size = [0.10, 0.10, 0.10] }'
 
+TOO_LOW = (
+    "the gripper takes nothing that is less than 11 mm high, for its fingers reach below the grip; "
+    "make it higher [too-low]"
+)
+
 
 def warnings(folder: Path, crate: str) -> list[str]:
     """Return the warnings about the warehouse with crates of another shape; it is a fine domain all the same."""
@@ -44,11 +49,104 @@ def test_what_a_gripper_cannot_close_around_is_told_with_its_width_and_the_limit
 
 
 @pytest.mark.parametrize(
+    ("crate", "material", "told"),
+    [
+        (
+            '{ kind = "box", size = [0.05, 0.05, 0.0109] }',
+            "",
+            f"are 10.9 mm high and {TOO_LOW}",
+        ),
+        (
+            '{ kind = "box", size = { low = [0.05, 0.05, 0.005], high = [0.06, 0.06, 0.01] } }',
+            "",
+            f"are 10 mm high and {TOO_LOW}",
+        ),
+        (
+            '{ kind = "box", size = [0.06, 0.06, 0.06] }',
+            "crate = { density = 7870, friction = 0.3 }",
+            "are 1.7 kg heavy and with a friction of 0.3 the gripper bears 1.03 kg at rest, and lifts about 0.873 kg; "
+            "make it lighter or rougher [too-heavy]",
+        ),
+        (
+            '{ kind = "box", size = [0.07, 0.07, 0.07] }',
+            "crate = { density = 9000, friction = 5 }",
+            "are 3.09 kg heavy and the robot carries 3 kg; make it lighter [too-heavy]",
+        ),
+    ],
+)
+def test_what_is_too_low_or_too_heavy_is_told_with_the_limit_at_its_line(
+    tmp_path: Path, crate: str, material: str, told: str
+) -> None:
+    shutil.copytree(WAREHOUSE, tmp_path / "it")
+    table = tmp_path / "it" / "domain.toml"
+    text = table.read_text(encoding="utf-8").replace(LINE, f"crate = {crate}")
+    table.write_text(text + f"{material}\n", encoding="utf-8")
+    line = len(text.splitlines()) + 1 if material else 13
+    done = run("check", str(tmp_path / "it"))
+    assert done.returncode == 0
+    assert done.stderr.splitlines() == [f"{table}:{line}: warning: crate_1, crate_2 {told}"]
+    assert run("check", str(tmp_path / "it"), "--strict").returncode == 2
+
+
+@pytest.mark.parametrize(
+    ("fixed", "told"),
+    [
+        (
+            "shelf_1 = [0.95, 0.35]",
+            "shelf_1 is out of reach: it is 0.886 m or more from panda, which reaches 0.28 to 0.76 m",
+        ),
+        ("shelf_1 = [0.00, 0.25]", ""),
+        ("shelf_1 = [0.85, 0.00]", ""),
+        ("shelf_1 = [0.86001, 0.00]", "shelf_1 is out of reach: it is 0.76 m or more from panda"),
+    ],
+)
+def test_a_place_that_no_gripper_gets_to_is_told_at_its_line(tmp_path: Path, fixed: str, told: str) -> None:
+    shutil.copytree(WAREHOUSE, tmp_path / "it")
+    table = tmp_path / "it" / "domain.toml"
+    text = table.read_text(encoding="utf-8").replace("shelf_1 = [0.50, 0.35]", fixed)
+    text = text.replace("shelf_2 = [0.95, 0.00]", "shelf_2 = [0.50, -0.60]")
+    table.write_text(text, encoding="utf-8")
+    done = run("check", str(tmp_path / "it"))
+    lines = done.stderr.splitlines()
+    assert done.returncode == 0 and len(lines) == bool(told), lines
+    if told:
+        number = text.splitlines().index(fixed) + 1
+        assert lines[0].startswith(f"{table}:{number}: warning: {told}") and lines[0].endswith("[out-of-reach]")
+
+
+@pytest.mark.parametrize(
+    ("shelf", "fixed", "told"),
+    [
+        (
+            '{ kind = "box", size = [0.20, 0.20, 0.36] }',
+            "[0.50, 0.35]",
+            "its top is 0.36 m high, and panda reaches 0.35 m high",
+        ),
+        ('{ kind = "zone", size = [0.10, 0.10] }', "[0.50, 0.35]", "no part of it is in the workspace"),
+        ('{ kind = "zone", size = [0.10, 0.10] }', "[0.50, 0.15]", ""),
+        ('{ kind = "container", size = [0.20, 0.20, 0.36] }', "[0.50, 0.35]", ""),
+    ],
+)
+def test_a_place_that_is_too_high_or_where_nothing_is_put_is_told(
+    tmp_path: Path, shelf: str, fixed: str, told: str
+) -> None:
+    shutil.copytree(WAREHOUSE, tmp_path / "it")
+    table = tmp_path / "it" / "domain.toml"
+    text = table.read_text(encoding="utf-8").replace("shelf_1 = [0.50, 0.35]", f"shelf_1 = {fixed}")
+    text = text.replace('{ kind = "box", size = [0.20, 0.20, 0.10] }', shelf)
+    table.write_text(text.replace("shelf_2 = [0.95, 0.00]", "shelf_2 = [0.50, 0.00]"), encoding="utf-8")
+    lines = [line for line in run("check", str(tmp_path / "it")).stderr.splitlines() if "shelf_1" in line]
+    assert len(lines) == bool(told)
+    assert told in "".join(lines)
+
+
+@pytest.mark.parametrize(
     "crate",
     [
         '{ kind = "box", size = [0.074, 0.10, 0.10] }',
         '{ kind = "box", size = [0.078, 0.05, 0.10] }',
         '{ kind = "box", size = [0.05, 0.05, 0.078] }',
+        '{ kind = "box", size = [0.05, 0.05, 0.0111] }',
         '{ kind = "box", size = { low = [0.07, 0.07, 0.05], high = [0.079, 0.079, 0.05] } }',
         '{ kind = "box", size = [0.081, 0.10, 0.02] }',
     ],

@@ -34,9 +34,8 @@ INFEASIBLE: list[dict[str, Any]] = read("infeasible")["scene"]
 
 def scene_of(given: dict[str, Any]) -> Scene:
     shapes = {**BODIES["shapes"], **given.get("shapes", {})}
-    return parse_scene(
-        {**BODIES, "shapes": shapes, "fixed": given.get("fixed", {})}, {}, {entity: entity for entity in shapes}
-    )
+    own = {name: given.get(name, {}) for name in ("fixed", "materials")}
+    return parse_scene({**BODIES, **own, "shapes": shapes}, {}, {name: name for name in shapes}, folder=FOLDER)
 
 
 def task_of(given: dict[str, Any]) -> Task:

@@ -205,6 +205,32 @@ def test_what_is_not_found_says_why(tabletop, initial, step, cause):
     assert set(verdict.causes) <= set(CAUSES)
 
 
+def test_a_relation_that_does_not_hold_is_named_with_its_entities(tabletop, tabletop_validator):
+    apart = task(state("on_top(cube_1,brick_1)", "-near(cube_1,brick_1)"))
+    verdict = tabletop_validator.validate(apart, seed=0, budget=Budget(3, 5))
+    assert (verdict.status, verdict.reason) == ("not_found", "a relation of the state does not hold")
+    (detail,) = [each for each in verdict.details if each.cause == verdict.reason]
+    assert (detail.fact, detail.value, detail.entities) == ("near(cube_1,brick_1)", False, ("cube_1", "brick_1"))
+    assert verdict.detail == detail.text == "cube 1 is not near brick 1"
+    assert detail.attempts == verdict.causes[verdict.reason] == 15
+
+
+def test_details_of_failed_attempts_name_bodies_and_robots_of_the_scene(tabletop, tabletop_validator, chance):
+    seen: Counter[str] = Counter()
+    for index, made in enumerate(islice(random_tasks("tabletop", 5, chance.seed(12)), chance.examples(20))):
+        verdict = tabletop_validator.validate(made, seed=chance.seed(4), index=index, budget=Budget(2, 2))
+        attempts: Counter[str] = Counter()
+        for detail in verdict.details:
+            assert detail.cause in verdict.causes and str(detail)
+            assert {*detail.entities} <= {*tabletop.shapes}
+            assert (detail.value is None) == (detail.fact == "")
+            attempts[detail.cause] += detail.attempts
+        assert all(number <= verdict.causes[cause] for cause, number in attempts.items())
+        assert len(verdict.details) <= 8
+        seen.update(attempts)
+    assert len(seen) >= 2
+
+
 @pytest.mark.parametrize("name", ["tabletop", "prag"])
 def test_random_tasks_of_the_shipped_domains_have_witnesses_that_pass(request, name, chance):
     scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
@@ -229,8 +255,21 @@ def test_a_verdict_depends_on_the_seed_and_the_index_alone(tabletop, tabletop_va
 
 
 def test_a_verdict_comes_back_from_json_as_it_was(tabletop_validator):
-    verdict = tabletop_validator.validate(stacking(), seed=1)
-    assert Verdict.from_json(json.loads(json.dumps(verdict.to_json()))) == verdict
+    apart = task(state("on_top(cube_1,brick_1)", "-near(cube_1,brick_1)"))
+    for verdict in (
+        tabletop_validator.validate(stacking(), seed=1),
+        tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2)),
+    ):
+        assert Verdict.from_json(json.loads(json.dumps(verdict.to_json()))) == verdict
+
+
+def test_a_verdict_of_the_form_before_has_no_details(tabletop_validator):
+    apart = task(state("on_top(cube_1,brick_1)", "-near(cube_1,brick_1)"))
+    data = tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2)).to_json()
+    assert [{*each} for each in data["details"]] == [{"cause", "text", "fact", "value", "entities", "attempts"}]
+    before = {name: value for name, value in data.items() if name != "details"}
+    read = Verdict.from_json(before)
+    assert read.details == () and read.detail == "" and read.to_json() == before
 
 
 def test_broken_json_of_a_verdict_is_refused(tabletop_validator):
@@ -247,6 +286,7 @@ def test_broken_json_of_a_verdict_is_refused(tabletop_validator):
             {**data, "budget": {**data["budget"], "tier": "dreams"}},
             "budget.tier: needs one of kinematics, settling, transit, demonstration; got 'dreams'",
         ),
+        ({**data, "details": [{"cause": "a"}]}, "details[0].text: is missing"),
         ({}, "status: is missing"),
     ):
         with pytest.raises(QueryError) as caught:

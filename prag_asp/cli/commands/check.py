@@ -35,7 +35,7 @@ def check(*, asked: Asked) -> None:
 
         scene_of(domain)
     _require_proofs(domain)
-    warnings = [*domain.warnings, *_too_wide(domain)]
+    warnings = [*domain.warnings, *_of_scene(domain)]
     if asked.strict:
         raise_problems(each.as_error() for each in first_of_each(warnings))
     for warning in first_of_each(warnings):
@@ -76,11 +76,15 @@ def _require_proofs(domain: Domain) -> None:
         )
 
 
-def _too_wide(domain: Domain) -> Iterable[Problem]:
-    """Return warnings of the bodies of a domain that no proof holds too wide, and that are yet never grasped."""
+def _of_scene(domain: Domain) -> Iterable[Problem]:
+    """Return warnings of what physics never does, though the domain speaks of it: of grips, and of places."""
     if not domain.settings.scene:
         return ()
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.physics.proofs.grips import never_gripped
+    from prag_asp.physics.proofs.reaching import out_of_reach
+    from prag_asp.program.allowed import allowed_names, not_allowed
 
-    return never_gripped(domain, scene_of(domain))
+    scene = scene_of(domain)
+    warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene))
+    return not_allowed(warnings, allowed_names((), domain.settings))

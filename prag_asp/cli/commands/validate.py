@@ -55,7 +55,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             with whole_lines(), closing(outcomes):
                 for outcome in outcomes:
                     tally.count(outcome.status, outcome.reason, outcome.causes)
-                    click.echo(f"{tally.seen}\t{outcome.status}\t{outcome.reason}".rstrip())
+                    click.echo(f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip())
                     tell(tally_line(tally, ("task", "tasks"), limits), tally.seen, total)
         finally:
             show_tally(tally, tally_line(tally, ("task", "tasks"), limits))

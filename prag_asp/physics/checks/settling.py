@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.facts import PhysicalTask, physical_task
-from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
+from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE, Fault
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.bodies import make_body, make_table, mass, parking_place
@@ -32,8 +32,8 @@ LARGEST_SPEED = 0.03
 """How far a stable object moves, in metres and radians, and how fast at the end, in metres a second."""
 
 
-Rest = tuple[Mapping[str, Pose], Mapping[str, float]]
-"""The poses of objects, and how far furniture is open in metres or radians."""
+Rest = tuple[Mapping[str, Pose], Mapping[str, float], tuple[str, ...]]
+"""The poses of objects, how far furniture is open in metres or radians, and what has not stayed where it was."""
 
 
 class Settling:
@@ -44,7 +44,12 @@ class Settling:
         self._client = client
 
     def failure(self, physical: PhysicalTask, witness: Witness) -> str | None:
-        """Return why a state of a witness is not stable (one of `CAUSES`), None where all are.
+        """Return why a state of a witness is not stable (one of `CAUSES`), None where all are, as `fault` decides."""
+        fault = self.fault(physical, witness)
+        return None if fault is None else fault.cause
+
+    def fault(self, physical: PhysicalTask, witness: Witness) -> Fault | None:
+        """Return why a state of a witness is not stable, None where all are.
 
         An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
         then every fact of the state has to pass its predicate's own check.
@@ -54,13 +59,13 @@ class Settling:
         previous: Moment | None = None
         for facts, moment in zip(physical.states, witness.moments, strict=True):
             if previous is None or not _as_stable(previous, moment):
-                settled = self._settle(scene, bodies, moment)
-                if settled is None:
-                    return UNSTABLE
-                poses, openings = settled
+                poses, openings, moved = self._settle(scene, bodies, moment)
+                if moved:
+                    return Fault(UNSTABLE, moved)
                 situation = Situation(scene, poses, moment.arms, openings)
-                if not all(fact.satisfied(situation) for fact in facts):
-                    return UNSETTLED
+                for fact in facts:
+                    if not fact.satisfied(situation):
+                        return Fault(UNSETTLED, fact.arguments, fact)
             previous = moment
         return None
 
@@ -74,8 +79,8 @@ class Settling:
             for i, entity in enumerate(objects)
         }
 
-    def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Rest | None:
-        """Return where the objects come to rest, and how far furniture is open; None where one leaves its place."""
+    def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Rest:
+        """Return where the objects come to rest, how far furniture is open, and which leave their places."""
         client = self._client
         for entity, body in bodies.items():
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
@@ -86,15 +91,18 @@ class Settling:
         for _ in range(STEPS):
             pybullet.stepSimulation(physicsClientId=client)
         settled = {entity: read_pose(client, body) for entity, body in bodies.items()}
-        speeds = [pybullet.getBaseVelocity(body, physicsClientId=client)[0] for body in bodies.values()]
+        speeds = {e: pybullet.getBaseVelocity(body, physicsClientId=client)[0] for e, body in bodies.items()}
         for entity in moment.held:
             pybullet.changeDynamics(bodies[entity], -1, mass=mass(scene, entity), physicsClientId=client)
-        if any(math.hypot(*speed) > LARGEST_SPEED for speed in speeds):
-            return None
         openings = {entity: read_opening(client, bodies[entity]) for entity in moment.openings}
-        stayed = all(_stayed(moment.poses[entity], pose) for entity, pose in settled.items())
-        still = all(abs(openings[entity] - opening) <= LARGEST_MOVE for entity, opening in moment.openings.items())
-        return (settled, openings) if stayed and still else None
+        moved = [
+            entity
+            for entity, pose in settled.items()
+            if math.hypot(*speeds[entity]) > LARGEST_SPEED
+            or not _stayed(moment.poses[entity], pose)
+            or abs(openings.get(entity, 0.0) - moment.openings.get(entity, 0.0)) > LARGEST_MOVE
+        ]
+        return settled, openings, tuple(moved)
 
 
 @contextmanager

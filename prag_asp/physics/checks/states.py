@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping
 
 from prag_asp.physics.facts import PhysicalTask
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
-from prag_asp.physics.world.support import unsupported
+from prag_asp.physics.world.support import contacts, unsupported
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Pose, Quaternion, compose, rotate, turn_between, yaw_quaternion
 from prag_asp.scene.solids import weight
@@ -49,6 +49,8 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
             if not near(expected, poses[arm.held]):
                 yield f"{arm.held} is not where the gripper holds it"
             yield from _grip_problems(situation, name, arm.held)
+            if slips(situation.scene, arm.held, name) is not None and not contacts(situation, arm.held, poses):
+                yield f"{arm.held} slips out of the gripper"
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
@@ -59,6 +61,9 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
         yield f"{held} does not stand upright in the gripper"
     if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
         yield f"{held} is wider than the gripper opens"
+    lowest = situation.bottom(held) + lowest_grip(situation.robot(robot))
+    if situation.tool(robot).position[2] < lowest - POSITION_TOLERANCE:
+        yield f"the fingers reach below {held}"
     if weight(situation.scene, held) > situation.robot(robot).payload:
         yield f"{held} is heavier than the gripper carries"
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.predicates.gaps import Demand, Gap, Z, along, between, bottom, centre, top
+from prag_asp.physics.predicates.gaps import ROUNDING, Demand, Gap, Z, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, heading, rotate, to_local, width_along
 from prag_asp.scene.model import Scene
-from prag_asp.scene.robots import robot_of
+from prag_asp.scene.robots import Robot, robot_of
 from prag_asp.scene.solids import weight
 
 CENTRE_TOLERANCE = 0.015
@@ -27,6 +27,19 @@ OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
 CLEARANCE = 0.006
 """How much farther than an object is wide a gripper opens to close around it, in metres."""
+TIP_ROOM = 0.002
+"""How far above the bottom of what it takes a gripper keeps the tips of its fingers, in metres."""
+
+FINGER_FRICTION = 1.4
+"""The coefficient of friction of the fingers' rubber, which is multiplied by that of what they hold."""
+
+GRAVITY = 9.81
+SLIPS = 1.05
+"""How many times what friction bears at rest a body weighs at least that is proved to slip.
+
+The robot also speeds up what it lifts, so it loses bodies that weigh less: it takes some to prove that none is held.
+"""
+
 SLANT = 1e-9
 """The cosine of a side that is taken to be parallel to the opening of the gripper."""
 
@@ -46,6 +59,30 @@ def grip_width(situation: Situation, entity: str, robot: str) -> float:
     half, cosine = min(zip(shape.half, along, strict=True), key=lambda side: side[0] / side[1])
     pad = situation.robot(robot).finger_boxes[0].size[0]
     return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
+
+
+def lowest_grip(robot: Robot) -> float:
+    """Return how far above the bottom of an object the tool grips it at least, in metres: so high is what it holds."""
+    return robot.fingertip + TIP_ROOM
+
+
+def bearable(scene: Scene, entity: str, robot: str) -> float:
+    """Return the mass in kilograms that the friction of both fingers of a robot bears at rest, for a body's material.
+
+    It is Coulomb's law, 2 mu F / g, with the force F of a finger and the product mu of both coefficients, as PyBullet
+    combines them.
+    """
+    friction = FINGER_FRICTION * scene.material(entity).friction
+    return 2 * friction * robot_of(scene, robot).grip_force / GRAVITY
+
+
+def slips(scene: Scene, entity: str, robot: str) -> str | None:
+    """Return in words that a body slips out of a gripper that lifts it, None where it need not."""
+    heavy, most = weight(scene, entity), bearable(scene, entity, robot)
+    if heavy <= SLIPS * most:
+        return None
+    gripper = _called(scene, robot)
+    return f"{words(entity)} weighs {heavy:.3g} kg, and {gripper} lifts {most:.3g} kg by its friction"
 
 
 def _at_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -157,13 +194,16 @@ def _holding_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield that a body is too wide for the gripper, or too heavy."""
+    """Yield that a body is too wide for the gripper, too low for its fingers, or too heavy."""
     robot, entity = arguments
     able, gripper = robot_of(scene, robot), _called(scene, robot)
-    # Bodies stand upright and are gripped from above, so that their height does not count.
+    # Bodies stand upright and are gripped from above, so that their height does not count as a width.
     narrowest, heavy = scene.shapes[entity].breadth(widest=False), weight(scene, entity)
     if narrowest > able.opening:
         yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {gripper} opens {able.opening * 1000:.0f} mm"
+    if scene.shapes[entity].size[2] < lowest_grip(able) - ROUNDING:
+        low, least = scene.shapes[entity].size[2] * 1000, lowest_grip(able) * 1000
+        yield f"{words(entity)} is {low:.3g} mm high, {gripper} takes what is at least {least:.3g} mm high"
     if heavy > able.payload:
         yield f"{words(entity)} weighs {heavy:.3g} kg, {gripper} carries {able.payload:g} kg"
 

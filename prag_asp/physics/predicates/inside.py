@@ -113,7 +113,7 @@ def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, he
     subject, container = arguments
     pose, inner = hollow(situation, container)
     half = _half_within(situation, subject, container, quaternion)
-    dx, dy = inner[0] / 2 - half[0] - MARGIN, inner[1] / 2 - half[1] - MARGIN
+    dx, dy = _spare(inner[0] / 2 - half[0]), _spare(inner[1] / 2 - half[1])
     x, y, _ = pose.position
     z = floor_height(situation, container) + half[2]
     if min(dx, dy) < 0.0:
@@ -125,6 +125,11 @@ def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, he
         (x + reach_x, y + reach_y, z + height),
         sides=turned_box((pose.position, (cosine, sine)), (dx, dy)),
     )
+
+
+def _spare(room: float) -> float:
+    """Return how far from the middle a body is put that has room to either side, in metres: a little off the walls."""
+    return room - MARGIN if room >= MARGIN else room / 2
 
 
 def _inside_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:

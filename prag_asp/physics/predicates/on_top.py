@@ -10,7 +10,8 @@ from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, 
 from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Quaternion, extents, heading, to_local
+from prag_asp.scene.forms import Point
+from prag_asp.scene.geometry import Quaternion, extents, heading, to_local, yaw_quaternion
 from prag_asp.scene.model import Scene
 
 TOLERANCE = 0.002
@@ -62,16 +63,24 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
     """Yield that a body stands on another, its centre above it."""
     entity, support = arguments
     shape = scene.shapes[support]
-    if shape.kind == "zone":
-        return
-    if shape.kind == "table":
+    if shape.traits.surface:
+        middle, half = _surface(scene, support)
         for axis in (0, 1):
-            middle, half = scene.table.centre[axis], scene.table.size[axis] / 2
-            yield from along(axis, between(centre(entity), ORIGIN, middle - half, middle + half))
+            low, high = middle[axis] - half[axis], middle[axis] + half[axis]
+            yield from along(axis, between(centre(entity), ORIGIN, low, high))
         yield from along(Z, between(bottom(entity), ORIGIN, -TOLERANCE, TOLERANCE))
         return
     yield from above(scene, entity, support, (shape.half[0], shape.half[1]))
     yield from along(Z, between(bottom(entity), top(support), -TOLERANCE, TOLERANCE))
+
+
+def _surface(scene: Scene, support: str) -> tuple[Point, Point]:
+    """Return the middle of the table's top or of a zone, and half the sides of the box around it, in metres."""
+    if scene.shapes[support].kind == "table":
+        return scene.table.centre, (scene.table.size[0] / 2, scene.table.size[1] / 2)
+    x, y, yaw = scene.fixed[support]
+    half = extents(scene.shapes[support], yaw_quaternion(yaw))
+    return (x, y), (half[0], half[1])
 
 
 ON_TOP = Predicate(

@@ -1,4 +1,4 @@
-"""Bodies that no proof excludes from a gripper, though it never closes around them."""
+"""Bodies that a domain lets be held, though no gripper ever holds them: what `check` warns of."""
 
 from __future__ import annotations
 
@@ -7,47 +7,77 @@ from collections.abc import Iterator
 from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates import PREDICATES, Gripper
-from prag_asp.physics.predicates.gripper import CLEARANCE
-from prag_asp.program.allowed import allowed_names, not_allowed
+from prag_asp.physics.predicates.gripper import CLEARANCE, bearable, lowest_grip
 from prag_asp.program.problem import Problem
 from prag_asp.scene.model import Scene
 from prag_asp.scene.read.report import ancestors
-from prag_asp.scene.robots import robot_of
+from prag_asp.scene.robots import Robot, robot_of
+from prag_asp.scene.solids import weight
+
+LIFTED = 0.85
+"""What share of what friction bears at rest a robot carries: measured, for it speeds up what it lifts."""
 
 
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape of bodies that could be held, but leave a gripper no room to close around them.
+    """Yield a warning for each shape of bodies that could be held, but that no gripper holds, whatever their sizes.
 
-    A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above; of a range of
-    sizes that of the smallest. What a comment in domain.toml allows is left out.
+    A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above. What is wider
+    than the gripper opens is proved and no warning; what is too low or too heavy is both.
     """
-    return not_allowed(_too_wide(domain, scene), allowed_names((), domain.settings))
-
-
-def _too_wide(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    found: dict[tuple[int, float, float], list[str]] = {}
+    found: dict[tuple[str, int, str], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):
         meaning = PREDICATES.get(scene.meaning(fluent) or "")
-        if meaning is None or meaning.gripper is not Gripper.HOLDS:
-            continue
-        robot, entity = fluent.arguments
-        opening = robot_of(scene, robot).opening
-        width = min(shape.breadth(widest=False) for shape in scene.ranges.get(entity, (scene.shapes[entity],)))
-        if opening - CLEARANCE < width <= opening:
-            several = found.setdefault((_line(domain, entity), width, opening), [])
-            several += [entity] if entity not in several else []
-    for (line, width, opening), several in found.items():
+        if meaning is not None and meaning.gripper is Gripper.HOLDS:
+            robot, entity = fluent.arguments
+            for name, table, text in _faults(scene, robot, entity):
+                several = found.setdefault((name, _line(domain, table, entity), text), [])
+                several += [entity] if entity not in several else []
+    for (name, line, text), several in found.items():
+        are = "is" if len(several) == 1 else "are"
+        yield Problem(domain.settings.path, line, f"{', '.join(several)} {are} {text}", name)
+
+
+def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, str]]:
+    """Yield why a robot never holds a body, by its easiest size: a warning, the table it is about, words."""
+    robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
+    width = min(shape.breadth(widest=False) for shape in shapes)
+    if robot.opening - CLEARANCE < width <= robot.opening:
+        limit = (robot.opening - CLEARANCE) * 1000
+        opens = f"the gripper opens {robot.opening * 1000:.3g} mm; it never closes around more than {limit:.3g} mm"
+        yield "too-wide", "shapes", f"{width * 1000:.3g} mm wide and {opens}, so make it narrower"
+    height, lowest = max(shape.size[2] for shape in shapes), lowest_grip(robot)
+    if height < lowest:
         text = (
-            f"{', '.join(several)} {'is' if len(several) == 1 else 'are'} {width * 1000:.3g} mm wide and the "
-            f"gripper opens {opening * 1000:.3g} mm; it never closes around more than "
-            f"{(opening - CLEARANCE) * 1000:.3g} mm, so make it narrower"
+            f"{height * 1000:.3g} mm high and the gripper takes nothing that is less than {lowest * 1000:.3g} mm high"
         )
-        yield Problem(domain.settings.path, line, text, "too-wide")
+        yield "too-low", "shapes", f"{text}, for its fingers reach below the grip; make it higher"
+    yield from _heavy(scene, name, robot, entity)
 
 
-def _line(domain: Domain, entity: str) -> int:
-    """Return the line of domain.toml with the shape of an entity."""
+def _heavy(scene: Scene, name: str, robot: Robot, entity: str) -> Iterator[tuple[str, str, str]]:
+    """Yield that a robot never lifts a body, whatever its size: it carries less, or its friction does not bear it."""
+    shapes = scene.ranges.get(entity, (scene.shapes[entity],))
+    mass = min(weight(scene.with_shapes({entity: shape}), entity) for shape in shapes)
+    bears = bearable(scene, entity, name)
+    if mass > robot.payload:
+        yield (
+            "too-heavy",
+            "materials",
+            f"{mass:.3g} kg heavy and the robot carries {robot.payload:.3g} kg; make it lighter",
+        )
+    elif mass > LIFTED * bears:
+        friction = scene.material(entity).friction
+        text = f"{mass:.3g} kg heavy and with a friction of {friction:.3g} the gripper bears {bears:.3g} kg at rest"
+        yield "too-heavy", "materials", f"{text}, and lifts about {LIFTED * bears:.3g} kg; make it lighter or rougher"
+
+
+def _line(domain: Domain, table: str, entity: str) -> int:
+    """Return the line of domain.toml with what a table of the scene says of an entity, or else with its shape."""
     facts = domain.facts
-    given = domain.settings.scene["shapes"]
-    owner = next(name for name in ancestors(facts.entity_names[entity], facts.class_names) if name in given)
-    return domain.settings.line_of("scene", "shapes", owner)
+    line = ancestors(facts.entity_names[entity], facts.class_names)
+    for each in (table, "shapes"):
+        given = domain.settings.scene.get(each, {})
+        owner = next((name for name in line if name in given), None)
+        if owner is not None:
+            return domain.settings.line_of("scene", each, owner)
+    return 1

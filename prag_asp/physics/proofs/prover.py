@@ -1,9 +1,10 @@
 """Proofs that no arrangement of the bodies can satisfy the facts of a state, whatever their poses.
 
-A proof takes for granted the definitions of the predicates, where the fixed bodies are, and four rules of every scene:
-a gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, and a body is held from
-above while it stands upright. The check of a witness demands the last one as well. The workspace says where the search
-puts bodies, not where they can be, so no proof reads it. What is proved of some facts is so of more facts, too.
+A proof takes for granted the definitions of the predicates, where the fixed bodies are, and six rules of every scene:
+a gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a body is held from
+above while it stands upright, the tips of the fingers stay above its bottom, and what a gripper moves it lifts, which
+takes the friction that bears it. The check of a witness demands the last three as well. The workspace says where the
+search puts bodies, not where they can be, so no proof reads it. What is proved of some facts is so of more facts, too.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from prag_asp.atom import Atom
 from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates.gaps import Demand, Gap, Node
 from prag_asp.physics.proofs.demands import all_demands, bodies
+from prag_asp.physics.proofs.lifting import slipping
 from prag_asp.physics.proofs.reasons import (
     AXES,
     exclusions,
@@ -25,6 +27,7 @@ from prag_asp.physics.proofs.reasons import (
     reach_reasons,
     room_reasons,
 )
+from prag_asp.physics.proofs.surfaces import surface_reasons
 from prag_asp.scene.model import Scene
 
 REMEMBERED = 1 << 14
@@ -33,10 +36,10 @@ REMEMBERED = 1 << 14
 
 @dataclass(frozen=True)
 class Impossibility:
-    """A proof that a state cannot be: the reason in words, and the facts that it follows from.
+    """A proof that a state cannot be, or not be come to: the reason in words, and the facts that it follows from.
 
     None of the facts can be left out. `state` counts from 0, the initial state; `after` is the action that leads to
-    the state, None at the start.
+    the state, None at the start. Where the action itself is impossible, facts of the state before are among them.
     """
 
     reason: str
@@ -69,6 +72,8 @@ class Prover:
                 least = self.fewest(facts)
                 reason = next(self._reasons(least, least))
                 return Impossibility(reason, least, k, physical.effects[k - 1].action if k else None)
+        for k, reason, moved in slipping(physical, self._scene):
+            return Impossibility(reason, moved, k, physical.effects[k - 1].action)
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
@@ -90,6 +95,7 @@ class Prover:
             reason = self._never(fact)
             if reason is not None:
                 yield reason
+        yield from surface_reasons(facts, fresh, self._scene)
         new = [fact for fact in fresh if fact.value]
         if not new:
             return

@@ -93,7 +93,7 @@ def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[F
         predicate = fact.predicate
         concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
         if (concerned or fact in known_again) and not fact.satisfied(after.situation):
-            raise Failure(RELATION)
+            raise Failure(RELATION, fact=fact)
 
 
 def _stays_down(snapshot: Snapshot, effect: Effect) -> bool:
@@ -124,7 +124,7 @@ def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
     """Close the gripper on the object that it is at."""
     situation = snapshot.situation
     if weight(situation.scene, entity) > search.robot.payload:
-        raise Failure(NO_GRASP)
+        raise Failure(NO_GRASP, entity)
     width = grip_width(situation, entity, snapshot.acting)
     grasp = compose(invert(snapshot.tool), situation.poses[entity])
     closed = snapshot.with_arm(Arm(snapshot.arm.joints, width, entity, grasp), snapshot.above)
@@ -137,7 +137,7 @@ def _grasp(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, way
     entity = effect.grasps
     assert entity is not None
     if snapshot.arm.held not in (None, entity):
-        raise Failure(NO_GRASP)
+        raise Failure(NO_GRASP, entity)
     if snapshot.above is None:
         snapshot = _visit(search, snapshot, entity, attempt, waypoints)
     snapshot = _close(search, snapshot, entity)

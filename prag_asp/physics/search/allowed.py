@@ -51,7 +51,7 @@ def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tupl
         if fact.predicate.turns and shapes_volume(fact, entity):
             volume = volume.meet(allowed(situation, fact, entity, IDENTITY))
     if volume.yaws == ():
-        raise Failure(EMPTY_VOLUME)
+        raise Failure(EMPTY_VOLUME, entity)
     return volume.yaws
 
 
@@ -62,13 +62,13 @@ def draw_yaws(search: Search, ranges: tuple[Yaws, ...]) -> Iterator[float]:
         yield chosen.centre + search.uniform(-AIM * chosen.half, AIM * chosen.half)
 
 
-def all_satisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> bool:
-    """Tell whether facts would hold with an object at a pose."""
+def unsatisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> Fact | None:
+    """Return a fact that would not hold with an object at a pose, None where all would."""
     facts = list(facts)
     if not facts:
-        return True
+        return None
     trial = situation.with_pose(entity, pose)
-    return all(fact.satisfied(trial) for fact in facts)
+    return next((fact for fact in facts if not fact.satisfied(trial)), None)
 
 
 def _has_place(situation: Situation, entity: str) -> bool:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
+from prag_asp.physics.facts import Fact
 from prag_asp.physics.search.foresight import Foresight
 from prag_asp.physics.search.spans import Spans
 from prag_asp.physics.situation import Situation
@@ -48,8 +50,21 @@ CAUSES = (
 """Every cause of a failed attempt, cheapest check first."""
 
 
+class Fault(NamedTuple):
+    """What went wrong: one of `CAUSES`, the bodies concerned, and the fact that does not hold or other words on it."""
+
+    cause: str
+    entities: tuple[str, ...] = ()
+    fact: Fact | None = None
+    text: str = ""
+
+
 class Failure(Exception):
-    """One attempt of the search failed; its argument is one of `CAUSES`. It never leaves the validator."""
+    """One attempt of the search failed: one of `CAUSES`, and of what. It never leaves the validator."""
+
+    def __init__(self, cause: str, *entities: str, fact: Fact | None = None):
+        super().__init__(cause)
+        self.fault = Fault(cause, entities or (() if fact is None else fact.arguments), fact)
 
 
 class Exhausted(Exception):

@@ -74,8 +74,9 @@ def _lower(search: Search, snapshot: Snapshot, entity: str, poses: Mapping[str, 
     at = Configuration(situation.with_poses(poses), arm.width, entity)
     above = Configuration(high, arm.width, entity)
     joints = descend(search, tool, at, above)
-    if colliding(search.simulator, high, [entity], search.objects) is not None:
-        raise Failure(OBJECTS_COLLIDE)
+    pair = colliding(search.simulator, high, [entity], search.objects)
+    if pair is not None:
+        raise Failure(OBJECTS_COLLIDE, *pair)
     return joints
 
 

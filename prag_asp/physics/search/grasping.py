@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
-from prag_asp.physics.predicates.gripper import CLEARANCE
+from prag_asp.physics.predicates.gaps import ROUNDING
+from prag_asp.physics.predicates.gripper import CLEARANCE, lowest_grip
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
@@ -28,6 +29,9 @@ LIFT = 0.10
 
 TOP_GRIP = 0.01
 """How far below the top of an object the highest grip is, in metres."""
+
+HAIR = 1e-5
+"""How far below the top of an object every grip is, for kinematics are not exact, in metres."""
 
 LONG, FROM_END = 0.08, 0.03
 """Where robots share a table each grips a box that is at least twice as long so far from its end, in metres."""
@@ -51,13 +55,15 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     the palm lets them in, then at the top, where the palm passes over what stands around.
 
     Raises:
-        Failure: the object is too wide for the gripper.
+        Failure: the object is too wide for the gripper, or too low.
     """
     shape, pose = situation.shape(entity), situation.pose(entity)
     x, y, z = pose.position
     half = situation.half(entity)[2]
-    bottom = z - half + search.robot.fingertip + 0.002
-    height = max(z, z + half - search.robot.finger_depth, bottom)
+    lowest = z - half + lowest_grip(search.robot)
+    if lowest > z + half + ROUNDING:
+        raise Failure(NO_GRASP, entity)
+    height = min(max(z, z + half - search.robot.finger_depth, lowest), z + half - HAIR)
     base_x, base_y, _ = search.robot.base.position
     heading = math.atan2(y - base_y, x - base_x)
     round_body = shape.traits.round
@@ -72,7 +78,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
         if width <= search.robot.opening - CLEARANCE:
             found.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
     if not found:
-        raise Failure(NO_GRASP)
+        raise Failure(NO_GRASP, entity)
     if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
         found = [at_end for grasp in found for at_end in _at_ends(shape, pose, grasp)]
     rise = z + half - TOP_GRIP - height
@@ -98,15 +104,15 @@ def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | 
     Raises:
         Failure: there are none.
     """
-    cause = NO_KINEMATICS_AT
+    failed = Failure(NO_KINEMATICS_AT, *_touched(wanted))
     for joints in inverse(search.robot, tool, near):
-        cause = ARM_COLLIDES
         collision = collide(search, joints, wanted)
         if collision is None:
             return joints
+        failed = Failure(ARM_COLLIDES, collision.other)
         if collision.by_hand:
             break
-    raise Failure(cause)
+    raise failed
 
 
 def descend(search: Search, tool: Pose, at: Configuration, above: Configuration) -> tuple[Joints, Joints]:
@@ -115,22 +121,26 @@ def descend(search: Search, tool: Pose, at: Configuration, above: Configuration)
     Raises:
         Failure: there are none.
     """
-    cause = NO_KINEMATICS_AT
+    failed: Failure | None = None
     for low in inverse(search.robot, tool):
-        if cause == NO_KINEMATICS_AT:
-            cause = ARM_COLLIDES
         collision = collide(search, low, at)
-        if collision is not None and collision.by_hand:
-            break
         if collision is not None:
+            failed = failed or Failure(ARM_COLLIDES, collision.other)
+            if collision.by_hand:
+                break
             continue
         for high in islice(inverse(search.robot, raised(tool, LIFT), near=low), 2):
             if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
                 continue
             if collide(search, high, above) is None:
                 return low, high
-        cause = NO_KINEMATICS_ABOVE
-    raise Failure(cause)
+        failed = Failure(NO_KINEMATICS_ABOVE, *_touched(at))
+    raise failed or Failure(NO_KINEMATICS_AT, *_touched(at))
+
+
+def _touched(wanted: Configuration) -> tuple[str, ...]:
+    """Return the object that the arm goes to, where it goes to one."""
+    return () if wanted.touched is None else (wanted.touched,)
 
 
 def collide(search: Search, joints: Joints, wanted: Configuration) -> ArmCollision | None:

@@ -72,7 +72,7 @@ def draw_opening(search: Search, situation: Situation, furniture: str, facts: It
         if volume is not None:
             wanted = wanted.meet(volume(situation, (furniture,), IDENTITY))
     if wanted.empty:
-        raise Failure(EMPTY_VOLUME)
+        raise Failure(EMPTY_VOLUME, furniture)
     return search.uniform(*wanted.opening)
 
 
@@ -85,22 +85,22 @@ def turn(
         Failure: the hand is full, or it cannot do so.
     """
     if snapshot.arm.held is not None:
-        raise Failure(NO_GRASP)
+        raise Failure(NO_GRASP, snapshot.arm.held)
     situation = snapshot.situation
     goal = draw_opening(search, situation, furniture, facts)
     grips = _grips(search.robot, situation, furniture, (situation.opening(furniture) + goal) / 2)
     pull = Pull(furniture, _between(situation, furniture, goal), grips[attempt % len(grips)])
-    cause = NO_KINEMATICS_AT
+    failed = Failure(NO_KINEMATICS_AT, furniture)
     start = compose(situation.part(furniture), pull.grip)
     for low in inverse(search.robot, start):
         try:
             after, motion = _pulled(search, snapshot, pull, low)
         except Failure as failure:
-            cause = str(failure)
+            failed = failure
             continue
         waypoints += motion
         return after
-    raise Failure(cause)
+    raise failed
 
 
 def opened(situation: Situation, furniture: str, opening: float, objects: Iterable[str]) -> Situation:
@@ -152,8 +152,9 @@ def _pulled(search: Search, snapshot: Snapshot, pull: Pull, low: Joints) -> tupl
     for joints, at in _along(search, situation, pull, low):
         waypoints.append(Waypoint("pull", acting, joints, POST_WIDTH, furniture, at))
     moved = opened(situation, furniture, pull.openings[-1], search.objects)
-    if unsupported(moved, search.objects) is not None:
-        raise Failure(UNSUPPORTED)
+    falling = unsupported(moved, search.objects)
+    if falling is not None:
+        raise Failure(UNSUPPORTED, falling)
     _require_free(search, moved, joints, opening, furniture)
     above = _above(search, moved, joints, furniture)
     after = replace(snapshot, situation=moved).with_arm(Arm(above, opening))
@@ -171,10 +172,11 @@ def _along(search: Search, situation: Situation, pull: Pull, joints: Joints) -> 
     for at in pull.openings[1:]:
         near = adjusted(search.robot, compose(part_pose(shape, pose, at), pull.grip), joints)
         if near is None:
-            raise Failure(NO_KINEMATICS_AT)
+            raise Failure(NO_KINEMATICS_AT, pull.furniture)
         moved = opened(situation, pull.furniture, at, search.objects)
-        if colliding(search.simulator, moved, [pull.furniture, *within], search.objects) is not None:
-            raise Failure(OBJECTS_COLLIDE)
+        pair = colliding(search.simulator, moved, [pull.furniture, *within], search.objects)
+        if pair is not None:
+            raise Failure(OBJECTS_COLLIDE, *pair)
         _require_free(search, moved, near, POST_WIDTH, pull.furniture)
         yield near, at
         joints = near
@@ -191,7 +193,7 @@ def _above(search: Search, situation: Situation, low: Joints, furniture: str) ->
             continue
         if collide(search, high, Configuration(situation, search.robot.opening, furniture)) is None:
             return high
-    raise Failure(NO_KINEMATICS_ABOVE)
+    raise Failure(NO_KINEMATICS_ABOVE, furniture)
 
 
 def _require_free(search: Search, situation: Situation, joints: Joints, width: float, furniture: str) -> None:
@@ -200,5 +202,6 @@ def _require_free(search: Search, situation: Situation, joints: Joints, width: f
     Raises:
         Failure: it is not.
     """
-    if collide(search, joints, Configuration(situation, width, furniture)) is not None:
-        raise Failure(ARM_COLLIDES)
+    hit = collide(search, joints, Configuration(situation, width, furniture))
+    if hit is not None:
+        raise Failure(ARM_COLLIDES, hit.other)

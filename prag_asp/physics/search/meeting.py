@@ -81,7 +81,7 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
     volume = volume._replace(low=(*volume.low[:2], low + LOWEST), high=(*volume.high[:2], low + HIGHEST))
     floor = volume.floor()
     if floor is None:
-        raise Failure(EMPTY_VOLUME)
+        raise Failure(EMPTY_VOLUME, place)
     points = [point for _ in range(2) if (point := volume.draw(floor, search.uniform)) is not None]
     at = min(points, key=lambda point: math.dist(point[:2], base[:2]))
     if attempt < HANDY_ATTEMPTS:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
+from prag_asp.physics.predicates.gripper import slips
+from prag_asp.physics.search.attempt import ARM_COLLIDES, LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, collide
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Waypoint
@@ -22,10 +23,16 @@ def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
 
 
 def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> Snapshot:
-    """Move a lowered gripper straight up, with what it holds."""
+    """Move a lowered gripper straight up, with what it holds.
+
+    Raises:
+        Failure: it slips out of the gripper, or something is in the way.
+    """
     assert snapshot.above is not None
     poses, held = snapshot.situation.poses, snapshot.arm.held
     if held is not None:
+        if slips(search.scene, held, snapshot.acting) is not None:
+            raise Failure(LOST, held)
         poses = with_riders(snapshot.situation, held, raised(poses[held], LIFT), search.objects)
     after = moved_arm(snapshot, snapshot.above, poses)
     if held is not None:
@@ -58,8 +65,9 @@ def require_free(search: Search, snapshot: Snapshot, touched: str | None = None)
     """Check that the arm of a snapshot is free of collisions."""
     arm = snapshot.arm
     wanted = Configuration(snapshot.situation, arm.width, touched or arm.held)
-    if collide(search, arm.joints, wanted) is not None:
-        raise Failure(ARM_COLLIDES)
+    hit = collide(search, arm.joints, wanted)
+    if hit is not None:
+        raise Failure(ARM_COLLIDES, hit.other)
 
 
 def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
@@ -74,7 +82,9 @@ def verify_objects(search: Search, situation: Situation, moved: Iterable[str]) -
     Raises:
         Failure: they collide, or one would fall.
     """
-    if colliding(search.simulator, situation, moved, search.objects) is not None:
-        raise Failure(OBJECTS_COLLIDE)
-    if unsupported(situation, search.objects, STEADY) is not None:
-        raise Failure(UNSUPPORTED)
+    pair = colliding(search.simulator, situation, moved, search.objects)
+    if pair is not None:
+        raise Failure(OBJECTS_COLLIDE, *pair)
+    falling = unsupported(situation, search.objects, STEADY)
+    if falling is not None:
+        raise Failure(UNSUPPORTED, falling)

@@ -13,7 +13,7 @@ from prag_asp.physics.predicates.inside import INSIDE
 from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.predicates.reachable import REACHABLE
 from prag_asp.physics.predicates.volume import Floor
-from prag_asp.physics.search.allowed import all_satisfied, allowed, draw_yaws, relevant, shapes_volume, yaw_ranges
+from prag_asp.physics.search.allowed import allowed, draw_yaws, relevant, shapes_volume, unsatisfied, yaw_ranges
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
 from prag_asp.physics.search.chains import Chain, chains, kept_apart
 from prag_asp.physics.situation import Situation
@@ -79,7 +79,7 @@ def any_support(search: Search, situation: Situation, entity: str, facts: Iterab
     else:
         options = [TABLE, *(other for other in possible if _may_bear(facts, entity, other))]
     if not options:
-        raise Failure(EMPTY_VOLUME)
+        raise Failure(EMPTY_VOLUME, entity)
     return options[0] if options == [TABLE] else options[int(search.rng.integers(len(options)))]
 
 
@@ -119,19 +119,20 @@ def draw_pose(
     others = _others(situation, about)
     below = _neighbours(situation, others, support, half, volume.low[2] - height)
     beside = _neighbours(situation, others, support, half, volume.low[2]) if height > 0.0 else below
-    cause = RELATION
+    failed = Failure(RELATION, entity)
     for floor, spacing in _tries(favourite, everything, support):
         at = volume.draw(floor, search.uniform)
         if at is None:
             continue
         # What is held should be free to come down, but where that cannot be it may be held above something.
         if not _clear(at[0], at[1], below if spacing >= FINGER_ROOM / 2 else beside, spacing):
-            cause = OBJECTS_COLLIDE
-        elif all_satisfied(checked, situation, entity, Pose(at, quaternion)):
+            failed = Failure(OBJECTS_COLLIDE, entity)
+            continue
+        broken = unsatisfied(checked, situation, entity, Pose(at, quaternion))
+        if broken is None:
             return Pose(at, quaternion)
-        else:
-            cause = RELATION
-    raise Failure(cause)
+        failed = Failure(RELATION, fact=broken)
+    raise failed
 
 
 def _place(search: Search, situation: Situation, wanted: Wanted) -> tuple[Quaternion, Volume, Floor]:
@@ -158,7 +159,7 @@ def _place(search: Search, situation: Situation, wanted: Wanted) -> tuple[Quater
         if not wanted.ahead:
             break
     if found is None:
-        raise Failure(EMPTY_VOLUME)
+        raise Failure(EMPTY_VOLUME, wanted.entity)
     return found
 
 

@@ -41,8 +41,9 @@ def draw_start(search: Search, physical: PhysicalTask) -> Snapshot:
     snapshot = replace(snapshot, situation=situation)
     for robot in search.scene.robots:
         snapshot = _bring(search, turn_to(search, snapshot, robot), physical)
-    if not all(fact.satisfied(snapshot.situation) for fact in physical.initial):
-        raise Failure(RELATION)
+    for fact in physical.initial:
+        if not fact.satisfied(snapshot.situation):
+            raise Failure(RELATION, fact=fact)
     return snapshot
 
 
@@ -88,8 +89,10 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
         return raise_arm(search, snapshot, []) if lifted else snapshot
     if over is not None:
         snapshot = move_over(search, snapshot, over, 0, [])
-    elif collide(search, arm.joints, Configuration(snapshot.situation, arm.width, None)) is not None:
-        raise Failure(ARM_COLLIDES)
+    else:
+        hit = collide(search, arm.joints, Configuration(snapshot.situation, arm.width, None))
+        if hit is not None:
+            raise Failure(ARM_COLLIDES, hit.other)
     if any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in own):
         return snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
     return snapshot

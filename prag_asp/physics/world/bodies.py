@@ -16,6 +16,10 @@ from prag_asp.scene.solids import solids, weight
 
 PARKING = (20.0, 20.0, 5.0)
 GREY = "#808080"
+NO_MARGIN = 0.0
+"""PyBullet keeps other bodies 1 mm off the hull of a mesh and rounds the edges of other solids by as much, unless it is
+told not to; of solids that stand upright only vertical edges are."""
+
 PATCH = 0.001
 """How far the colour of a zone stands out of the table, in metres."""
 
@@ -49,8 +53,8 @@ def show_zone(client: int, scene: Scene, entity: str) -> None:
 def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False) -> int:
     """Make the body of an object; one that is fixed in the scene has no mass.
 
-    `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism; furniture
-    is one.
+    `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism, as furniture
+    is, nor have the exact geometry that a body from a URDF has, however its solids are turned: both never are.
 
     Raises:
         SceneError: PyBullet refuses its shape.
@@ -59,7 +63,11 @@ def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: boo
     shape, material = scene.shapes[entity], scene.material(entity)
     if shape.traits.furniture:
         return make_furniture(client, shape, material, at, color)
-    return _make(solids(shape), material, mass(scene, entity), at, client, color, free)
+    if shape.model is None:
+        return _make(solids(shape), material, mass(scene, entity), at, client, color, free)
+    body = _make(shape.model.solids, material, mass(scene, entity), at, client, color)
+    pybullet.changeDynamics(body, -1, collisionMargin=NO_MARGIN, physicsClientId=client)
+    return body
 
 
 def mass(scene: Scene, entity: str) -> float:

@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
+from prag_asp.physics.predicates.gripper import FINGER_FRICTION
 from prag_asp.physics.robot.file import write_robot
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.bodies import make_body, make_table
@@ -27,15 +28,6 @@ TIME_STEP = 1 / 120
 
 POSITION_GAIN = 0.2
 """What share of a joint's error its motor corrects in one step."""
-
-GRIP_FORCE = 12.0
-"""Newtons of each finger: with a coefficient of friction of 1 the two carry 2.4 kg.
-
-With 20 the rubber, of which the stiffness is the wheel's, gives way by more than a millimetre on each side.
-"""
-
-FINGER_FRICTION = 1.4
-"""Of rubber: with the friction of the objects, 0.7, the coefficient is 1."""
 
 RESTING, RESTING_TURN = 0.005, 0.05
 """What moves no faster is at rest, in metres and radians a second: what is held trembles a little."""
@@ -125,7 +117,7 @@ class Dynamics:
             pybullet.POSITION_CONTROL,
             targetPositions=[*command.joints, command.opening / 2, command.opening / 2],
             targetVelocities=[*speeds, 0.0, 0.0],
-            forces=[*arm.robot.torques, GRIP_FORCE, GRIP_FORCE],
+            forces=[*arm.robot.torques, arm.robot.grip_force, arm.robot.grip_force],
             positionGains=[POSITION_GAIN] * len(arm.driven),
             physicsClientId=self.client,
         )

@@ -7,6 +7,7 @@ from typing import Any
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.world.meshes import mesh_file
 from prag_asp.scene.model import Solid
 
 GEOMETRIES: Mapping[str, int] = {
@@ -15,7 +16,7 @@ GEOMETRIES: Mapping[str, int] = {
     "sphere": pybullet.GEOM_SPHERE,
     "mesh": pybullet.GEOM_MESH,
 }
-"""What PyBullet calls the solids; of a mesh it takes the hull."""
+"""What PyBullet calls the solids; of a mesh it takes the hull of each part."""
 
 NOTHING = -1
 STRAIGHT = (0.0, 0.0, 0.0)
@@ -25,7 +26,7 @@ def make_shapes(solids: Sequence[Solid], client: int, color: str | None) -> tupl
     """Return the ids of what several solids collide with and look like; without a colour they cannot be seen.
 
     Raises:
-        SceneError: PyBullet refuses one.
+        SceneError: PyBullet refuses one, or a mesh cannot be read.
     """
     # Each kind of solid takes what it needs of these.
     sizes = {
@@ -58,7 +59,7 @@ def _turned(what: str, solids: Sequence[Solid]) -> dict[str, Any]:
     if not any(solid.mesh or solid.turn != STRAIGHT for solid in solids):
         return {}
     return {
-        "fileNames": [solid.mesh for solid in solids],
-        "meshScales": [solid.size if solid.mesh else (1.0, 1.0, 1.0) for solid in solids],
+        "fileNames": [mesh_file(solid) if solid.mesh else "" for solid in solids],
+        "meshScales": [(1.0, 1.0, 1.0)] * len(solids),
         f"{what}FrameOrientations": [pybullet.getQuaternionFromEuler(solid.turn) for solid in solids],
     }

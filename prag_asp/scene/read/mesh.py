@@ -1,37 +1,55 @@
-"""Read the points of a mesh: Wavefront .obj, and .stl as text or binary."""
+"""Read the triangles of a mesh: Wavefront .obj, and .stl as text or binary.
+
+A mesh is as large as the corners of its faces say, exactly: points that no face uses are not part of it, and no margin
+of a simulator is. Simulators are handed what is read here, not the file, so that both have the same body.
+"""
 
 from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from itertools import chain, pairwise
 from pathlib import Path
 
 from prag_asp.errors import SceneError
+from prag_asp.scene.read.report import SMALLEST
 
 HEADER, TRIANGLE = 84, 50
+CORNERS = 3
+GROUPS = ("o", "g")
 Point = tuple[float, float, float]
+Triangle = tuple[Point, Point, Point]
+Part = tuple[Triangle, ...]
 
 
-def mesh_points(path: str) -> list[Point]:
-    """Return the points of a mesh, in its own unit.
+def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
+    """Return the triangles of a mesh, multiplied by a scale along each axis, by its parts.
+
+    A body collides as the convex hull of each part. The objects and groups of an .obj are its parts, so that what is
+    hollow can be made of convex ones; where one of them is thinner than `SMALLEST` metres, say a side of a box, the
+    mesh is one part.
 
     Raises:
-        SceneError: the file cannot be read, is of another format, or has no finite points.
+        SceneError: the file cannot be read, is of another format, or has no faces or no finite points.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in (".obj", ".stl"):
-        raise SceneError(f"{path}: a mesh of unknown format; give an .obj or an .stl")
-    try:
-        content = Path(path).read_bytes()
-        points = _obj(content) if suffix == ".obj" else _stl(content)
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
-    except (ValueError, struct.error) as error:
-        raise SceneError(f"{path}: not a mesh: {error}; export it anew") from error
-    if not points or not all(math.isfinite(value) for point in points for value in point):
-        raise SceneError(f"{path}: not a mesh: it has no points, or some that are not finite; export it anew")
-    return points
+    scaled = tuple(
+        tuple((_scaled(one, scale), _scaled(two, scale), _scaled(three, scale)) for one, two, three in part)
+        for part in _parts(path)
+    )
+    if len(scaled) > 1 and min(thickness(_corners(part)) for part in scaled) < SMALLEST:
+        return (tuple(chain.from_iterable(scaled)),)
+    return scaled
+
+
+def mesh_points(path: str, scale: Point = (1.0, 1.0, 1.0)) -> list[Point]:
+    """Return the corners of the faces of a mesh, each once, multiplied by a scale along each axis.
+
+    Raises:
+        SceneError: as for `mesh_parts`.
+    """
+    return [_scaled(point, scale) for point in _corners(chain.from_iterable(_parts(path)))]
 
 
 def thickness(points: Sequence[Point]) -> float:
@@ -43,23 +61,94 @@ def thickness(points: Sequence[Point]) -> float:
     return float(np.ptp(centred @ least))
 
 
-def _obj(content: bytes) -> list[Point]:
-    """Return the points of a Wavefront .obj."""
-    rows = (line.split() for line in content.decode("utf-8", "replace").splitlines())
-    return [_point(row[1:4]) for row in rows if row and row[0] == "v"]
+def _corners(triangles: Iterable[Triangle]) -> list[Point]:
+    """Return the corners of triangles, each once."""
+    return list(dict.fromkeys(chain.from_iterable(triangles)))
 
 
-def _stl(content: bytes) -> list[Point]:
-    """Return the points of an .stl; a binary one says how many triangles it has."""
+def _scaled(point: Point, scale: Point) -> Point:
+    return (point[0] * scale[0], point[1] * scale[1], point[2] * scale[2])
+
+
+def _parts(path: str) -> tuple[Part, ...]:
+    """Return the parts of a mesh in its own unit; a file is read again only where it has changed.
+
+    Raises:
+        SceneError: as for `mesh_parts`.
+    """
+    if Path(path).suffix.lower() not in (".obj", ".stl"):
+        raise SceneError(f"{path}: a mesh of unknown format; give an .obj or an .stl")
+    try:
+        about = Path(path).stat()
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    return _read(path, about.st_mtime_ns, about.st_size)
+
+
+@lru_cache(maxsize=32)
+def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
+    """Return the parts of a mesh in its own unit; when it was modified and its size tell contents apart.
+
+    Raises:
+        SceneError: as for `mesh_parts`.
+    """
+    try:
+        content = Path(path).read_bytes()
+        parts = _obj(content) if Path(path).suffix.lower() == ".obj" else [_stl(content)]
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    except (ValueError, struct.error) as error:
+        raise SceneError(f"{path}: not a mesh: {error}; export it anew") from error
+    found = tuple(tuple(part) for part in parts if part)
+    if not found:
+        raise SceneError(f"{path}: not a mesh: it has no faces; export it anew")
+    if not all(math.isfinite(value) for point in _corners(chain.from_iterable(found)) for value in point):
+        raise SceneError(f"{path}: not a mesh: a point is not finite; export it anew")
+    return found
+
+
+def _obj(content: bytes) -> list[list[Triangle]]:
+    """Return the triangles of a Wavefront .obj by its objects and groups; a face of more corners is a fan of them."""
+    points: list[Point] = []
+    parts: list[list[Triangle]] = [[]]
+    text = content.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    for number, line in enumerate(text.splitlines(), 1):
+        match line.split():
+            case ["v", *words]:
+                points.append(_point(words[:CORNERS]))
+            case ["f", *words]:
+                first, *others = [_corner(word, points, number) for word in words]
+                if len(words) < CORNERS:
+                    raise ValueError(f"a face of {len(words)} corners in line {number}")
+                parts[-1] += [(first, one, two) for one, two in pairwise(others)]
+            case [group, *_] if group in GROUPS:
+                parts.append([])
+    return parts
+
+
+def _corner(word: str, points: Sequence[Point], number: int) -> Point:
+    """Return the corner of a face that a word such as ``3/1/2`` names: from 1 on, or from -1 back.
+
+    Raises:
+        ValueError: there is no such point before this line.
+    """
+    index = int(word.partition("/")[0])
+    if index == 0 or not -len(points) <= index <= len(points):
+        raise ValueError(f"a face with the corner {index} of {len(points)} points in line {number}")
+    return points[index - 1 if index > 0 else index]
+
+
+def _stl(content: bytes) -> list[Triangle]:
+    """Return the triangles of an .stl; a binary one says how many it has."""
     count = struct.unpack_from("<I", content, HEADER - 4)[0] if len(content) >= HEADER else -1
     if len(content) == HEADER + count * TRIANGLE:
-        found: list[Point] = []
-        for i in range(count):
-            values = struct.unpack_from("<12f", content, HEADER + i * TRIANGLE)
-            found += [(values[k], values[k + 1], values[k + 2]) for k in (3, 6, 9)]
-        return found
-    rows = (line.split() for line in content.decode("utf-8", "replace").splitlines())
-    return [_point(row[1:4]) for row in rows if row and row[0] == "vertex"]
+        rows = (struct.unpack_from("<12f", content, HEADER + i * TRIANGLE) for i in range(count))
+        return [(row[3:6], row[6:9], row[9:12]) for row in rows]
+    words = (line.split() for line in content.decode("utf-8", "replace").splitlines())
+    points = [_point(row[1:4]) for row in words if row and row[0] == "vertex"]
+    if len(points) % CORNERS:
+        raise ValueError(f"{len(points)} corners, which make no triangles")
+    return list(zip(points[::3], points[1::3], points[2::3], strict=True))
 
 
 def _point(words: list[str]) -> Point:

@@ -13,8 +13,8 @@ MAX_LENGTH = 2.0
 SMALLEST = 0.003
 """The smallest side of a body in metres.
 
-To PyBullet boxes, cylinders and the hulls of meshes are at least 2 mm thick, for it keeps 1 mm around them; and what is
-within 2 mm of a top rests on it. Of thinner bodies distances are wrong, and above and below cannot be told apart.
+To PyBullet boxes and cylinders are at least 2 mm thick, for it keeps 1 mm around them; and what is within 2 mm of a top
+rests on it. Of thinner bodies distances are wrong, and above and below cannot be told apart.
 """
 
 FALLBACK_COLOR = "#808080"

@@ -61,8 +61,7 @@ def _own_points(solid: Solid) -> Iterator[Size]:
     angles = [2 * math.pi * i / DIRECTIONS for i in range(DIRECTIONS)]
     circle = [(math.cos(angle), math.sin(angle)) for angle in angles]
     if solid.mesh:
-        for point in mesh_points(solid.mesh):
-            yield point[0] * solid.size[0], point[1] * solid.size[1], point[2] * solid.size[2]
+        yield from mesh_points(solid.mesh, solid.size)
     elif solid.kind == "box":
         yield from product((-x, x), (-y, y), (-z, z))
     elif solid.kind == "cylinder":

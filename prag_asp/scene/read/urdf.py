@@ -1,7 +1,8 @@
 """Read a URDF of one rigid link: what it collides with, the box around that, and its mass.
 
-Only what is needed to place and grasp a body: boxes, cylinders, balls and meshes (.obj and .stl, of which PyBullet
-takes the convex hull). Nothing here loads a simulator, so the linter can measure a body. Lengths are metres.
+Only what is needed to place and grasp a body: boxes, cylinders, balls and meshes (.obj and .stl, of which simulators
+take convex hulls). Sizes are those of the solids and of the meshes' own corners. Nothing here loads a simulator, so the
+linter can measure a body. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -22,8 +23,6 @@ from prag_asp.scene.read.stability import rotation
 from prag_asp.wording import plural
 
 ZEROS = "0 0 0"
-HULL_MARGIN = 0.001
-"""How far PyBullet keeps other bodies off the hull of a mesh, in metres."""
 
 
 def read_urdf(path: Path, folder: Path) -> Shape:
@@ -185,20 +184,18 @@ def _ends(solid: Solid) -> Iterator[Size]:
     Raises:
         SceneError: a mesh cannot be read, or is too thin.
     """
-    rows, margin = rotation(solid.turn), 0.0
+    rows = rotation(solid.turn)
     if solid.mesh:
-        points = [_size([a * b for a, b in zip(point, solid.size, strict=True)]) for point in mesh_points(solid.mesh)]
+        points = mesh_points(solid.mesh, solid.size)
         if thickness(points) < SMALLEST:
             raise SceneError(f"{solid.mesh}: the mesh is {_thin(thickness(points))}")
         turned = [[sum(a * b for a, b in zip(row, point, strict=True)) for row in rows] for point in points]
-        margin = HULL_MARGIN
     else:
         half = _size([side / 2 for side in solid.size])
         reach = [FORMS[solid.kind].reach(half, row) for row in rows]
         turned = [reach, [-side for side in reach]]
     for point in turned:
-        for side in (-margin, margin):
-            yield _size([a + b + side for a, b in zip(point, solid.at, strict=True)])
+        yield _size([a + b for a, b in zip(point, solid.at, strict=True)])
 
 
 def _minus(one: Size, two: Size) -> Size:

@@ -74,7 +74,7 @@ class Robot:
     is how deep an object reaches between the fingers before it meets the palm, `fingertip` how far the tips
     extend past the tool. An object is within `reach`, a ring around the base seen from above, where the gripper gets
     to it and above it from straight above however it is turned, up to `reach_height`. `payload` is what the arm may
-    carry, in kilograms. `finger_names` are the links
+    carry, in kilograms, `grip_force` what each finger presses with, in newtons. `finger_names` are the links
     of the fingers, each with the side on which it is; `finger_boxes` make up the left one, in its frame. `hand`
     is there where the gripper is our own. `base` is where the robot stands.
     """
@@ -101,6 +101,7 @@ class Robot:
     reach: tuple[float, float]
     reach_height: float
     payload: float
+    grip_force: float
     self_pairs: tuple[tuple[int, int], ...]
     finger_names: tuple[tuple[str, float], ...]
     finger_boxes: tuple[Solid, ...]

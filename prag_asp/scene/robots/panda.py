@@ -96,6 +96,7 @@ PANDA = Robot(
     reach=(0.28, 0.76),
     reach_height=0.35,
     payload=3.0,
+    grip_force=12.0,
     # Links that can meet; neighbours and pairs that the joint limits keep apart are left out.
     self_pairs=tuple((low, high) for low in range(-1, 4) for high in (4, 5, 6, 8) if high - low > 2),
     finger_names=(("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)),

@@ -105,7 +105,7 @@ def test_friction_alone_carries_the_object(stacked, tabletop):
         sum(forces) * tabletop.material("cube_1").friction * dynamics.FINGER_FRICTION
         > mass(tabletop, "cube_1") * GRAVITY
     )
-    assert max(forces) < 3 * dynamics.GRIP_FORCE
+    assert max(forces) < 3 * PANDA.grip_force
 
 
 def test_without_friction_the_object_stays_behind(performer, witness, tabletop, monkeypatch):

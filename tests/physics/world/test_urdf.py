@@ -5,6 +5,7 @@ import struct
 import subprocess
 import sys
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 
 import pybullet
@@ -17,6 +18,7 @@ from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.load import parse_scene
 from prag_asp.scene.model import Scene
+from prag_asp.scene.read.mesh import mesh_parts
 from tests.physics.random_tasks import Rules, scene_table
 from tests.physics.scenarios import stacking
 
@@ -126,26 +128,59 @@ def _text_stl() -> bytes:
 
 
 @pytest.mark.parametrize(("suffix", "content"), [(".obj", _obj()), (".stl", _binary_stl()), (".stl", _text_stl())])
-def test_a_mesh_is_measured_with_the_margin_of_its_hull(tmp_path, suffix, content):
+def test_a_mesh_is_as_large_as_its_corners_say(tmp_path, suffix, content):
     (tmp_path / "m.urdf").write_text(MESH.format(suffix=suffix))
     (tmp_path / f"box{suffix}").write_bytes(content)
     scene = scene_in(tmp_path, "m.urdf")
-    assert scene.shapes["cube_1"].size == pytest.approx((0.042, 0.052, 0.042))
+    assert scene.shapes["cube_1"].size == pytest.approx((0.04, 0.05, 0.04), abs=1e-12)
     assert scene.shapes["cube_1"].model.solids[0].at == pytest.approx((-0.02, -0.025, 0.0))
 
 
-def test_a_mesh_stands_on_the_table_in_the_simulator_as_it_is_measured(tmp_path):
-    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
-    (tmp_path / "box.obj").write_bytes(_obj())
+@pytest.mark.parametrize(("suffix", "content"), [(".obj", _obj()), (".stl", _binary_stl()), (".stl", _text_stl())])
+def test_a_mesh_stands_on_the_table_in_the_simulator_as_it_is_measured(tmp_path, suffix, content):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=suffix))
+    (tmp_path / f"box{suffix}").write_bytes(content)
     scene = scene_in(tmp_path, "m.urdf")
     with open_simulator(scene) as simulator:
-        simulator.place({"cube_1": Pose((0.5, 0.0, 0.021))})
+        simulator.place({"cube_1": Pose((0.5, 0.0, 0.02))})
         points = pybullet.getClosestPoints(
             simulator.body("cube_1"), simulator.table, 0.1, physicsClientId=simulator.client
         )
-    assert min(point[8] for point in points) == pytest.approx(0.0, abs=1e-4)
+    assert min(point[8] for point in points) == pytest.approx(0.0, abs=1e-6)
     verdict = validate_task(stacking(), scene, seed=1)
     assert verdict.feasible and settle(stacking(), verdict.witness, scene) is None
+
+
+def test_a_point_that_no_face_uses_is_not_part_of_a_mesh(tmp_path):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    (tmp_path / "box.obj").write_bytes(_obj() + b"v 500 0 -100\n")
+    assert scene_in(tmp_path, "m.urdf").shapes["cube_1"].size == pytest.approx((0.04, 0.05, 0.04), abs=1e-12)
+
+
+@pytest.mark.parametrize(("group", "gap"), [("o leg", 0.05 - 0.033), ("", -0.033)])
+def test_the_objects_of_a_mesh_collide_one_by_one(tmp_path, group, gap):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    text = ""
+    for at in (-60.0, 50.0):
+        text += "".join(f"v {x} {y} {z}\n" for x in (at, at + 10.0) for y in (-30.0, 30.0) for z in (0.0, 40.0))
+        text += f"{group}\n" + "".join(f"f -{a} -{b} -{c}\n" for a, b, c in combinations(range(1, 9), 3))
+    (tmp_path / "box.obj").write_text(text)
+    scene = scene_in(tmp_path, "m.urdf")
+    assert scene.shapes["cube_1"].size == pytest.approx((0.12, 0.06, 0.04), abs=1e-12)
+    with open_simulator(scene) as simulator:
+        simulator.place({"cube_1": Pose((0.5, 0.0, 0.02)), "can_1": Pose((0.5, 0.0, 0.05))})
+        points = pybullet.getClosestPoints(
+            simulator.body("cube_1"), simulator.body("can_1"), 0.1, physicsClientId=simulator.client
+        )
+    assert (min(point[8] for point in points) > 0.0) == (gap > 0.0)
+    assert gap < 0.0 or min(point[8] for point in points) == pytest.approx(gap, abs=1e-4)
+
+
+def test_a_mesh_with_a_group_for_each_side_is_one_hull(tmp_path):
+    lines = _obj().decode().splitlines()
+    points, faces = [line for line in lines if line[0] == "v"], [line for line in lines if line[0] == "f"]
+    (tmp_path / "box.obj").write_text("\n".join([*points, *(f"g side_{i}\n{face}" for i, face in enumerate(faces))]))
+    assert len(mesh_parts(str(tmp_path / "box.obj"))) == 1
 
 
 @pytest.mark.parametrize(
@@ -209,7 +244,11 @@ def test_a_urdf_that_cannot_be_used_is_refused_in_one_line(tmp_path, path, conte
 
 def test_a_broken_mesh_is_refused(tmp_path):
     (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
-    for content in (b"", b"v 1 2\n", b"v 1 2 nan\n", b"v a b c\n", b"\xff\xfe"):
+    three = b"v 1 2 3\nv 2 3 4\nv 3 2 1\n"
+    for content in (
+        b"", b"v 1 2\n", b"v a b c\n", b"\xff\xfe", three, three + b"f 1 2\n", three + b"f 1 2 4\n",
+        three + b"f 0 1 2\n", three + b"f 1 2 -4\n", three + b"f 1 2 x\n", b"v 1 2 nan\n" + three + b"f 1 2 3\n",
+    ):  # fmt: skip
         (tmp_path / "box.obj").write_bytes(content)
         with pytest.raises(SceneError, match=r"box\.obj: not a mesh: .*; export it anew"):
             scene_in(tmp_path, "m.urdf")
@@ -222,7 +261,12 @@ def _turned(points: list[tuple[float, float, float]]) -> bytes:
         tilted, up = math.cos(0.7) * y - math.sin(0.7) * z, math.sin(0.7) * y + math.cos(0.7) * z
         ahead, left = math.cos(0.4) * x - math.sin(0.4) * tilted, math.sin(0.4) * x + math.cos(0.4) * tilted
         rows.append(f"v {ahead!r} {left!r} {up!r}\n")
-    return "".join(rows).encode()
+    return "".join(rows).encode() + _fan(len(points))
+
+
+def _fan(count: int) -> bytes:
+    """Return faces of an .obj that use so many points."""
+    return "".join(f"f 1 {k} {k + 1}\n" for k in range(2, count)).encode()
 
 
 @pytest.mark.parametrize("thick", [0.0, 1e-6, 2.9])
@@ -292,10 +336,12 @@ def test_a_cone_on_its_tip_is_refused_and_one_on_its_base_stands(tmp_path):
     ring = [(20 * math.cos(i), 20 * math.sin(i)) for i in range(12)]
     for name, tip in (("up", 60.0), ("down", -60.0)):
         points = [(0.0, 0.0, tip), *((x, y, 0.0) for x, y in ring)]
-        (tmp_path / f"{name}.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in points))
+        (tmp_path / f"{name}.obj").write_text(
+            "".join(f"v {x} {y} {z}\n" for x, y, z in points) + _fan(len(points)).decode()
+        )
         mesh = f"<mesh filename='{name}.obj' scale='0.001 0.001 0.001'/>"
         (tmp_path / f"{name}.urdf").write_text(ALONE.format("0 0 0", mesh))
-    assert scene_in(tmp_path, "up.urdf").shapes["cube_1"].size[2] == pytest.approx(0.062)
+    assert scene_in(tmp_path, "up.urdf").shapes["cube_1"].size[2] == pytest.approx(0.06)
     with pytest.raises(SceneError, match="falls over"):
         scene_in(tmp_path, "down.urdf")
 

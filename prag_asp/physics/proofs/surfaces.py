@@ -1,0 +1,69 @@
+"""The table's top and its zones: what stands on one of them stands on all those that it is over, and on no others.
+
+A surface is a convex region of one plane, and to stand on it is to stand on the plane with the centre over the region.
+So a body that is known to stand on some of them has its centre over what they have in common.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from prag_asp.physics.facts import Fact
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.predicates.gaps import ROUNDING
+from prag_asp.physics.predicates.predicate import words
+from prag_asp.scene.forms import Outline, rectangle
+from prag_asp.scene.geometry import cut, inside_by
+from prag_asp.scene.model import Scene
+
+FLUSH = 1e-8
+"""Metres by which a region may stand out of another that it lies within, for coordinates are rounded."""
+
+
+def surface_reasons(facts: Iterable[Fact], fresh: Iterable[Fact], scene: Scene) -> Iterator[str]:
+    """Yield why bodies cannot stand on some of the table's top and its zones, and not on others of them."""
+    bodies = dict.fromkeys(fact.arguments[0] for fact in fresh if _of_surface(fact, scene))
+    about = [fact for fact in facts if _of_surface(fact, scene)] if bodies else []
+    for entity in bodies:
+        own = [fact for fact in about if fact.arguments[0] == entity]
+        on, off = ([fact.arguments[1] for fact in own if fact.value is value] for value in (True, False))
+        if on:
+            yield from _contradictions(entity, on, off, scene)
+
+
+def _contradictions(entity: str, on: Sequence[str], off: Sequence[str], scene: Scene) -> Iterator[str]:
+    """Yield why a body cannot stand on some surfaces and not on others."""
+    name, places = words(entity), " and ".join(map(words, on))
+    common = outline_of(on[0], scene)
+    for surface in on[1:]:
+        common = within(common, outline_of(surface, scene))
+    if not common:
+        yield f"{name} cannot be on {places} at once, for they have no part in common"
+        return
+    for surface in off:
+        outline = outline_of(surface, scene)
+        if all(inside_by(outline, corner) >= -FLUSH for corner in common):
+            yield f"{name} cannot be on {places} and not on {words(surface)}, which covers all of {places}"
+
+
+def outline_of(surface: str, scene: Scene) -> Outline:
+    """Return the corners of the table's top or of a zone, counter-clockwise."""
+    if scene.shapes[surface].kind == "table":
+        (x, y), (size_x, size_y) = scene.table.centre, scene.table.size
+        return rectangle(x, y, size_x / 2, size_y / 2, 0.0)
+    (x, y, yaw), half = scene.fixed[surface], scene.shapes[surface].half
+    return rectangle(x, y, half[0], half[1], yaw)
+
+
+def within(outline: Outline, other: Outline) -> Outline:
+    """Return what two convex outlines share, or nearly share, none where they are apart by more than `ROUNDING`."""
+    for (ax, ay), (bx, by) in zip(other, other[1:] + other[:1], strict=True):
+        length = ((bx - ax) ** 2 + (by - ay) ** 2) ** 0.5
+        a, b = (by - ay) / length, (ax - bx) / length
+        outline = cut(outline, a, b, a * ax + b * ay + ROUNDING)
+    return outline
+
+
+def _of_surface(fact: Fact, scene: Scene) -> bool:
+    """Tell whether a fact says that a body stands, or does not stand, on the table or a zone."""
+    return fact.predicate is PREDICATES["on_top"] and scene.shapes[fact.arguments[1]].traits.surface

@@ -1,0 +1,205 @@
+"""Each proof at its edge, from both sides: just impossible, and just feasible with a witness."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from prag_asp.physics import Budget, Validator, Verdict, check_witness, open_validator, validate_task
+from prag_asp.physics.facts import physical_task
+from prag_asp.physics.predicates import gripper
+from prag_asp.physics.predicates.gripper import GRAVITY, SLIPS, bearable
+from prag_asp.physics.proofs.prover import Prover, impossibility
+from prag_asp.physics.search import moving
+from prag_asp.scene.model import Material, Scene, Shape
+from prag_asp.task import Task
+from tests.chance import Chance
+from tests.physics.scenarios import state, task
+
+PICK = ("pick(panda,cube_1)", state("holding(panda,cube_1)", "-on_top(cube_1,table_1)"))
+LIFTED = task(state("on_top(cube_1,table_1)", "-holding(panda,cube_1)"), PICK)
+GRASPED = task(state("on_top(cube_1,table_1)"), ("grasp(panda,cube_1)", state("holding(panda,cube_1)")))
+
+
+def scene(size: tuple[float, float, float] = (0.05, 0.05, 0.05), **changes: object) -> Scene:
+    """Return a scene of a table, a cube of a size and a shelf."""
+    shapes = {
+        "panda": Shape("robot"),
+        "table_1": Shape("table"),
+        "cube_1": Shape("box", size),
+        "shelf_1": Shape("box", (0.2, 0.2, 0.1)),
+    }
+    return replace(Scene(shapes, fixed={"shelf_1": (0.5, 0.35, 0.0)}), **changes)
+
+
+def of_mass(kilograms: float, friction: float = 0.3, **changes: object) -> Scene:
+    """Return a scene with a cube of a mass and a coefficient of friction."""
+    return scene(materials={"cube_1": Material(kilograms / 0.05**3, friction)}, **changes)
+
+
+def reason(asked: Task, made: Scene) -> str | None:
+    proof = impossibility(physical_task(asked, made), made)
+    return None if proof is None else str(proof)
+
+
+@pytest.mark.parametrize(("height", "held"), [(0.01099, False), (0.011, True), (0.01101, True)])
+def test_what_is_lower_than_the_fingers_reach_is_proved_never_held_and_what_is_higher_is_held(
+    height: float, held: bool
+) -> None:
+    made = scene((0.05, 0.05, height))
+    verdict = validate_task(LIFTED, made, seed=1)
+    assert verdict.status == ("feasible" if held else "infeasible")
+    if verdict.witness is None:
+        assert verdict.reason.endswith("cube 1 is 11 mm high, the gripper takes what is at least 11 mm high")
+    else:
+        assert check_witness(LIFTED, verdict.witness, made) == []
+
+
+def test_a_body_that_may_be_high_enough_is_not_proved_too_low() -> None:
+    sizes = tuple(Shape("box", (0.05, 0.05, height)) for height in (0.008, 0.012))
+    assert reason(LIFTED, scene((0.05, 0.05, 0.012), ranges={"cube_1": sizes})) is None
+    assert reason(LIFTED, scene((0.05, 0.05, 0.01), ranges={"cube_1": sizes[:1]})) is not None
+
+
+def test_the_check_of_a_witness_demands_that_the_fingers_stay_above_what_they_hold(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = scene((0.05, 0.05, 0.0111))
+    witness = validate_task(LIFTED, made, seed=1).witness
+    assert witness is not None and check_witness(LIFTED, witness, made) == []
+    monkeypatch.setattr(gripper, "TIP_ROOM", gripper.TIP_ROOM + 0.001)
+    assert any("the fingers reach below cube_1" in text for text in check_witness(LIFTED, witness, made))
+
+
+def test_friction_bears_what_coulomb_says() -> None:
+    # Two fingers of 12 N, rubber of 1.4 on a body of 0.3.
+    assert bearable(of_mass(1.0), "cube_1", "panda") == pytest.approx(2 * 12.0 * 1.4 * 0.3 / 9.81)
+    assert GRAVITY == 9.81 and SLIPS > 1.0
+
+
+@pytest.mark.parametrize(("share", "proved"), [(SLIPS - 0.001, False), (SLIPS + 0.001, True)])
+def test_what_friction_does_not_bear_is_proved_to_slip_where_it_is_lifted(share: float, proved: bool) -> None:
+    made = of_mass(share * bearable(of_mass(1.0), "cube_1", "panda"))
+    told = reason(LIFTED, made)
+    assert (told is not None) == proved
+    assert told is None or told.startswith("the state after pick(panda,cube_1): cube 1 weighs 1.0")
+    assert reason(GRASPED, made) is None
+    verdict = validate_task(LIFTED, made, seed=1)
+    assert verdict.status == ("infeasible" if proved else "feasible")
+
+
+@pytest.mark.parametrize(
+    ("steps", "initial", "proved"),
+    [
+        ([PICK], ["on_top(cube_1,table_1)"], True),
+        ([PICK], [], False),  # it may have been in the air already, or on the shelf, or in the gripper
+        ([("put", state("-holding(panda,cube_1)", "on_top(cube_1,shelf_1)"))],
+         ["holding(panda,cube_1)", "-on_top(cube_1,shelf_1)"], True),
+        ([("put", state("-holding(panda,cube_1)", "on_top(cube_1,shelf_1)"))], ["holding(panda,cube_1)"], False),
+        ([("drop", state("-holding(panda,cube_1)"))], ["holding(panda,cube_1)", "on_top(cube_1,table_1)"], False),
+        ([("carry", state("-on_top(cube_1,table_1)"))], ["holding(panda,cube_1)", "on_top(cube_1,table_1)"], True),
+        ([("wait", state("-on_top(cube_1,table_1)"))], ["on_top(cube_1,table_1)"], False),
+    ],
+)  # fmt: skip
+def test_only_what_leaves_or_comes_to_a_place_in_the_gripper_is_lifted(
+    steps: list[tuple[str, dict]], initial: list[str], proved: bool
+) -> None:
+    named = [(f"{name.partition('(')[0]}(panda,cube_1)", subgoal) for name, subgoal in steps]
+    asked = task(state(*initial), *named)
+    assert (reason(asked, of_mass(1.7)) is not None) == proved
+
+
+def test_a_proof_of_slipping_names_the_facts_of_both_states() -> None:
+    made = of_mass(1.7)
+    proof = impossibility(physical_task(LIFTED, made), made)
+    assert proof is not None and proof.state == 1
+    assert [(f.predicate.name, f.arguments, f.value) for f in proof.facts] == [
+        ("on_top", ("cube_1", "table_1"), True),
+        ("holding", ("panda", "cube_1"), True),
+        ("on_top", ("cube_1", "table_1"), False),
+    ]
+
+
+def test_a_body_that_may_be_light_enough_is_not_proved_to_slip() -> None:
+    sizes = tuple(Shape("box", (side, side, side)) for side in (0.03, 0.06))
+    heavy = of_mass(1.7, ranges={"cube_1": sizes})
+    assert reason(LIFTED, heavy) is None
+    assert reason(LIFTED, replace(heavy, ranges={"cube_1": sizes[1:]})) is not None
+
+
+def test_the_check_of_a_witness_demands_that_friction_bears_what_is_in_the_air() -> None:
+    light, heavy = of_mass(0.1), of_mass(1.7)
+    witness = validate_task(LIFTED, light, seed=1).witness
+    assert witness is not None and check_witness(LIFTED, witness, light) == []
+    assert any("cube_1 slips out of the gripper" in text for text in check_witness(LIFTED, witness, heavy))
+    grasped = validate_task(GRASPED, heavy, seed=1).witness
+    assert grasped is not None and check_witness(GRASPED, grasped, heavy) == []
+
+
+def unproved(validator: Validator, asked: Task, index: int, budget: Budget, seed: int = 1) -> Verdict:
+    """Return what a search says that no proof stops."""
+    return validator.validate(asked, seed=seed, index=index, budget=budget)
+
+
+@pytest.mark.parametrize(("share", "held"), [(0.6, True), (SLIPS, False)])
+def test_the_robot_holds_what_friction_bears_with_some_to_spare_and_never_what_is_proved(
+    share: float, held: bool, chance: Chance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Prover, "impossibility", lambda self, physical: None)
+    monkeypatch.setattr(moving, "slips", lambda scene, entity, robot: None)
+    rng, budget, done = chance.generator(31), Budget(2, 5, "demonstration"), 0
+    for index in range(chance.examples(2)):
+        friction = rng.uniform(0.2, 0.5)
+        most = bearable(of_mass(1.0, friction), "cube_1", "panda")
+        with open_validator(of_mass(min(share * most, 2.9), friction)) as validator:
+            done += unproved(validator, LIFTED, index, budget).feasible
+    assert (done > 0) == held
+
+
+def test_no_long_search_finds_what_a_zone_and_the_table_exclude(
+    chance: Chance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng, found, proved = chance.generator(32), 0, 0
+    for _ in range(chance.examples(12)):
+        zones = {name: (rng.uniform(0.4, 0.6), rng.uniform(-0.2, 0.2), rng.uniform(-3, 3)) for name in ("a", "b")}
+        sides = {name: Shape("zone", (rng.uniform(0.05, 0.4), rng.uniform(0.05, 0.4), 0.0)) for name in zones}
+        made = scene()
+        made = replace(made, shapes={**made.shapes, **sides}, fixed={**made.fixed, **zones})
+        signs = {place: rng.choice(["", "-"]) for place in ("a", "b", "table_1")}
+        asked = task(state(*(f"{sign}on_top(cube_1,{place})" for place, sign in signs.items())))
+        told = reason(asked, made)
+        with monkeypatch.context() as patch, open_validator(made) as validator:
+            patch.setattr(Prover, "impossibility", lambda self, physical: None)
+            budget = Budget(4 * chance.times, 10)
+            verdict = unproved(validator, replace(asked), 0, budget)
+        found, proved = found + verdict.feasible, proved + (told is not None)
+        assert told is None or not verdict.feasible, (told, zones, sides, signs)
+    assert found > 0 and proved > 0
+
+
+@pytest.mark.parametrize(("gap", "proved"), [(1e-4, True), (-1e-3, False)])
+def test_two_zones_exclude_each_other_exactly_where_they_have_no_part_in_common(gap: float, proved: bool) -> None:
+    reach = 0.1 * math.sqrt(2.0)  # from the middle to a corner
+    fixed = {"a": (0.5, 0.0, math.pi / 4), "b": (0.5, 2 * reach + gap, math.pi / 4)}
+    made = scene()
+    zones = {name: Shape("zone", (0.2, 0.2, 0.0)) for name in fixed}
+    made = replace(made, shapes={**made.shapes, **zones}, fixed=fixed)
+    both = task(state("on_top(cube_1,a)", "on_top(cube_1,b)"))
+    assert (reason(both, made) is not None) == proved
+    beside = task(state("on_top(cube_1,a)", "-on_top(cube_1,b)", "on_top(cube_1,table_1)"))
+    assert reason(beside, made) is None
+
+
+def test_three_zones_that_meet_by_pairs_but_nowhere_all_three_exclude_each_other() -> None:
+    fixed = {"a": (0.5, 0.0, 0.0), "b": (0.45, 0.1, math.pi / 3), "c": (0.55, 0.1, -math.pi / 3)}
+    made = scene()
+    zones = {name: Shape("zone", (0.4, 0.01, 0.0)) for name in fixed}
+    made = replace(made, shapes={**made.shapes, **zones}, fixed=fixed)
+    facts = {name: f"on_top(cube_1,{name})" for name in fixed}
+    for left_out in fixed:
+        pair = task(state(*(fact for name, fact in facts.items() if name != left_out)))
+        assert reason(pair, made) is None
+    told = reason(task(state(*facts.values())), made)
+    assert told is not None and "no part in common" in told
