@@ -48,3 +48,9 @@ def touch(one: Corners, two: Corners) -> bool:
     (ax, ay, az), (bx, by, bz) = one
     (cx, cy, cz), (dx, dy, dz) = two
     return ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz
+
+
+def widened(box: Corners, rim: float) -> Corners:
+    """Return a box that is larger by a rim on every side."""
+    (ax, ay, az), (bx, by, bz) = box
+    return (ax - rim, ay - rim, az - rim), (bx + rim, by + rim, bz + rim)

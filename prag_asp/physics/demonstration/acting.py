@@ -5,12 +5,13 @@ from __future__ import annotations
 from prag_asp.physics.demonstration.driving import Driver
 from prag_asp.physics.demonstration.planning import Action, Angles, Leg, legs, planned_way, pulling_way
 from prag_asp.physics.demonstration.recording import Recorder
-from prag_asp.physics.motion.trajectory import blended
+from prag_asp.physics.motion.trajectory import blended, limits_of
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
 from prag_asp.physics.world.simulator import Simulator
+from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
 """How much farther than an object is wide a gripper wants to close, in metres."""
@@ -69,7 +70,8 @@ class Actor:
     def _drive(self, robot: str, ways: list[Angles]) -> None:
         """Move an arm along ways without a stop between them, and forget them."""
         if ways:
-            self._driver.move(robot, blended(ways, TIME_STEP))
+            limits = limits_of(robot_of(self._world.scene, robot))
+            self._driver.move(robot, blended(ways, self._driver.joints(robot), TIME_STEP, limits))
             ways.clear()
 
     def _way(self, arm: Arm, leg: Leg, action: Action) -> Angles:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.fields import shown
+from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.written import PARTS, VERSION
@@ -37,8 +38,8 @@ class Demonstration:
     far their grippers are open in metres; `commands` (T, R, 8) the joint angles and the opening that the motors drive
     to. `sizes` (O, 3) the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres
     and a quaternion x, y, z, w; `openings` (T, F) how far `furniture` is open in metres or radians;
-    `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the normal force
-    between them in newtons. `ends` holds for each state of the
+    `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the largest normal force
+    between them since the frame before, in newtons. `ends` holds for each state of the
     task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
     where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when.
     """
@@ -98,6 +99,13 @@ class Demonstration:
     def opened(self, frame: int) -> dict[str, float]:
         """Return how far furniture is open in a frame, in metres or radians."""
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
+
+    def touches(self, first: int, last: int) -> Iterator[Touch]:
+        """Yield the contacts in the frames from one to another, which is included."""
+        frames = self.contacts[:, 0]
+        those = (frames >= first) & (frames <= last)
+        for (frame, one, two), force in zip(self.contacts[those].tolist(), self.forces[those].tolist(), strict=True):
+            yield Touch(frame, self.bodies[one], self.bodies[two], force)
 
     def save(self, path: Path) -> None:
         """Write the recording as a compressed .npz file with its `version`, the same bytes for the same recording.

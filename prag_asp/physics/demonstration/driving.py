@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.demonstration.recording import FRAME_STEPS, Recorder
 from prag_asp.physics.world.dynamics import STILL, TIME_STEP, Command, Dynamics
+from prag_asp.scene.robots import Joints
 
 LONGEST_REST = 0.5
 """Seconds after which things count as at rest though they move, such as a ball that rolls."""
@@ -29,6 +30,10 @@ class Driver:
         for robot, command in commands.items():
             self._tell(robot, command)
         recorder.frame(self._commands)
+
+    def joints(self, robot: str) -> Joints:
+        """Return the joint angles in radians that the motors of an arm drive to."""
+        return self._commands[robot].joints
 
     def opening(self, robot: str) -> float:
         """Return the opening in metres that the motors of a gripper drive to."""
@@ -68,6 +73,7 @@ class Driver:
     def _step(self) -> None:
         """Let one time step pass, and record every frame."""
         self._world.step()
+        self._recorder.step()
         self._steps += 1
         if self._steps % FRAME_STEPS == 0:
             self._still = self._world.at_rest()

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from prag_asp.physics.demonstration.acting import Actor, Stopped
+from prag_asp.physics.demonstration.contacts import Asked, asked, unasked
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.planning import Action
 from prag_asp.physics.demonstration.recording import Recorder
 from prag_asp.physics.facts import Fact, PhysicalTask, physical_task
 from prag_asp.physics.predicates import Gripper
-from prag_asp.physics.search.attempt import LOST, NOT_REACHED
+from prag_asp.physics.search.attempt import LOST, NOT_REACHED, PRESSED
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.dynamics import Dynamics, open_dynamics
@@ -31,8 +32,8 @@ class Performer:
     def perform(self, physical: PhysicalTask, witness: Witness) -> Demonstration:
         """Return the recording of a task as it is performed from the first state of a witness.
 
-        After every action each fact of the state has to pass its predicate's check; otherwise the recording
-        ends there, with the cause.
+        No contact may press for which the task does not ask, and after every action each fact of the state has to pass
+        its predicate's check; otherwise the recording ends there, with the cause.
         """
         scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
         self._planner.use(scene)
@@ -41,12 +42,16 @@ class Performer:
         actor = Actor(self._world, self._planner, recorder, first)
         try:
             actor.rest()
-            _judge(physical.initial, recorder.end_state(), "the start")
+            seen = recorder.end_state()
+            _judge_contacts(asked(physical, 0, seen), recorder, "the start")
+            _judge(physical.initial, seen, "the start")
             for k, effect in enumerate(physical.effects):
                 before, after = witness.moments[k : k + 2]
                 actor.act(Action(effect, before, after, witness.motions[k]))
                 actor.rest()
-                _judge(effect.after, recorder.end_state(), str(effect.action))
+                begun, seen = seen, recorder.end_state()
+                _judge_contacts(asked(physical, k + 1, begun, seen), recorder, str(effect.action))
+                _judge(effect.after, seen, str(effect.action))
         except Stopped as stopped:
             cause, detail = stopped.args
             return recorder.finish(cause, detail)
@@ -64,6 +69,16 @@ def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
     if broken:
         worst = (lost or broken)[0]
         raise Stopped(LOST if lost else NOT_REACHED, f"after {after} it does not hold that {worst.sentence()}")
+
+
+def _judge_contacts(wanted: Asked, recorder: Recorder, during: str) -> None:
+    """Check the contacts of the action that has ended.
+
+    Raises:
+        Stopped: two bodies have pressed on each other for which the task does not ask.
+    """
+    for touch in unasked(recorder.touches(), wanted)[:1]:
+        raise Stopped(PRESSED, f"during {during} {touch.sentence()}")
 
 
 @contextmanager

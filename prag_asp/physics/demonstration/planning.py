@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.facts import Effect
 from prag_asp.physics.motion.route import Grip, Load, free_path, grip_of, pulled, straight, vertical
-from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
+from prag_asp.physics.motion.trajectory import limits_of, timed
 from prag_asp.physics.robot.kinematics import adjusted, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
@@ -75,13 +75,13 @@ def planned_way(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, ac
         tool = raised(tool_pose(robot, arm.joints), height)
         goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
         path = straight(robot, arm.joints, goal) or [arm.joints, goal]
-        return timed(path, TIME_STEP, ACCELERATION, robot.speed)
+        return timed(path, TIME_STEP, limits_of(robot))
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
     load = Load(situation.arm(waypoint.robot).width, _seen_grip(situation, waypoint.robot, arm.held))
     if not leg.way:
         return free_path(planner, situation, load, arm.joints, goal, TIME_STEP)
-    return timed(_along(arm, leg, goal), TIME_STEP, load.acceleration, robot.speed)
+    return timed(_along(arm, leg, goal), TIME_STEP, load.limits(robot))
 
 
 def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
@@ -91,7 +91,7 @@ def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: s
     """
     grip = compose(invert(situation.part(furniture)), tool_pose(planner.robot, arm.joints))
     path = pulled(planner.robot, situation, furniture, grip, opening, arm.joints)
-    return timed(path, TIME_STEP, LOADED_ACCELERATION, planner.robot.speed)
+    return timed(path, TIME_STEP, limits_of(planner.robot, loaded=True))
 
 
 def _seen_grip(situation: Situation, robot: str, held: str | None) -> Grip | None:

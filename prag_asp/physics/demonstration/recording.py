@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.demonstration import Demonstration, situation_of
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
@@ -27,19 +29,38 @@ class Recorder:
         self._openings: list[list[float]] = []
         self._contacts: list[tuple[int, int, int]] = []
         self._forces: list[float] = []
+        self._pressing: dict[tuple[int, int], float] = {}
         self._ends: list[int] = []
+
+    def step(self) -> None:
+        """Take down how bodies press on each other after a time step; the next frame tells the largest forces."""
+        for pair, force in self._world.contacts().items():
+            if force > self._pressing.get(pair, 0.0):
+                self._pressing[pair] = force
 
     def frame(self, commands: Mapping[str, Command]) -> None:
         """Record the world as it is, with what the motors of each arm drive to."""
         arms = self._world.arms()
         rows = [[*pose.position, *pose.quaternion] for pose in self._world.poses().values()]
-        for (one, two), force in self._world.contacts().items():
+        for (one, two), force in sorted(self._pressing.items()):
             self._contacts.append((len(self._arms), one, two))
             self._forces.append(force)
+        self._pressing.clear()
         self._arms.append([[*arm.joints, arm.width] for arm in arms.values()])
         self._commands.append([[*commands[name].joints, commands[name].opening] for name in arms])
         self._poses.append(rows)
         self._openings.append(list(self._world.openings().values()))
+
+    def touches(self) -> list[Touch]:
+        """Return the contacts since the state before the last that has ended, as they are recorded."""
+        first = self._ends[-2] + 1 if len(self._ends) > 1 else 0
+        begun = bisect_left(self._contacts, (first, 0, 0))
+        forces = np.array(self._forces[begun:], dtype=np.float32).tolist()
+        names = (*self._world.parts, *self._objects)
+        return [
+            Touch(frame, names[one], names[two], force)
+            for (frame, one, two), force in zip(self._contacts[begun:], forces, strict=True)
+        ]
 
     def end_state(self) -> Situation:
         """Note that a state of the task ends with the last frame, and return what that shows, as it is recorded."""

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, timed
+from prag_asp.physics.motion.clearance import Gaps, Passing, clear, gaps
+from prag_asp.physics.motion.trajectory import Limits, limits_of, timed
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
 from prag_asp.scene.furniture import part_pose
@@ -20,9 +21,15 @@ from prag_asp.scene.geometry import Pose, compose, invert, raised, turn_between
 from prag_asp.scene.robots import Joints, Robot
 
 HEIGHTS = (0.08, 0.16, 0.24)
-STRIDE, LOOK = 0.06, 0.02
-"""Radians between the waypoints of a way, and between the places where it is looked at: in 0.06 a hand moves by 5 cm,
-and through another hand by 1 cm unseen."""
+STRIDE = 0.06
+"""Radians between the waypoints of a way."""
+
+LOOK = 0.02
+"""How far all joints together turn between the places where a way is looked at, in radians.
+
+No part of an arm at the table, or of what it carries, is more than 1 m from a joint's axis. So nothing moves by more
+than 2 cm from one place to the next: what is `CLEARANCE` away at both does not touch in between.
+"""
 
 RUNGS = 4
 SWERVE = 0.1
@@ -52,10 +59,9 @@ class Load:
         """The object that the gripper holds, None where it is empty."""
         return None if self.grip is None else self.grip.entity
 
-    @property
-    def acceleration(self) -> float:
-        """How fast the arm may gather speed on its way, in radians a second squared."""
-        return ACCELERATION if self.grip is None else LOADED_ACCELERATION
+    def limits(self, robot: Robot) -> Limits:
+        """Return how fast the joints of a robot may turn and gather speed on the way."""
+        return limits_of(robot, loaded=self.grip is not None)
 
 
 def grip_of(held: str | None, *arms: Arm) -> Grip | None:
@@ -112,8 +118,8 @@ def free_path(
 ) -> NDArray[np.float64] | None:
     """Return the joint angles of every time step on a free way, shape (steps, 7); None where none is found."""
     for path in _ways(simulator, start, goal):
-        angles = timed(path, time_step, load.acceleration, simulator.robot.speed)
-        if _free(simulator, situation, load, start, angles):
+        angles = timed(path, time_step, load.limits(simulator.robot))
+        if _free(simulator, situation, load, np.concatenate([[start], angles])):
             return angles
     return None
 
@@ -123,16 +129,17 @@ def checked_path(
 ) -> tuple[Joints, ...] | None:
     """Return joint angles on a free way, each a stride after the last; None where none is found.
 
-    The ends are left out. Straight up and down there is one way only.
+    The ends are left out, and joints turn evenly from each to the next. Straight up and down there is one way only.
     """
     if vertical(simulator.robot, start, goal):
         path = straight(simulator.robot, start, goal)
-        if path is None:
-            return None
-        rungs, carried = tuple(path[1:-1]), _carried(situation, load)
-        return rungs if all(_free_at(simulator, situation, load, carried, joints) for joints in rungs) else None
-    angles = free_path(simulator, situation, load, start, goal, time_step)
-    return None if angles is None else tuple(_strides(start, angles, STRIDE))
+        return tuple(path[1:-1]) if path is not None and _free(simulator, situation, load, np.array(path)) else None
+    for around in _ways(simulator, start, goal):
+        angles = timed(around, time_step, load.limits(simulator.robot))
+        way = tuple(_strides(start, angles))
+        if _free(simulator, situation, load, np.array([start, *way, goal])):
+            return way
+    return None
 
 
 def _ways(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
@@ -155,18 +162,34 @@ def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None
     return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
 
 
-def _free(simulator: Simulator, situation: Situation, load: Load, start: Joints, angles: NDArray[np.float64]) -> bool:
-    """Tell whether the arm and what it holds meet nothing on the way; both ends are taken to be free."""
+def _free(simulator: Simulator, situation: Situation, load: Load, path: NDArray[np.float64]) -> bool:
+    """Tell whether the arm and what it holds keep clear of all else on a path, shape (points, 7), its ends left out."""
     carried = _carried(situation, load)
-    return all(_free_at(simulator, situation, load, carried, joints) for joints in _strides(start, angles, LOOK))
+    start, *between, goal = _looked_at(path)
+    first, last = (gaps(simulator, _passing(simulator, situation, load, carried, end)) for end in (start, goal))
+    found: list[Gaps] = []
+    for joints in between:
+        here = gaps(simulator, _passing(simulator, situation, load, carried, joints))
+        if here.keys() - first.keys() - last.keys():
+            return False
+        found.append(here)
+    return clear(first, found, last)
 
 
-def _strides(start: Joints, angles: NDArray[np.float64], stride: float) -> Iterator[Joints]:
-    """Yield joint angles of a way, a stride in radians apart, without its ends."""
+def _looked_at(path: NDArray[np.float64]) -> list[Joints]:
+    """Return joint angles on a path, shape (points, 7), in which all joints together turn by `LOOK`; two at least."""
+    reached = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path, axis=0)).sum(axis=1))])
+    places = np.linspace(0.0, reached[-1], math.ceil(reached[-1] / LOOK) + 1) if reached[-1] > 0.0 else np.zeros(2)
+    rows = np.column_stack([np.interp(places, reached, column) for column in path.T]).tolist()
+    return [tuple(path[0].tolist()), *map(tuple, rows[1:-1]), tuple(path[-1].tolist())]
+
+
+def _strides(start: Joints, angles: NDArray[np.float64]) -> Iterator[Joints]:
+    """Yield joint angles of a way, a stride apart, without its ends."""
     before, last = np.array(start), angles[-1]
     for row in angles:
-        if np.abs(row - before).max() >= stride:
-            if np.abs(row - last).max() < stride / 2:
+        if np.abs(row - before).max() >= STRIDE:
+            if np.abs(row - last).max() < STRIDE / 2:
                 return
             before = row
             yield tuple(row.tolist())
@@ -180,13 +203,12 @@ def _carried(situation: Situation, load: Load) -> list[str]:
     return [held, *riders(situation, held, [other for other in situation.poses if other != held])]
 
 
-def _free_at(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> bool:
-    """Tell whether the arm and what it carries meet nothing at joint angles."""
-    tool = tool_pose(simulator.robot, joints)
+def _passing(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> Passing:
+    """Return where everything is with the arm at joint angles."""
     if load.grip is not None:
-        delta = compose(compose(tool, load.grip.pose), invert(situation.poses[load.grip.entity]))
+        delta = compose(
+            compose(tool_pose(simulator.robot, joints), load.grip.pose), invert(situation.poses[load.grip.entity])
+        )
         moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}
         situation = situation.with_poses({**situation.poses, **moved})
-        if colliding(simulator, situation, carried, list(situation.poses)) is not None:
-            return False
-    return arm_collision(simulator, situation, joints, load.width, load.held) is None
+    return Passing(situation, Arm(joints, load.width, load.held), carried)

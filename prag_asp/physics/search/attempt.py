@@ -29,6 +29,7 @@ ARM_COLLIDES = "the arm collides"
 UNSTABLE = "an object tips, slides or rolls"
 UNSETTLED = "a relation does not hold once the objects have settled"
 NO_PATH = "the arm finds no free path"
+PRESSED = "bodies press on each other though the task does not ask for it"
 LOST = "the gripper does not hold its object"
 NOT_REACHED = "a relation does not hold after the robot's motion"
 
@@ -44,6 +45,7 @@ CAUSES = (
     UNSTABLE,
     UNSETTLED,
     NO_PATH,
+    PRESSED,
     LOST,
     NOT_REACHED,
 )

@@ -8,10 +8,12 @@ from typing import NamedTuple
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import COLLISION, Simulator
-from prag_asp.scene.boxes import Box, Corners
+from prag_asp.scene.boxes import Box, Corners, widened
 from prag_asp.scene.robots import Joints
 
 BASE_LINK = -1
+ARMS_APART = 0.01
+"""Metres that arms keep from each other: where they only just do not meet, they press on each other when they move."""
 
 
 class ArmCollision(NamedTuple):
@@ -107,16 +109,16 @@ def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Ar
 
 
 def _meets_arm(simulator: Simulator, name: str, arm: Arm, joints: Joints, width: float) -> int | None:
-    """Return a link of the arm that acts which collides with another arm, None where none does."""
+    """Return a link of the arm that acts which is not `ARMS_APART` from another arm, None where all are."""
     acting, other = simulator.arm, simulator.arms[name]
     boxes = [*zip(other.robot.links, other.link_boxes(arm.joints, arm.width), strict=True)]
     links = zip(acting.robot.links, acting.link_boxes(joints, width), strict=True)
-    near = [link for link, corners in links if _touching(corners, boxes)]
+    near = [link for link, corners in links if _touching(widened(corners, ARMS_APART), boxes)]
     if not near:
         return None
     acting.pose(joints, width)
     other.pose(arm.joints, arm.width)
-    return _deep(acting.contacts(other.body, near))
+    return next((link for link, _ in acting.contacts(other.body, near, ARMS_APART)), None)
 
 
 def _deep(contacts: Iterable[tuple[int, float]]) -> int | None:

@@ -56,11 +56,14 @@ class SimulatedArm:
         pybullet.resetJointStatesMultiDof(self.body, self._joints, values, physicsClientId=self.client)
         self._at = joints, width
 
-    def contacts(self, body: int, links: Iterable[int]) -> list[tuple[int, float]]:
-        """Return which of some links of the arm touch a body, where both are now, with the distance in metres."""
+    def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
+        """Return which of some links of the arm touch a body, where both are now, with the distance in metres.
+
+        So do those that are `within` a distance of it, in metres.
+        """
         found = []
         for link in links:
-            points = pybullet.getClosestPoints(self.body, body, 0.0, linkIndexA=link, physicsClientId=self.client)
+            points = pybullet.getClosestPoints(self.body, body, within, linkIndexA=link, physicsClientId=self.client)
             found += [(link, point[8]) for point in points]
         return found
 
@@ -118,13 +121,15 @@ class SimulatedArm:
         return read_flange(self.client, self.body, self.robot)
 
 
-def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False) -> int:
-    """Load an arm from a file, its base at a pose.
+def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False, solid: bool = False) -> int:
+    """Load an arm from a file, its base at a pose; one that is `solid` is pushed by its own links as by other bodies.
 
     Raises:
         SceneError: PyBullet cannot load it.
     """
     flags = 0 if visual else pybullet.URDF_IGNORE_VISUAL_SHAPES
+    if solid:
+        flags |= pybullet.URDF_USE_SELF_COLLISION
     try:
         return int(pybullet.loadURDF(str(path), *base, useFixedBase=True, flags=flags, physicsClientId=client))
     except pybullet.error as error:

@@ -1,10 +1,11 @@
 """The KUKA LBR iiwa 14 R820 with a gripper of our own: a palm and two fingers of boxes.
 
-Joint limits are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: specification"), which the wheel's URDF has too. The
-arm is a shoulder, an elbow and a wrist: the axes of joints 1 to 3 meet in one point, those of 5 to 7 in another. So
-its inverse kinematics is that of Shimizu, Kakuya, Yoon, Kitagaki and Kosuge ("Analytical inverse kinematic computation
-for 7-DOF redundant manipulators with joint limits", 2008): wherever the flange is, the elbow may turn about the line
-from shoulder to wrist, and with this angle fixed each of the three has two configurations.
+Joint limits and speeds are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: specification", axis data of the R820); the
+wheel's URDF has the limits too. The arm is a shoulder, an elbow and a wrist: the axes of joints 1 to 3 meet in one
+point, those of 5 to 7 in another. So its inverse kinematics is that of Shimizu, Kakuya, Yoon, Kitagaki and Kosuge
+("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint limits", 2008): wherever the
+flange is, the elbow may turn about the line from shoulder to wrist, and with this angle fixed each of the three has two
+configurations.
 """
 
 from __future__ import annotations
@@ -156,7 +157,10 @@ KUKA = Robot(
     lower=tuple(-limit for limit in LIMITS),
     upper=LIMITS,
     torques=(320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0),
-    speed=1.3,  # Joint 4 is the slowest: KUKA allows 75 degrees a second.
+    speeds=tuple(math.radians(degrees) for degrees in (85, 85, 100, 75, 130, 135, 135)),
+    # KUKA publishes none. This is what the MoveIt configuration of the iiwa 14 allows each joint, joint_limits.yaml of
+    # iiwa14_moveit_config in github.com/lbr-stack/lbr_fri_ros2_stack.
+    accelerations=(10.0,) * 7,
     home=(0.0, 0.2, 0.0, -1.9, 0.0, math.pi - 2.1, 0.0),
     posture=(0.0, 0.4, 0.0, -1.6, 0.0, math.pi - 2.0, 0.0),
     links=(-1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9),

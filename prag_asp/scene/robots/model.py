@@ -68,15 +68,15 @@ class Robot:
     """An arm of seven joints with a parallel gripper; metres and radians.
 
     `footprint` is what the base covers of the table, by pieces that lie wholly within it, in the robot's frame.
-    `torques` are the largest of the joints in newton metres, `speed` how fast each may turn in radians a second,
-    `home` is where the arm waits, `posture` what the inverse kinematics likes best. `tool_offset` is how far the
-    tool is in front of the flange, `tool_turn` how far it is turned about the flange's axis. `finger_depth`
-    is how deep an object reaches between the fingers before it meets the palm, `fingertip` how far the tips
-    extend past the tool. An object is within `reach`, a ring around the base seen from above, where the gripper gets
-    to it and above it from straight above however it is turned, up to `reach_height`. `payload` is what the arm may
-    carry, in kilograms, `grip_force` what each finger presses with, in newtons. `finger_names` are the links
-    of the fingers, each with the side on which it is; `finger_boxes` make up the left one, in its frame. `hand`
-    is there where the gripper is our own. `base` is where the robot stands.
+    `torques` are the largest of the joints in newton metres; `speeds` and `accelerations` how fast each joint may turn
+    and gather speed, in radians a second and a second squared. `home` is where the arm waits, `posture` what the
+    inverse kinematics likes best. `tool_offset` is how far the tool is in front of the flange, `tool_turn` how far it
+    is turned about the flange's axis. `finger_depth` is how deep an object reaches between the fingers before it meets
+    the palm, `fingertip` how far the tips extend past the tool. An object is within `reach`, a ring around the base
+    seen from above, where the gripper gets to it and above it from straight above however it is turned, up to
+    `reach_height`. `payload` is what the arm may carry, in kilograms, `grip_force` what each finger presses with, in
+    newtons. `finger_names` are the links of the fingers, each with the side on which it is; `finger_boxes` make up the
+    left one, in its frame. `hand` is there where the gripper is our own. `base` is where the robot stands.
     """
 
     urdf: str
@@ -85,7 +85,8 @@ class Robot:
     lower: Joints
     upper: Joints
     torques: Joints
-    speed: float
+    speeds: Joints
+    accelerations: Joints
     home: Joints
     posture: Joints
     links: tuple[int, ...]

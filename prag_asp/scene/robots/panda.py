@@ -1,8 +1,8 @@
 """The Franka Emika Panda with its hand.
 
-Joint limits are Franka's own (https://frankaemika.github.io/docs/control_parameters.html), which are narrower
-than those of PyBullet's URDF. The inverse kinematics is the analytic one of He and Liu ("Analytical inverse
-kinematics for Franka Emika Panda", 2021), which fixes joint 7 and finds up to four configurations.
+Joint limits are Franka's own (https://frankaemika.github.io/docs/control_parameters.html), which are narrower than
+those of PyBullet's URDF; so are speeds and accelerations. The inverse kinematics is the analytic one of He and Liu
+("Analytical inverse kinematics for Franka Emika Panda", 2021), which fixes joint 7 and finds up to four configurations.
 """
 
 from __future__ import annotations
@@ -80,7 +80,8 @@ PANDA = Robot(
     lower=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -WRIST_LIMIT),
     upper=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, WRIST_LIMIT),
     torques=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
-    speed=2.0,  # Franka allows 2.2.
+    speeds=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
+    accelerations=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
     home=(0.0, -0.3, 0.0, -2.5, 0.0, 2.2, math.pi / 4),
     posture=POSTURE,
     links=(-1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10),

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,14 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from prag_asp.physics.motion.route import Grip, Load, free_path, straight, vertical
-from prag_asp.physics.motion.trajectory import ACCELERATION, LOADED_ACCELERATION, ROUNDING, blended, timed
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.motion.clearance import CLEARANCE, clear
+from prag_asp.physics.motion.route import Grip, Load, _free, free_path, straight, vertical
+from prag_asp.physics.motion.trajectory import LOADED_ACCELERATION, ROUNDING, blended, limits_of, timed
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene, Shape
-from prag_asp.scene.robots import PANDA, Joints
+from prag_asp.scene.robots import KUKA, PANDA, Joints
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 TIME_STEP = 1 / 120
@@ -24,39 +27,80 @@ angles = st.floats(-2.5, 2.5)
 paths = st.lists(st.tuples(*[angles] * 7), min_size=2, max_size=5)
 
 
-@given(path=paths)
-def test_a_timed_path_ends_where_it_should_and_keeps_to_the_limits(path):
-    rows = timed(path, TIME_STEP, ACCELERATION, PANDA.speed)
-    assert rows[-1] == pytest.approx(path[-1], abs=1e-9)
+robots = st.sampled_from([PANDA, KUKA])
+
+
+def _motion(path: Sequence[Joints], rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the highest speed and acceleration of each joint from one time step to the next, from rest to rest."""
     whole = np.concatenate([np.array(path[:1]), rows])
     speeds = np.diff(whole, axis=0) / TIME_STEP
-    assert np.abs(speeds).max() <= PANDA.speed * 1.001
-    if len(path) == 2:
-        accelerations = np.diff(speeds, axis=0, prepend=np.zeros((1, 7)), append=np.zeros((1, 7))) / TIME_STEP
-        assert np.abs(accelerations).max() <= ACCELERATION * 1.05
+    accelerations = np.diff(speeds, axis=0, prepend=np.zeros((1, 7)), append=np.zeros((1, 7))) / TIME_STEP
+    return np.abs(speeds).max(axis=0), np.abs(accelerations).max(axis=0)
+
+
+@pytest.mark.parametrize("robot", [PANDA, KUKA])
+def test_the_limits_of_every_joint_are_the_makers(robot):
+    limits, loaded = limits_of(robot), limits_of(robot, loaded=True)
+    assert (limits.speeds < robot.speeds).all() and (limits.accelerations < robot.accelerations).all()
+    assert (loaded.speeds == limits.speeds).all() and (loaded.accelerations <= LOADED_ACCELERATION).all()
+    if robot is PANDA:
+        assert robot.accelerations == (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
+
+
+@given(path=paths, robot=robots)
+def test_no_joint_exceeds_its_own_limits_on_a_timed_path(path, robot):
+    rows = timed(path, TIME_STEP, limits_of(robot))
+    assert rows[-1] == pytest.approx(path[-1], abs=1e-9)
+    speeds, accelerations = _motion(path, rows)
+    assert (speeds <= robot.speeds).all() and (accelerations <= robot.accelerations).all()
+
+
+@pytest.mark.parametrize("joint", range(7))
+def test_a_joint_that_turns_alone_is_as_fast_as_it_may_be(joint):
+    goal = tuple(1.5 * (i == joint) for i in range(7))
+    limits = limits_of(PANDA)
+    speeds, accelerations = _motion([(0.0,) * 7], timed([(0.0,) * 7, goal], TIME_STEP, limits))
+    assert speeds[joint] > 0.95 * limits.speeds[joint]
+    assert accelerations[joint] > 0.9 * limits.accelerations[joint]
+
+
+def test_a_path_of_many_pieces_that_hardly_turn_is_not_slower_than_one_that_is_straight():
+    turn = np.linspace(0.0, 1.0, 30)[:, None]
+    bent = np.sin(turn) * [1.2, 0.5, 0, 0, 0, 0, 0] + (1 - np.cos(turn)) * [0, 0.3, 0.5, 0, 0, 0, 0]
+    path = [tuple(row) for row in bent.tolist()]
+    rows, direct = (timed(each, TIME_STEP, limits_of(PANDA)) for each in (path, [path[0], path[-1]]))
+    speeds, accelerations = _motion(path, rows)
+    assert (speeds <= PANDA.speeds).all() and (accelerations <= PANDA.accelerations).all()
+    assert len(rows) < 1.2 * len(direct)
 
 
 @given(path=paths)
 def test_a_timed_path_stays_within_the_box_of_its_points(path):
-    rows = timed(path, TIME_STEP, ACCELERATION, PANDA.speed)
+    rows = timed(path, TIME_STEP, limits_of(PANDA))
     points = np.array(path)
     assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
 
 
-@given(points=st.lists(st.tuples(*[angles] * 7), min_size=3, max_size=4), loaded=st.booleans())
-def test_blended_ways_pass_on_without_a_stop_and_keep_to_the_limits(points, loaded):
-    limit = LOADED_ACCELERATION if loaded else ACCELERATION
-    ways = [timed(pair, TIME_STEP, limit, PANDA.speed) for pair in pairwise(points)]
-    whole = blended(ways, TIME_STEP)
+@given(points=st.lists(st.tuples(*[angles] * 7), min_size=3, max_size=4), loaded=st.booleans(), robot=robots)
+def test_blended_ways_keep_to_the_limits_and_pass_the_corners_nearby(points, loaded, robot):
+    limits = limits_of(robot, loaded)
+    ways = [timed(pair, TIME_STEP, limits) for pair in pairwise(points)]
+    whole = blended(ways, points[0], TIME_STEP, limits)
     assert whole[-1] == pytest.approx(points[-1], abs=1e-9)
-    assert len(whole) == sum(map(len, ways)) - (len(ways) - 1) * round(ROUNDING / TIME_STEP)
-    speeds = np.diff(np.concatenate([np.array(points[:1]), whole]), axis=0) / TIME_STEP
-    accelerations = np.diff(speeds, axis=0, prepend=np.zeros((1, 7)), append=np.zeros((1, 7))) / TIME_STEP
-    assert np.abs(accelerations).max() <= limit * 1.1
-    # The corner is passed nearby: what is left of the one way and what is done of the other is little.
+    assert len(whole) <= sum(map(len, ways))
+    speeds, accelerations = _motion(points, whole)
+    assert (speeds <= robot.speeds).all() and (accelerations <= robot.accelerations).all()
+    # What is left of the one way and what is done of the other is little.
     for corner in points[1:-1]:
         nearest = np.abs(whole - np.array(corner)).max(axis=1).min()
-        assert nearest <= limit * ROUNDING**2 / 6
+        assert nearest <= limits.accelerations.max() * ROUNDING**2 / 6
+
+
+def test_blended_ways_pass_on_without_a_stop():
+    points = [(0.0,) * 7, (1.0,) * 7, (1.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0)]
+    ways = [timed(pair, TIME_STEP, limits_of(PANDA)) for pair in pairwise(points)]
+    whole = blended(ways, points[0], TIME_STEP, limits_of(PANDA))
+    assert len(whole) == sum(map(len, ways)) - round(ROUNDING / TIME_STEP)
 
 
 def _reach(x: float, y: float, z: float) -> Joints:
@@ -67,7 +111,7 @@ def test_a_straight_path_is_straight():
     high = _reach(0.5, 0.2, 0.2)
     low = next(inverse(PANDA, Pose((0.5, 0.2, 0.1), DOWN), near=high))
     assert vertical(PANDA, high, low) and not vertical(PANDA, high, _reach(0.5, 0.25, 0.2))
-    for row in timed(straight(PANDA, high, low), TIME_STEP, ACCELERATION, PANDA.speed).tolist():
+    for row in timed(straight(PANDA, high, low), TIME_STEP, limits_of(PANDA)).tolist():
         x, y, z = tool_pose(PANDA, tuple(row)).position
         assert (x, y) == pytest.approx((0.5, 0.2), abs=0.002) and 0.099 < z < 0.201
 
@@ -90,9 +134,11 @@ def _gap(simulator: Simulator, rows: np.ndarray, held: bool) -> float:
             x, y, z = tool_pose(PANDA, tuple(row)).position
             poses["cube_1"] = Pose((x, y, z - 0.005), (0, 0, 0, 1))
         simulator.place(poses)
-        smallest = min([smallest, *(gap for _, gap in simulator.arm.contacts(simulator.body("brick_1"), PANDA.links))])
+        wall = simulator.body("brick_1")
+        smallest = min([smallest, *(gap for _, gap in simulator.arm.contacts(wall, PANDA.links, 0.05))])
         if held:
-            smallest = min(smallest, simulator.overlap(simulator.body("brick_1"), simulator.body("cube_1")))
+            points = pybullet.getClosestPoints(wall, simulator.body("cube_1"), 0.05, physicsClientId=simulator.client)
+            smallest = min([smallest, *(point[8] for point in points)])
     return smallest
 
 
@@ -106,13 +152,42 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
             poses["cube_1"] = Pose((0.5, -0.2, 0.115))
             load = Load(0.05, Grip("cube_1", Pose((0.0, 0.0, 0.005), DOWN)))
         situation = Situation(simulator.scene, poses)
-        direct = timed([start, goal], TIME_STEP, ACCELERATION, PANDA.speed)
+        direct = timed([start, goal], TIME_STEP, limits_of(PANDA))
         simulator.place({"brick_1": poses["brick_1"]})
         assert _gap(simulator, direct, held) < -0.01
         found = free_path(simulator, situation, load, start, goal, TIME_STEP)
         assert found is not None and found[-1] == pytest.approx(goal)
         simulator.place({"brick_1": poses["brick_1"]})
-        assert _gap(simulator, found, held) > -0.005
+        assert _gap(simulator, found, held) > 0.8 * CLEARANCE
+
+
+def test_a_way_over_a_wall_is_free_where_it_keeps_a_centimetre_away(tabletop):
+    start, goal = _reach(0.5, 0.2, 0.30), _reach(0.5, -0.2, 0.30)
+    rows = np.array([start, *timed([start, goal], TIME_STEP, limits_of(PANDA)).tolist()])
+    scene = _walled(tabletop, 0.2)
+    found = set()
+    with open_simulator(scene) as simulator:
+        for height in np.arange(-0.03, 0.06, 0.004).tolist():  # of the middle of the wall
+            pose = Pose((0.6, 0.0, height))
+            simulator.place({"brick_1": pose})
+            gap = _gap(simulator, rows, False)
+            free = _free(simulator, Situation(scene, {"brick_1": pose}), Load(0.05), rows)
+            if not 0.9 * CLEARANCE < gap < 1.1 * CLEARANCE:
+                assert free == (gap > CLEARANCE), gap
+                found.add((free, gap > 0.0))
+    assert found == {(True, True), (False, True), (False, False)}
+
+
+def test_only_what_is_near_an_end_of_a_way_may_be_near_on_it_and_until_it_has_been_left():
+    near, nearer, tray = {("the arm", "tray"): 0.004}, {("the arm", "tray"): 0.002}, ("the arm", "tray")
+    far: dict[tuple[str, str], float] = {}
+    assert clear(near, [near, {tray: 0.008}, far, far], far)
+    assert clear(far, [far, far, {tray: 0.009}, near], near)
+    assert clear(near, [near, far, near], near) and clear(near, [near, near], near)
+    assert not clear(near, [near, far, near, far], far)
+    assert not clear(near, [near, nearer, far], far)
+    assert not clear(near, [far, near], far) and not clear(far, [near, far], near)
+    assert not clear(near, [{("the arm", "crate"): 0.009}], near)
 
 
 def test_no_path_is_made_up_where_there_is_none(tabletop):

@@ -1,0 +1,140 @@
+"""How near an arm, and what it carries, comes to all else on its way: `CLEARANCE`, but for what its ends are near."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
+from prag_asp.physics.world.collisions import BASE_LINK
+from prag_asp.physics.world.simulator import COLLISION, Simulator
+from prag_asp.scene.boxes import Corners, around, touch, widened
+
+CLEARANCE = 0.01
+"""Metres that an arm and what it carries keep on their way from what the arm does not handle."""
+
+SLACK = 0.0005
+"""How much nearer than at an end of its way a body may come to what it is near there, in metres."""
+
+TABLE = "the table"
+Gaps = Mapping[tuple[str, str], float]
+"""The distances in metres of the bodies that are nearer to each other than `CLEARANCE`, by their names."""
+
+
+class Passing(NamedTuple):
+    """An arm that acts, as it passes somewhere: where everything is then, and what moves with the gripper."""
+
+    situation: Situation
+    arm: Arm
+    carried: Sequence[str]
+
+
+def gaps(simulator: Simulator, passing: Passing) -> Gaps:
+    """Return how near the arm that acts, and what it carries, come to all else and to each other.
+
+    The fingers are not told of what they hold. The base, which never moves, is left out, and so are pairs of links of
+    the same arm but for those of which the robot says that they can meet.
+    """
+    found: dict[tuple[str, str], float] = {}
+    for one, two, gap in _near(simulator, passing):
+        if gap < found.get((one, two), CLEARANCE):
+            found[one, two] = gap
+    return found
+
+
+def clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
+    """Tell whether a way with these gaps keeps clear: what is near is near since its start, or until its goal.
+
+    Where both ends are near the same bodies the arm comes no nearer than there.
+    """
+    since, until = _uneased(start, way), reversed(_uneased(goal, way[::-1]))
+    return all(one.isdisjoint(two) for one, two in zip(since, until, strict=True))
+
+
+def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
+    """Return the pairs that are near at every place of a way, but for those that have been so since its end."""
+    since, found = dict(end), []
+    for here in way:
+        since = {pair: gap for pair, gap in since.items() if pair in here}
+        found.append({pair for pair, gap in here.items() if gap < max(COLLISION, since.get(pair, CLEARANCE) - SLACK)})
+    return found
+
+
+def _near(simulator: Simulator, passing: Passing) -> Iterator[tuple[str, str, float]]:
+    """Yield pairs of bodies and their distances in metres, those of which the bounding boxes are near."""
+    situation, arm, carried = passing
+    simulator.place(situation.poses, situation.openings)
+    acting = simulator.arm
+    whole = dict(zip(acting.robot.links, acting.link_boxes(arm.joints, arm.width), strict=True))
+    boxes = {link: corners for link, corners in whole.items() if link > BASE_LINK}
+    acting.pose(arm.joints, arm.width)
+    low = [link for link, ((_, _, z), _) in boxes.items() if z < CLEARANCE]
+    yield from (("the arm", TABLE, gap) for gap in _distances(simulator, acting.body, simulator.table, low))
+    for entity, body in situation.bodies:
+        links = _beside((body.low, body.high), boxes)
+        if entity in (arm.held, *carried):
+            links = [link for link in links if link not in acting.robot.finger_links]
+        yield from (
+            ("the arm", entity, gap) for gap in _distances(simulator, acting.body, simulator.body(entity), links)
+        )
+    for one, two in acting.robot.self_pairs:
+        if _wide(whole[one], whole[two]):
+            yield from (
+                ("the arm", "itself", gap) for gap in _distances(simulator, acting.body, acting.body, [one], two)
+            )
+    for name, other in situation.arms.items():
+        if name != simulator.acting:
+            yield from _near_arm(simulator, passing, name, other, boxes)
+    for entity in carried:
+        yield from _near_load(simulator, passing, entity)
+
+
+def _near_load(simulator: Simulator, passing: Passing, entity: str) -> Iterator[tuple[str, str, float]]:
+    """Yield how near something that is carried comes to the table, and to what is not carried with it."""
+    body, own = simulator.body(entity), passing.situation.body(entity)
+    if own.low[2] < CLEARANCE:
+        yield from ((entity, TABLE, gap) for gap in _distances(simulator, body, simulator.table))
+    for other, near in passing.situation.bodies:
+        if other not in passing.carried and _wide((own.low, own.high), (near.low, near.high)):
+            yield from ((entity, other, gap) for gap in _distances(simulator, body, simulator.body(other)))
+
+
+def _near_arm(
+    simulator: Simulator, passing: Passing, name: str, other: Arm, boxes: Mapping[int, Corners]
+) -> Iterator[tuple[str, str, float]]:
+    """Yield how near the arm that acts, and what it carries, come to another arm."""
+    there = simulator.arms[name]
+    whole = dict(zip(there.robot.links, there.link_boxes(other.joints, other.width), strict=True))
+    there.pose(other.joints, other.width)
+    reach = around(whole.values())
+    links = [link for link in _beside(reach, boxes) if _beside(boxes[link], whole)]
+    yield from (("the arm", name, gap) for gap in _distances(simulator, simulator.arm.body, there.body, links))
+    for entity in passing.carried:
+        body = passing.situation.body(entity)
+        links = _beside((body.low, body.high), whole)
+        if entity == other.held:
+            links = [link for link in links if link not in there.robot.finger_links]
+        yield from ((entity, name, gap) for gap in _distances(simulator, there.body, simulator.body(entity), links))
+
+
+def _distances(
+    simulator: Simulator, one: int, two: int, links: Iterable[int] | None = None, other_link: int | None = None
+) -> Iterator[float]:
+    """Yield the distances in metres that are below `CLEARANCE`, of some links of one body or of all, to another."""
+    ends = {} if other_link is None else {"linkIndexB": other_link}
+    chosen = [ends] if links is None else [{"linkIndexA": link, **ends} for link in links]
+    for each in chosen:
+        points = pybullet.getClosestPoints(one, two, CLEARANCE, physicsClientId=simulator.client, **each)
+        yield from (point[8] for point in points)
+
+
+def _beside(corners: Corners, boxes: Mapping[int, Corners]) -> list[int]:
+    """Return the links whose bounding boxes are near another."""
+    return [link for link, each in boxes.items() if _wide(corners, each)]
+
+
+def _wide(one: Corners, two: Corners) -> bool:
+    """Tell whether two bounding boxes are nearer to each other than `CLEARANCE` along every axis."""
+    return touch(widened(one, CLEARANCE), two)

@@ -1,0 +1,69 @@
+"""Judge a recording by its numbers alone: how fast joints turn, and what presses on what. NumPy, and no limit read.
+
+The rule for contacts is cruder than that of the package, so that it is another one: an arm touches nothing at all, a
+finger only what is named in an action up to then or held at the beginning, and what a finger touches presses only on
+what is named in the task.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+LIMITS: Mapping[str, tuple[Sequence[float], Sequence[float]]] = {
+    "panda": ((2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61), (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)),
+    "kuka": ((1.4835, 1.4835, 1.7453, 1.3089, 2.2689, 2.3561, 2.3561), (10.0,) * 7),
+}
+"""Of each joint, the speed and acceleration that its maker allows: radians a second and a second squared."""
+
+SECONDS = 0.05
+AT_HAND = ("holding(", "at(")
+"""How fluents begin that say what a gripper is at."""
+
+MOST = 1.0
+"""Newtons of a contact that nobody asked for."""
+
+
+def above_limits(joints: np.ndarray, kinds: Sequence[str]) -> Iterator[str]:
+    """Yield which joints of a recording, shape (frames, robots, 7), are faster than their maker allows, and when."""
+    speeds = np.diff(joints.astype(float), axis=0) / SECONDS
+    accelerations = np.diff(speeds, axis=0) / SECONDS
+    for i, kind in enumerate(kinds):
+        for what, values, most in zip(("speed", "acceleration"), (speeds, accelerations), LIMITS[kind], strict=True):
+            for frame, joint in np.argwhere(np.abs(values[:, i]) > most).tolist():
+                yield f"frame {frame}: {what} {values[frame, i, joint]:.2f} of joint {joint + 1} of robot {i + 1}"
+
+
+def unwanted(shown: Any, actions: Sequence[str], known: Sequence[str]) -> Iterator[str]:
+    """Yield contacts of a recording for which the actions of a task do not ask; `known` holds in its first state."""
+    named = [set(_words(text)) for text in actions]
+    begun = {word for fluent in known if fluent.startswith(AT_HAND) for word in _words(fluent)}
+    every = set().union(begun, *named)
+    ends = shown.ends.tolist()
+    frames: dict[int, list[tuple[str, str, float]]] = {}
+    for (frame, one, two), force in zip(shown.contacts.tolist(), shown.forces.tolist(), strict=True):
+        frames.setdefault(frame, []).append((shown.bodies[one], shown.bodies[two], force))
+    for frame, touches in frames.items():
+        done = sum(frame > end for end in ends)
+        usual = begun.union(*named[:done])
+        fingered = {two for pair in touches for one, two in (pair[:2], pair[1::-1]) if " finger of " in one}
+        for one, two, force in touches:
+            if force > MOST and not _may_touch(one, two, usual, every, fingered):
+                yield f"frame {frame}: {one} and {two}, {force:.1f} N"
+
+
+def _may_touch(one: str, two: str, usual: set[str], every: set[str], fingered: set[str]) -> bool:
+    """Tell whether two bodies may press on each other."""
+    for body, other in ((one, two), (two, one)):
+        if body.startswith("arm of "):
+            return False
+        if " finger of " in body:
+            return other in usual
+    return not {one, two} & fingered or {one, two} <= every | {"table"}
+
+
+def _words(text: str) -> list[str]:
+    """Return the arguments of an atom as it is written."""
+    return text.replace("(", ",").replace(")", "").split(",")[1:]
