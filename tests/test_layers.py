@@ -19,7 +19,9 @@ from prag_asp.cli.registry import COMMANDS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children", "missing", "fields"])
+GROUND = frozenset(
+    ["errors", "wording", "atom", "task", "lazy", "output", "children", "missing", "fields", "reading", "arrays"]
+)
 """What every room may stand on."""
 
 ROOMS: Mapping[str, frozenset[str]] = {
@@ -28,8 +30,10 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "versions": frozenset(),
     "children": frozenset(["errors"]),
     "missing": frozenset(["errors"]),
+    "reading": frozenset(),
+    "arrays": frozenset(),
     "fields": frozenset(["errors"]),
-    "output": frozenset(["errors"]),
+    "output": frozenset(["errors", "reading"]),
     "wording": frozenset(["errors"]),
     "atom": frozenset(["errors"]),
     "task": frozenset(["errors", "atom"]),

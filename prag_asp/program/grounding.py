@@ -52,7 +52,7 @@ class Grounder:
         try:
             work()
         except RuntimeError as error:
-            raise DomainError("\n".join(self._errors()) or f"clingo: {error}") from None
+            raise DomainError(*(dict.fromkeys(self._errors()) or [f"clingo: {error}"])) from None
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
         if undefined:
             raise DomainError(f"{located(self._program, undefined[0])}; guard the operation")
