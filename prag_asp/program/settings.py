@@ -156,4 +156,13 @@ def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
 
 
 def _parts(name: str) -> tuple[str, ...]:
-    return tuple(weight_key("".join(part)) for part in re.findall(KEY_PART, name))
+    parts = re.findall(KEY_PART, name)
+    return tuple(weight_key(_unescaped(quoted) + literal + bare) for quoted, literal, bare in parts)
+
+
+def _unescaped(text: str) -> str:
+    """Return what is between the quotes of a key as the key that it spells."""
+    try:
+        return str(tomllib.loads(f'key = "{text}"')["key"]) if "\\" in text else text
+    except tomllib.TOMLDecodeError:
+        return text

@@ -83,8 +83,8 @@ def _says_why(ran: Ran, lines: Sequence[str], arguments: Sequence[str], mutant: 
     placed = [bool(PLACE.fullmatch(line)) for line in why]
     found = {
         f"silence: code {ran.code} without a word": not why,
-        f"lines: {len(why)} where one is due": len(why) > 1 and not all(placed),
+        f"lines: {len(why)} where one is due, {why[:1]}": len(why) > 1 and not all(placed),
         "lines: the same one twice": len(set(why)) < len(why),
-        "placeless: no file and line": mutant.placed and ran.code == 2 and not all(placed),
+        f"placeless: no file and line, {why[:1]}": mutant.placed and ran.code == 2 and not all(placed),
     }
     return next((what for what, is_so in found.items() if is_so), "")

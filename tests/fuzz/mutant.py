@@ -35,7 +35,7 @@ class Mutant:
 
     `files` hold what lies in its folder, `special` what lies there and is no file. The first of the `commands` is run
     first; where it accepts the input, the others are, and have to print the same as each other where they answer.
-    With `placed`, an error has to name a file and a line. `variables` are those of the environment.
+    With `placed`, an error of the first has to name a file and a line. `variables` are those of the environment.
     """
 
     kind: str

@@ -96,7 +96,7 @@ def test_what_a_command_prints_is_read_and_where_it_stands_is_its_own(tmp_path: 
 
 
 def test_a_finding_is_made_smaller_and_kept_with_its_command(tmp_path: Path) -> None:
-    text = "".join(f"class(c{i}).\n" for i in range(40)) + f"{SECRET}(X) :- class(Y).\n"
+    text = "".join(f"class(c{i}).\n" for i in range(40)) + f"{SECRET} {SECRET}.\n"
     odd = Mutant("logic", 8, {"own/domain.lp": text.encode(), "own/other": b"x"}, (("check", "own"),))
     finding = attempt(odd, Limits()).finding
     assert finding is not None and finding.what.startswith("leak")
