@@ -14,9 +14,44 @@ PragError
 
 from __future__ import annotations
 
+LONGEST = 500
+"""Characters of a line of a message, whatever it quotes."""
+
+CUT = " ... "
+HEAD = 300
+"""Characters that stay at the beginning of a longer one: where it is and what is wrong; its end says what to do."""
+
+
+def plain(text: str) -> str:
+    """Return a text as one line that a terminal prints and does not obey.
+
+    What does not print, line ends and signs that turn what is around them included, is written as in a string of
+    Python.
+    """
+    if text.isprintable():
+        return text
+    return "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
+
+
+def one_line(text: str) -> str:
+    """Return a text as one line of a message: `plain`, and its middle left out where it is too long."""
+    line = plain(text)
+    return line if len(line) <= LONGEST else f"{line[:HEAD]}{CUT}{line[HEAD + len(CUT) - LONGEST :]}"
+
 
 class PragError(Exception):
-    """Something that the user can mend; the message says what, where and how."""
+    """Something that the user can mend; the message says what, where and how.
+
+    Each argument is a problem of its own, and becomes a line of the message.
+    """
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The lines of the message: each is fit for a terminal, whatever it quotes."""
+        return tuple(one_line(str(problem)) for problem in self.args)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
 
 
 class DomainError(PragError):

@@ -1,10 +1,12 @@
-"""Folders that results are written into."""
+"""Folders that results are written into, and the files in them."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from prag_asp.errors import OutputError
+from prag_asp.reading import is_inside
 
 
 def make_folder(folder: str | Path) -> Path:
@@ -18,4 +20,18 @@ def make_folder(folder: str | Path) -> Path:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{path}: the folder cannot be made: {error.strerror}; choose another") from None
+    return path
+
+
+def file_in(folder: str | Path, name: str) -> Path:
+    """Return the path of a file of a folder, which may be somebody else's, to write to it.
+
+    Raises:
+        OutputError: what lies there is no file, or a link that leads out of the folder.
+    """
+    path = Path(folder) / name
+    if not is_inside(path, folder):
+        raise OutputError(f"{path}: leads out of the folder; remove the link, or choose another folder")
+    if os.path.lexists(path) and not path.is_file():
+        raise OutputError(f"{path}: is no regular file; remove it, or choose another folder")
     return path

@@ -20,7 +20,22 @@ from prag_asp.cli.registry import COMMANDS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "integers", "atom", "task", "lazy", "output", "children", "missing", "fields"])
+GROUND = frozenset(
+    [
+        "errors",
+        "wording",
+        "integers",
+        "atom",
+        "task",
+        "lazy",
+        "output",
+        "children",
+        "missing",
+        "fields",
+        "reading",
+        "arrays",
+    ]
+)
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
@@ -32,8 +47,10 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "versions": frozenset(),
     "children": frozenset(["errors"]),
     "missing": frozenset(["errors"]),
+    "reading": frozenset(),
+    "arrays": frozenset(),
     "fields": frozenset(["errors"]),
-    "output": frozenset(["errors"]),
+    "output": frozenset(["errors", "reading"]),
     "wording": frozenset(["errors"]),
     "integers": frozenset(),
     "atom": frozenset(["errors", "integers"]),

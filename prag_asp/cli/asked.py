@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from prag_asp.cli.terminal import tell_line
 from prag_asp.errors import DomainError, QueryError
-from prag_asp.program.paths import STANDARD_INPUT
+from prag_asp.reading import STANDARD_INPUT
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -64,10 +65,10 @@ class Asked:
         except DomainError as error:
             if self.recorded is None:
                 raise
-            raise DomainError(f"{self.recorded.place}: {error}") from None
+            raise DomainError(*(f"{self.recorded.place}: {line}" for line in error.lines)) from None
         if domain.warnings and tell:
             told = plural(len(domain.warnings), "warning")
-            click.echo(f"{told} about {domain.label}; see prag-asp check {' '.join(self.names)}", err=True)
+            tell_line(f"{told} about {domain.label}; see prag-asp check {' '.join(self.names)}")
         return domain
 
     def _load(self, recorded: Mapping[str, str]) -> Domain:
@@ -142,7 +143,7 @@ def _note_unread(names: Sequence[str]) -> None:
             said: dict[str, Any] = click.get_current_context().meta
             if said.setdefault(name, settings) is settings:
                 told = f"note: {settings} is not read with a file; give its folder, or --settings {settings}"
-                click.echo(told, err=True)
+                tell_line(told)
 
 
 def _given(name: str) -> str | Source:

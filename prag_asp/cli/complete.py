@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli.words import domain_and_others
-from prag_asp.program.paths import STANDARD_INPUT, data_folder, is_file_name, rule_names, shipped_domains
+from prag_asp.program.paths import data_folder, is_file_name, rule_names, shipped_domains
+from prag_asp.reading import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from prag_asp.cli.terminal import Command
+from prag_asp.cli.terminal import Command, say
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the variable by which a shell asks it for completions."""
@@ -61,7 +61,7 @@ def _show_versions(context: click.Context, parameter: click.Parameter, asked: bo
     if asked and not context.resilient_parsing:
         from prag_asp.versions import versions
 
-        click.echo(versions())
+        say(versions())
         context.exit()
 
 

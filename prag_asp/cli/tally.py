@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from prag_asp.errors import one_line
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def show_tally(tally: Tally, line: str) -> None:
     if not tally.seen:
         return
     console = Console(stderr=True, highlight=False)
-    console.print(line, soft_wrap=True, markup=False)
+    console.print(one_line(line), soft_wrap=True, markup=False)
     if tally.reasons or tally.causes:
         console.print(_table(tally))
 
@@ -50,5 +51,5 @@ def _table(tally: Tally) -> Table:
             table.add_row(cause, str(tasks[cause]), str(tally.causes[cause]))
     for (status, reason), number in tally.reasons.most_common():
         if status != "not_found" or reason not in tasks:
-            table.add_row(escape(f"{KINDS.get(status, status)}: {reason}"), str(number), "")
+            table.add_row(escape(one_line(f"{KINDS.get(status, status)}: {reason}")), str(number), "")
     return table

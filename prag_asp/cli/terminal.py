@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import signal
@@ -16,7 +17,8 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TextIO
 
 import click
 
-from prag_asp.errors import LimitReached, OutputError, PragError
+from prag_asp.errors import LimitReached, OutputError, PragError, one_line, plain
+from prag_asp.reading import Refused
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -32,6 +34,35 @@ PATIENCE = 2.0
 
 LATER = 0.05
 """Seconds after which an interruption that was dropped comes again."""
+
+
+UNREADABLE = (FileNotFoundError, IsADirectoryError, NotADirectoryError, Refused)
+UNREADABLE_NUMBERS = (errno.ENAMETOOLONG, errno.ELOOP)
+"""What is wrong with a path that is given: it leads to no file that is read."""
+
+
+def say(text: object) -> None:
+    """Print lines on stdout; a terminal gets no character that it would obey, but for tabs."""
+    click.echo(_for_terminal(str(text)) if sys.stdout.isatty() else str(text))
+
+
+def tell_line(text: str) -> None:
+    """Print one line on stderr, which is short and has no character that a terminal would obey, whatever it quotes."""
+    click.echo(one_line(text), err=True)
+
+
+def _for_terminal(text: str) -> str:
+    return "\n".join("\t".join(map(plain, line.split("\t"))) for line in text.split("\n"))
+
+
+def _show_usage(error: click.ClickException) -> None:
+    """Say in one line what is wrong with a command line; one without words gets the help that it asks for."""
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    if isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())) or context is None:
+        error.show()
+        return
+    told = " ".join(error.format_message().split()).rstrip(".")
+    tell_line(f"{context.command_path}: {told}; see {context.command_path} --help")
 
 
 class Terminated(KeyboardInterrupt):
@@ -52,7 +83,7 @@ class Command(click.Group):
         except click.exceptions.Exit as stop:
             return stop.exit_code
         except click.ClickException as error:
-            error.show()
+            _show_usage(error)
             return error.exit_code
         except (click.Abort, KeyboardInterrupt, PragError, OSError) as error:
             return _end(error)
@@ -103,9 +134,11 @@ def _end(error: BaseException) -> int:
         click.echo("interrupted", err=True)
         return INTERRUPTED
     if isinstance(error, OSError):
-        click.echo(f"{error.filename or 'output'}: {error.strerror or error}", err=True)
-        return BAD_INPUT if isinstance(error, (FileNotFoundError, IsADirectoryError)) else FAILED
-    click.echo(str(error), err=True)
+        tell_line(f"{error.filename or 'output'}: {error.strerror or error}")
+        return BAD_INPUT if isinstance(error, UNREADABLE) or error.errno in UNREADABLE_NUMBERS else FAILED
+    assert isinstance(error, PragError)
+    for line in error.lines:
+        tell_line(line)
     if isinstance(error, LimitReached):
         return LIMITED
     return FAILED if isinstance(error, OutputError) else BAD_INPUT
@@ -177,9 +210,11 @@ def writer(output: str | None) -> Iterator[Callable[[str], None]]:
     except OSError as error:
         raise OutputError(f"{output}: cannot be written: {error.strerror}; choose another file") from None
 
+    shown = not output and stream.isatty()
+
     def write(line: str) -> None:
         with _writing(output):
-            stream.write(f"{line}\n")
+            stream.write(f"{_for_terminal(line) if shown else line}\n")
 
     try:
         with whole_lines():
@@ -226,7 +261,7 @@ def progress() -> Iterator[Tell]:
                 bar = bars.enter_context(_bar())
                 shown.append((bar, bar.add_task("", total=None)))
             bar, number = shown[0]
-            bar.update(number, description=words.splitlines()[0], completed=done, total=total, refresh=first)
+            bar.update(number, description=plain(words.splitlines()[0]), completed=done, total=total, refresh=first)
 
         yield tell
 

@@ -14,6 +14,7 @@ import msgspec
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.fields import Number, decoded, read
+from prag_asp.reading import LONGEST_LINE, lines_of, open_text
 from prag_asp.task import FrozenDict, Task
 
 
@@ -82,8 +83,8 @@ def read_tasks(file: str | Path) -> Iterator[Record]:
         OSError: the file cannot be read.
         QueryError: a line is no record; the message names it.
     """
-    with Path(file).open(encoding="utf-8", errors="replace") as lines:
-        yield from read_lines(lines, str(file))
+    with open_text(file) as stream:
+        yield from read_lines(lines_of(stream), str(file))
 
 
 class _Line(msgspec.Struct):
@@ -109,6 +110,8 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
         QueryError: a line is no record; the message names it.
     """
     for number, line in enumerate(lines, 1):
+        if len(line) > LONGEST_LINE:
+            raise QueryError(f"{name}:{number}: not a task: the line is longer than {LONGEST_LINE:,} characters")
         if line.strip():
             try:
                 record = _record(read(decoded(line), _Line, ""))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.errors import DomainError, QueryError, SceneError
+from prag_asp.reading import is_inside
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
@@ -25,18 +26,22 @@ MEND = "draw the task anew, or set its witness to null"
 def named_domain(record: Record, folder: Path) -> str:
     """Return the name of the shipped domain that a record names, or the folder of another, here or in `folder`.
 
+    A name that leads elsewhere, by a link too, is none: whoever wrote the file may not have another folder read.
+
     Raises:
         QueryError: there is neither.
     """
-    from prag_asp.program.paths import domain_folder
+    from prag_asp.program.paths import domain_folder, shipped_domains
 
-    for name in (record.task.domain, str(folder / record.task.domain)):
-        try:
-            domain_folder(name)
-        except DomainError:
-            continue
-        return name
     own = record.task.domain
+    if own in shipped_domains():
+        return own
+    for base in (Path(), folder):
+        name = str(base / own)
+        with suppress(DomainError, OSError, ValueError):
+            if own and is_inside(name, base):
+                domain_folder(name)
+                return name
     raise QueryError(
         f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; say where with --domain"
     )

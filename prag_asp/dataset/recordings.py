@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.output import make_folder
+from prag_asp.output import file_in, make_folder
 
 if TYPE_CHECKING:
     from prag_asp.physics import Demonstration
@@ -31,5 +31,5 @@ class Recordings:
         if self._folder is None or demonstration is None:
             return None
         name = f"{number:06d}.npz"
-        demonstration.save(self._folder / name)
+        demonstration.save(file_in(self._folder, name))
         return name

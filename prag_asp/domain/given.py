@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.program.paths import STANDARD_INPUT, domain_folder, is_file_name
+from prag_asp.program.paths import domain_folder, is_file_name
 from prag_asp.program.sources import Source, decoded, read_sources
+from prag_asp.reading import LARGEST_TEXT, STANDARD_INPUT
 
 
 @dataclass(frozen=True)
@@ -69,11 +70,14 @@ def standard_input() -> Source:
     """Return what comes from standard input, read to its end.
 
     Raises:
-        DomainError: there is no standard input, or it is not UTF-8.
+        DomainError: there is no standard input, or it is too large, or not UTF-8.
     """
     if sys.stdin is None:
         raise DomainError(f"{STANDARD_INPUT}: standard input is closed; write `cat FILE | prag-asp ...`")
-    return Source(Path("<stdin>"), decoded(sys.stdin.buffer.read(), Path("<stdin>")))
+    path, content = Path("<stdin>"), sys.stdin.buffer.read(LARGEST_TEXT + 1)
+    if len(content) > LARGEST_TEXT:
+        raise DomainError(f"{path}:1: it is larger than {LARGEST_TEXT / 10**6:,.0f} MB; write the domain shorter")
+    return Source(path, decoded(content, path))
 
 
 def _entry(given: str | Path | Source) -> Path | Source:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,7 +19,7 @@ from prag_asp.program.paths import data_folder
 from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
-from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources
+from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources, read_text
 
 if TYPE_CHECKING:
     from prag_asp.scene.model import Scene
@@ -98,7 +99,7 @@ def load_domain(
     known = {source.path.resolve() for source in core}
     extra = tuple(source for source in (*hierarchy, *own, *asked) if source.path.resolve() not in known)
     program = Program((*core, *_unique(extra)))
-    checked = check(program, _settings_file(settings, found.folder))
+    checked = check(program, _settings(settings, found.folder))
     if strict:
         raise_problems(each.as_error() for each in first_of_each(checked.warnings))
     facts, table = checked.facts, checked.settings
@@ -110,20 +111,25 @@ def load_domain(
         found.name, found.folder, encodings, program, facts, table, trust, constants=values, warnings=checked.warnings
     )
     path = found.folder / LEARNED if found.folder and settings is None else None
-    return with_learned(domain, read_sources(path, encodings)) if learned and path and path.is_file() else domain
+    if not learned or path is None or not os.path.lexists(path):
+        return domain
+    return with_learned(domain, read_sources(path, encodings, own=found.folder))
 
 
-def _settings_file(given: str | Path | None, folder: Path | None) -> Path:
+def _settings(given: str | Path | None, folder: Path | None) -> Source:
     """Return the file of settings; it need not be there, unless it is given.
 
     Raises:
-        DomainError: it is given, and is not there.
+        DomainError: it is given, and is not there; or it cannot be read.
     """
-    if given is None:
-        return folder / "domain.toml" if folder else NO_SETTINGS
-    if not Path(given).is_file():
-        raise DomainError(f"{given}: no such file of settings; give one written like a domain.toml")
-    return Path(given)
+    if given is not None:
+        if not os.path.lexists(given):
+            raise DomainError(f"{given}: no such file of settings; give one written like a domain.toml")
+        return Source(Path(given), read_text(Path(given)))
+    if folder is None:
+        return Source(NO_SETTINGS, "")
+    path = folder / "domain.toml"
+    return Source(path, read_text(path, folder) if os.path.lexists(path) else "")
 
 
 def load_scene(domain: Domain) -> Scene:

@@ -27,7 +27,7 @@ from prag_asp.program.facts import Facts, read_facts, without
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
-from prag_asp.program.settings import Settings, read_table, settings_of
+from prag_asp.program.settings import Settings, parse_table, settings_of
 from prag_asp.program.sources import HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
 
@@ -68,16 +68,16 @@ class _Judge:
         self.warnings |= dict.fromkeys(not_allowed(found, self._allowed))
 
 
-def check(program: Program, path: Path) -> Checked:
-    """Return what a domain states, its settings, those of the file `path`, and its warnings.
+def check(program: Program, given: Source) -> Checked:
+    """Return what a domain states, its settings, those `given` as a file, and its warnings.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
     """
     sources = owned(program)
     statements, problems = parse_sources(sources)
-    table = read_table(path)
-    settings = settings_of(table, path)
+    table = parse_table(given)
+    settings = settings_of(table, given)
     allowed = allowed_names((source for source, own in sources if own), settings)
     judge = _Judge(allowed)
     judge.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
@@ -92,7 +92,7 @@ def check(program: Program, path: Path) -> Checked:
     _check_facts(judge, grounder, facts, statements, origins)
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
-    ordered = sorted(judge.warnings, key=lambda each: (each.path != path, str(each.path), each.line))
+    ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))
     return Checked(left, settings, tuple(ordered))
 
 

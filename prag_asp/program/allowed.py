@@ -8,7 +8,7 @@ from pathlib import Path
 
 from prag_asp.program.problem import WARNINGS, Problem
 from prag_asp.program.settings import Settings
-from prag_asp.program.sources import Source, read_text
+from prag_asp.program.sources import Source
 from prag_asp.program.tokens import comments
 from prag_asp.wording import did_you_mean
 
@@ -24,15 +24,12 @@ Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
 def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
     """Return what the comments of sources and of a domain.toml allow."""
     found: dict[tuple[Path, int], tuple[str, ...]] = {}
-    path = settings.path
     for source in sources:
         if "lint:" in source.text:
             found |= {(source.path, line): names for line, names in _names(comments(source.text))}
-    if path.is_file():
-        lines = enumerate(read_text(path).split("\n"), 1)
-        spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
-        found |= {(path, line): names for line, names in _names(spoken)}
-    return found
+    lines = enumerate(settings.text.split("\n"), 1)
+    spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
+    return found | {(settings.path, line): names for line, names in _names(spoken)}
 
 
 def _names(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:

@@ -60,7 +60,7 @@ class Grounder:
         try:
             work()
         except RuntimeError as error:
-            raise DomainError("\n".join(self._errors()) or f"clingo: {error}") from None
+            raise DomainError(*(dict.fromkeys(self._errors()) or [f"clingo: {error}"])) from None
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
         out_of_range = [text for text in undefined if SCRIPT in text]
         if out_of_range:

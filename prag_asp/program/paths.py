@@ -5,14 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from prag_asp.errors import DomainError
+from prag_asp.reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
 BY_LIBRARY = frozenset(["canonical_names", "weights"])
 """Rules that the library adds itself, together with facts that only it knows."""
 
 PACKAGE = Path(__file__).resolve().parent.parent
-STANDARD_INPUT = "-"
-"""What stands for standard input in place of a file."""
 
 
 def data_folder(name: str) -> Path:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from prag_asp.errors import DomainError
+from prag_asp.errors import DomainError, one_line
 from prag_asp.wording import plural
 
 WARNINGS: Mapping[str, str] = {
@@ -52,7 +52,7 @@ class Problem(NamedTuple):
 
     def __str__(self) -> str:
         place = f"{self.path}:{self.line}"
-        return f"{place}: warning: {self.text} [{self.name}]" if self.name else f"{place}: {self.text}"
+        return one_line(f"{place}: warning: {self.text} [{self.name}]" if self.name else f"{place}: {self.text}")
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:
@@ -61,9 +61,9 @@ def raise_problems(problems: Iterable[Problem]) -> None:
     Raises:
         DomainError: there is a problem.
     """
-    lines = list(dict.fromkeys(map(str, problems)))
+    lines = dict.fromkeys(map(str, problems))
     if lines:
-        raise DomainError("\n".join(lines))
+        raise DomainError(*lines)
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:

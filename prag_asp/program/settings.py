@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from prag_asp.errors import DomainError
-from prag_asp.program.sources import read_text
+from prag_asp.program.sources import Source, read_text
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -29,7 +29,7 @@ KEY_PART = r""""([^"]*)"|'([^']*)'|([\w-]+)"""
 
 @dataclass(frozen=True)
 class Settings:
-    """The tables of a domain.toml; `path` is the file, even where there is none.
+    """The tables of a domain.toml; `path` is the file, even where there is none, and `text` what it holds.
 
     `weights` belong to names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), single
     actions, classes and entities; `language` maps names of actions and fluents to sentences; `scene` is the
@@ -42,43 +42,53 @@ class Settings:
     weights: Mapping[str, Fraction] = field(default_factory=dict)
     language: Mapping[str, str] = field(default_factory=dict)
     scene: Mapping[str, Any] = field(default_factory=dict)
+    text: str = field(default="", repr=False, compare=False)
 
     def line_of(self, *keys: str) -> int:
         """Return the line that sets the key reached through `keys`, or 1 where there is none."""
-        return key_line(read_text(self.path), keys) if self.path.is_file() else 1
+        return key_line(self.text, keys)
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Return a TOML file as a table, its decimal numbers unrounded; a missing file is an empty one.
+    """Return a TOML file as a table, its decimal numbers unrounded.
 
     Raises:
-        DomainError: the file is unreadable or not TOML.
+        DomainError: the file is missing, unreadable or not TOML.
     """
-    if not path.exists():
-        return {}
+    return parse_table(Source(path, read_text(path)))
+
+
+def parse_table(source: Source) -> dict[str, Any]:
+    """Return the text of a TOML file as a table, its decimal numbers unrounded.
+
+    Raises:
+        DomainError: it is not TOML.
+    """
+    path, text = source.path, source.text
     try:
-        table: dict[str, Any] = tomllib.loads(read_text(path), parse_float=Decimal)
+        table: dict[str, Any] = tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
         words = str(error)
         place = re.search(r" \(at (?:line (\d+)|end of document).*\)", words)
-        line = place[1] if place and place[1] else str(len(read_text(path).rstrip().split("\n")))
+        line = place[1] if place and place[1] else str(len(text.rstrip().split("\n")))
         raise DomainError(f"{path}:{line}: not TOML: {words.split(' (at ', maxsplit=1)[0]}; mend the line") from None
     except (ValueError, RecursionError, InvalidOperation) as error:
         raise DomainError(f"{path}:1: not TOML: {error}; shorten its numbers and nested lists") from None
     return table
 
 
-def settings_of(table: Mapping[str, Any], path: Path) -> Settings:
-    """Return the settings that a table spells, without what has a wrong type: the linter reports it."""
+def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
+    """Return the settings that the table of a file spells, without what has a wrong type: the linter reports it."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
     language = {key: value for key, value in _table(table, "language").items() if isinstance(value, str)}
     return Settings(
-        path,
+        source.path,
         title=str(table.get("title", "")),
         description=str(table.get("description", "")),
         weights={weight_key(key): weight for key, weight in weights.items() if weight is not None},
         language=language,
         scene=_rounded(_table(table, "scene")),
+        text=source.text,
     )
 
 
@@ -146,4 +156,13 @@ def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
 
 
 def _parts(name: str) -> tuple[str, ...]:
-    return tuple(weight_key("".join(part)) for part in re.findall(KEY_PART, name))
+    parts = re.findall(KEY_PART, name)
+    return tuple(weight_key(_unescaped(quoted) + literal + bare) for quoted, literal, bare in parts)
+
+
+def _unescaped(text: str) -> str:
+    """Return what is between the quotes of a key as the key that it spells."""
+    try:
+        return str(tomllib.loads(f'key = "{text}"')["key"]) if "\\" in text else text
+    except tomllib.TOMLDecodeError:
+        return text

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from prag_asp.errors import DomainError
 from prag_asp.program.tokens import blanked
+from prag_asp.reading import is_inside, read_bytes
 
 KEYWORD = re.compile(r"#include\b")
 CONTRACT = "contract.lp"
@@ -62,13 +63,14 @@ def read_sources(path: Path | Source, encodings: Path, *, own: Path | None = Non
     """Return the file `path` and everything it includes, each file once, included files first.
 
     An include is looked up beside the including file, then in the folder of encodings; one of a source that is no file
-    beside where its path would be.
+    beside where its path would be. `own` is the folder that the file has to lie in; without one, the user has named
+    the file, which may be a link, and what it includes has to lie beside it.
 
     Raises:
         DomainError: a file cannot be read, or an include leads out of the folder `own` and the encodings.
     """
     found: dict[Path, Source] = {}
-    begin = path if isinstance(path, Source) else Source(path, read_text(path))
+    begin = path if isinstance(path, Source) else Source(path, read_text(path, own))
     _read(begin, encodings, own or begin.path.parent, found, ())
     return tuple(found.values())
 
@@ -82,36 +84,37 @@ def _read(source: Source, encodings: Path, own: Path, found: dict[Path, Source],
         include = INCLUDE.match(text, keyword.start())
         if include is None:
             raise DomainError(f'{path}:{line}: unreadable #include; write it as #include "file.lp".')
-        target = _include(include["file"], path, line, encodings, own)
+        target, limit = _include(include["file"], path, line, encodings, own)
         if target.resolve() not in (*above, path.resolve()) and target.resolve() not in found:
-            _read(Source(target, read_text(target)), encodings, own, found, (*above, path.resolve()))
+            _read(Source(target, read_text(target, limit)), encodings, own, found, (*above, path.resolve()))
         pieces += [text[end : include.start()], re.sub(r"[^\n]", " ", include[0])]
         end = include.end()
     found[path.resolve()] = Source(path, "".join([*pieces, text[end:]]))
 
 
-def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> Path:
+def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> tuple[Path, Path]:
+    """Return the file that an include names, and the folder that it lies in."""
     for folder, limit in ((path.parent, own), (path.parent, encodings), (encodings, encodings)):
         target = folder / name
-        if name and target.is_file() and target.resolve().is_relative_to(limit.resolve()):
-            return target
+        if name and "\0" not in name and target.is_file() and is_inside(target, limit):
+            return target, limit
     raise DomainError(
         f"{path}:{line}: cannot include {name!r}; name a file in the domain's folder or in the encodings, "
         'such as "rules/closed_world.lp"'
     )
 
 
-def read_text(path: Path) -> str:
-    """Return the text of a file.
+def read_text(path: Path, within: Path | None = None) -> str:
+    """Return the text of a file, which has to lie `within` a folder unless the user has named it.
 
     Raises:
-        DomainError: the file is missing, unreadable or not UTF-8.
+        DomainError: the file is missing, unreadable, too large, elsewhere or not UTF-8.
     """
     try:
-        content = path.read_bytes()
+        content = read_bytes(path, within=within)
     except OSError as error:
         told = f"{path}:1: cannot be read: {error.strerror}"
-        raise DomainError(f"{told}; check the path and its permissions") from None
+        raise DomainError(f"{told}; check the path, and that a file lies there") from None
     return decoded(content, path)
 
 

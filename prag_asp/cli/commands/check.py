@@ -11,6 +11,7 @@ import click
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
+from prag_asp.cli.terminal import say, tell_line
 from prag_asp.errors import DomainError
 from prag_asp.wording import plural
 
@@ -39,7 +40,7 @@ def check(*, asked: Asked) -> None:
     if asked.strict:
         raise_problems(each.as_error() for each in first_of_each(warnings))
     for warning in first_of_each(warnings):
-        click.echo(str(warning), err=True)
+        tell_line(str(warning))
     facts = domain.facts
     left = f"{len(facts.actions)} of " if len(facts.actions) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
@@ -53,7 +54,7 @@ def check(*, asked: Asked) -> None:
         *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
         scene,
     ]
-    click.echo(f"{domain.label}: ok; {', '.join(parts)}")
+    say(f"{domain.label}: ok; {', '.join(parts)}")
 
 
 def _require_proofs(domain: Domain) -> None:

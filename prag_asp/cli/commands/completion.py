@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from prag_asp.cli.terminal import say
+
 
 @click.command()
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
@@ -24,4 +26,4 @@ def completion(shell: str) -> None:
     add_shells()
     found = get_completion_class(shell)
     assert found is not None, "click knows every shell that may be asked for"
-    click.echo(found(cli, {}, PROGRAM, COMPLETION).source(), nl=False)
+    say(found(cli, {}, PROGRAM, COMPLETION).source().rstrip("\n"))

@@ -10,7 +10,7 @@ from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import LIMITED, progress
+from prag_asp.cli.terminal import LIMITED, progress, say, tell_line
 from prag_asp.errors import LimitReached, QueryError
 
 
@@ -33,13 +33,13 @@ def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool) -> None:
         with progress() as tell:
             space = asked.spaces(tell)
             if table:
-                click.echo(f"{'length':>{width}}  {by}s")
+                say(f"{'length':>{width}}  {by}s")
             for length in lengths:
                 label = f"{length:>{width}}  " if table else ""
-                click.echo(f"{label}{space.at(length).count(by, first)}")
+                say(f"{label}{space.at(length).count(by, first)}")
     except LimitReached as limit:
-        click.echo(f"{label}at least {limit.at_least}")
-        click.echo(str(limit), err=True)
+        say(f"{label}at least {limit.at_least}")
+        tell_line(str(limit))
         raise click.exceptions.Exit(LIMITED) from None
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from prag_asp.cli.terminal import say, tell_line
+
 
 @click.command()
 def domains() -> None:
@@ -16,7 +18,7 @@ def domains() -> None:
     folders = shipped_domains()
     width = max(map(len, folders), default=0)
     for name, folder in folders.items():
-        click.echo(f"{name:<{width}}  {read_table(folder / 'domain.toml').get('description', '')}")
+        say(f"{name:<{width}}  {read_table(folder / 'domain.toml').get('description', '')}")
 
 
 @click.command()
@@ -26,4 +28,4 @@ def new(name: str) -> None:
     from prag_asp.domain.scaffold import write_new_domain
 
     folder = write_new_domain(name, Path())
-    click.echo(f"wrote {folder}; try: prag-asp check {folder}", err=True)
+    tell_line(f"wrote {folder}; try: prag-asp check {folder}")

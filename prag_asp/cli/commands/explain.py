@@ -12,7 +12,7 @@ from prag_asp.atom import parse_atom, split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import FAILED
+from prag_asp.cli.terminal import FAILED, say
 from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError
 
@@ -38,10 +38,10 @@ def explain(*, asked: Asked, words: tuple[str, ...]) -> None:
     domain = replace(asked, names=names).domain()
     found = explained(domain, actions)
     if found is None:
-        click.echo(f"a plan of {domain.label}")
+        say(f"a plan of {domain.label}")
         return
     for line in _told(found, actions):
-        click.echo(line)
+        say(line)
     raise click.exceptions.Exit(FAILED)
 
 

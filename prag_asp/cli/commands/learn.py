@@ -15,8 +15,9 @@ from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.table import aligned
-from prag_asp.cli.terminal import progress, require_writable, writer
+from prag_asp.cli.terminal import progress, require_writable, say, tell_line, writer
 from prag_asp.errors import QueryError
+from prag_asp.output import file_in
 
 if TYPE_CHECKING:
     from prag_asp.dataset.tally import Tally
@@ -57,11 +58,11 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     if write:
         with writer(str(path)) as put:
             put(found.text.rstrip())
-        click.echo(f"wrote {path}", err=True)
+        tell_line(f"wrote {path}")
     else:
-        click.echo(found.text)
+        say(found.text)
     for line in lines:
-        click.echo(line if write else f"% {line}".rstrip())
+        say(line if write else f"% {line}".rstrip())
 
 
 def _file(asked: Asked, domain: Domain) -> Path:
@@ -78,8 +79,9 @@ def _file(asked: Asked, domain: Domain) -> Path:
     for option, given in (("--const", asked.constants), ("--settings", asked.settings)):
         if given:
             raise QueryError(f"--write writes what holds of the folder as it is; leave {option} out")
-    require_writable(str(domain.folder / LEARNED))
-    return domain.folder / LEARNED
+    path = file_in(domain.folder, LEARNED)
+    require_writable(str(path))
+    return path
 
 
 def _figures(
@@ -122,5 +124,5 @@ def _tally(
         for verdict in verdicts:
             tally.add(verdict)
             tell(told())
-    click.echo(told(), err=True)
+    tell_line(told())
     return tally

@@ -13,10 +13,11 @@ import click
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, require_writable
+from prag_asp.cli.terminal import progress, require_writable, say
 from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import OutputError, QueryError
-from prag_asp.output import make_folder
+from prag_asp.output import file_in, make_folder
+from prag_asp.reading import lines_of, open_text
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -90,11 +91,11 @@ def render(
     drawing = _Drawing(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
     _refuse_file(Path(output), form)
     require_physics()
-    with click.open_file(file, encoding="utf-8", errors="replace") as lines:
-        records = list(read_lines(lines, file))
+    with open_text(file) as stream:
+        records = list(read_lines(lines_of(stream), file))
     chosen = tuple(dict.fromkeys(numbers)) or range(1, len(records) + 1)
     if not records:
-        raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+        raise QueryError(f"{file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
     for number in chosen:
         if number > len(records):
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
@@ -108,7 +109,7 @@ def render(
                 show("pictures", done + share, len(chosen))
 
             drawing.draw(record, number, domain, targets[number], tell)
-            click.echo(targets[number])
+            say(targets[number])
             tell(1.0)
 
 
@@ -178,7 +179,8 @@ class _Drawing:
             if not isinstance(name, str):
                 raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
             try:
-                recorded = Demonstration.load(self.recordings / name, robot=next(iter(scene.robots)))
+                path, robot = self.recordings / name, next(iter(scene.robots))
+                recorded = Demonstration.load(path, robot=robot, within=self.recordings)
             except QueryError as error:
                 raise QueryError(f"{error}; {RECORD}") from None
             for fault in check_demonstration(record.task, recorded, scene)[:1]:
@@ -258,7 +260,7 @@ def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]
             raise QueryError(f"--output {output}: {text}")
         return {numbers[0]: output}
     make_folder(output)
-    return {number: output / f"{number:06d}{suffix}" for number in numbers}
+    return {number: file_in(output, f"{number:06d}{suffix}") for number in numbers}
 
 
 def _pixels(text: str) -> tuple[int, int]:

@@ -12,10 +12,10 @@ import click
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, writer
+from prag_asp.cli.terminal import progress, say, writer
 from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError
-from prag_asp.output import make_folder
+from prag_asp.output import file_in, make_folder
 
 if TYPE_CHECKING:
     from prag_asp.space.parts.ranked import RankedTasks
@@ -62,12 +62,13 @@ def split(
         parts = _parts(space, shares, skeletons, held, seed)
         width = max(map(len, parts))
         for name, part in parts.items():
-            click.echo(f"{name:<{width}}  {part.count()}")
+            say(f"{name:<{width}}  {part.count()}")
         if wanted is None or output is None:
             return
         line = options.line_form(form, space.domain)
         for name, part in parts.items():
-            with writer(str(make_folder(output) / f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")) as write:
+            file = file_in(make_folder(output), f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")
+            with writer(str(file)) as write:
                 for task in _drawn(part, min(wanted, part.count()), seed):
                     write(line(Record(task)))
 

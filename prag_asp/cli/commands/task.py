@@ -11,7 +11,7 @@ from prag_asp.atom import split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress
+from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import QueryError
 from prag_asp.wording import plural
 
@@ -46,16 +46,16 @@ def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> Non
     with progress() as tell:
         space = asked.space(tell)
         if index is None:
-            click.echo(space.index(split_actions(plan or "")))
+            say(space.index(split_actions(plan or "")))
             return
         try:
             found = space[index]
         except IndexError:
             raise QueryError(f"--index {index}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
         if form == "full":
-            click.echo("\n".join(_described(found, space)))
+            say("\n".join(_described(found, space)))
         else:
-            click.echo(options.line_form(form, space.domain)(Record(found)))
+            say(options.line_form(form, space.domain)(Record(found)))
 
 
 def _described(found: Task, space: TaskSpace) -> list[str]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from contextlib import closing
 from pathlib import Path
-from typing import IO
+from typing import TextIO
 
 import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.terminal import FAILED, progress, require_unrecorded, whole_lines
+from prag_asp.cli.terminal import FAILED, progress, require_unrecorded, say, whole_lines
 from prag_asp.errors import QueryError
+from prag_asp.reading import lines_of, open_text
 
 
 @click.command()
@@ -36,10 +37,10 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             f"--budget {checking.budget} is for a search; --witness-only makes none, so leave one of them out"
         )
     require_physics()
-    with click.open_file(file, encoding="utf-8", errors="replace") as lines, progress() as tell:
-        total = _tasks_in(lines)
+    with open_text(file) as stream, progress() as tell:
+        total = _tasks_in(stream)
         if total == 0:
-            raise QueryError(f"{file}: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+            raise QueryError(f"{file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
         from prag_asp.cli.tally import show_tally, tally_line
         from prag_asp.dataset import Tally, read_lines, recheck
 
@@ -47,7 +48,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         limits = f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}"
         tally = Tally()
         outcomes = recheck(
-            read_lines(lines, file), where=asked.conditions(), seed=seed, witness_only=witness_only,
+            read_lines(lines_of(stream), file), where=asked.conditions(), seed=seed, witness_only=witness_only,
             load=lambda record, folder: asked.of(record, folder).domain(), folder=Path(file).parent,
             **checking.arguments(),
         )  # fmt: skip
@@ -55,7 +56,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             with whole_lines(), closing(outcomes):
                 for outcome in outcomes:
                     tally.count(outcome.status, outcome.reason, outcome.causes)
-                    click.echo(f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip())
+                    say(f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip())
                     tell(tally_line(tally, ("task", "tasks"), limits), tally.seen, total)
         finally:
             show_tally(tally, tally_line(tally, ("task", "tasks"), limits))
@@ -63,10 +64,10 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         raise click.exceptions.Exit(FAILED)
 
 
-def _tasks_in(lines: IO[str]) -> int | None:
+def _tasks_in(stream: TextIO) -> int | None:
     """Return how many lines of a file hold something, None where it can be read only once."""
-    if not lines.seekable():
+    if not stream.seekable():
         return None
-    number = sum(1 for line in lines if line.strip())
-    lines.seek(0)
+    number = sum(1 for line in lines_of(stream) if line.strip())
+    stream.seek(0)
     return number

@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.arrays import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.fields import shown
 from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.written import PARTS, VERSION
+from prag_asp.reading import open_binary
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
 
@@ -26,6 +28,9 @@ TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
 
 OF_ROBOTS = ("joints", "widths", "commands")
 """The arrays that have an axis of robots."""
+
+LARGEST_FILE, LARGEST = 32_000_000, 256_000_000
+"""Bytes of the file of a recording, and of its arrays."""
 
 FRAMES_A_SECOND = 20
 
@@ -123,14 +128,16 @@ class Demonstration:
             raise OutputError(f"{path}: the demonstration cannot be written: {error}") from error
 
     @classmethod
-    def load(cls, path: str | Path, robot: str = "panda") -> Demonstration:
+    def load(cls, path: str | Path, robot: str = "panda", *, within: str | Path | None = None) -> Demonstration:
         """Return the recording that `save` wrote, now or in the form before, in which a single `robot` had no name.
 
+        Where somebody else names the file, `within` is the folder that it has to lie in.
+
         Raises:
-            QueryError: the file cannot be read, or holds something else.
+            QueryError: the file cannot be read, holds something else, or too much, or lies elsewhere.
         """
         try:
-            content = _arrays(Path(path))
+            content = _arrays(Path(path), within)
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
         if "version" not in content:
@@ -147,23 +154,18 @@ class Demonstration:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
-def _arrays(path: Path) -> dict[str, NDArray[Any]]:
+def _arrays(path: Path, within: str | Path | None) -> dict[str, NDArray[Any]]:
     """Return the arrays of a .npz file by their names.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: it is another file, or was cut off.
+        QueryError: it is another file, was cut off, or is too large.
     """
-    with path.open("rb") as file:
+    with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
         try:
-            content = np.load(file, allow_pickle=False)
-            return {name: content[name] for name in content.files}
-        except OSError as error:
-            if error.errno is not None:
-                raise
-        except Exception:  # a foreign or broken file makes NumPy raise errors of many kinds
-            pass
-    raise QueryError(f"{path}: this is not a demonstration: it is another file than a .npz, or was cut off")
+            return read_arrays(file, ("version", *ARRAYS, *TEXTS), LARGEST)
+        except BadArchive as error:
+            raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
 def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:

@@ -14,7 +14,11 @@ from itertools import chain, pairwise
 from pathlib import Path
 
 from prag_asp.errors import SceneError
+from prag_asp.reading import read_bytes
 from prag_asp.scene.read.report import SMALLEST
+
+LARGEST = 32_000_000
+"""Bytes of a mesh."""
 
 HEADER, TRIANGLE = 84, 50
 CORNERS = 3
@@ -93,7 +97,7 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
         SceneError: as for `mesh_parts`.
     """
     try:
-        content = Path(path).read_bytes()
+        content = read_bytes(path, at_most=LARGEST)
         parts = _obj(content) if Path(path).suffix.lower() == ".obj" else [_stl(content)]
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
@@ -117,9 +121,9 @@ def _obj(content: bytes) -> list[list[Triangle]]:
             case ["v", *words]:
                 points.append(_point(words[:CORNERS]))
             case ["f", *words]:
-                first, *others = [_corner(word, points, number) for word in words]
                 if len(words) < CORNERS:
                     raise ValueError(f"a face of {len(words)} corners in line {number}")
+                first, *others = [_corner(word, points, number) for word in words]
                 parts[-1] += [(first, one, two) for one, two in pairwise(others)]
             case [group, *_] if group in GROUPS:
                 parts.append([])

@@ -18,6 +18,7 @@ from collections.abc import Mapping
 from string import Formatter
 from typing import Any
 
+from prag_asp.reading import is_inside
 from prag_asp.scene.model import IGNORED, Bounds, Own
 from prag_asp.scene.read.report import Report
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
@@ -166,14 +167,13 @@ class _OwnReader:
         if not isinstance(value, str) or not value.endswith(".py"):
             self.add(key, f'needs the name of a Python file of the domain, such as "predicates.py"; got {value!r}')
         else:
-            folder = self.report.folder.resolve()
-            path = (folder / value).resolve()
-            if not path.is_relative_to(folder):
+            path = self.report.folder / value
+            if not is_inside(path, self.report.folder):
                 self.add(key, f"{value} lies outside of the folder of the domain; move it there")
             elif not path.is_file():
                 self.add(key, f"{value} is not in the folder of the domain; write it, or mend the name")
             else:
-                return str(path)
+                return str(path.resolve())
         return ""
 
 

@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from prag_asp.errors import SceneError
+from prag_asp.reading import is_inside, read_bytes
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.model import Model, Shape, Size, Solid
 from prag_asp.scene.read.mesh import mesh_points, thickness
@@ -23,6 +24,8 @@ from prag_asp.scene.read.stability import rotation
 from prag_asp.wording import plural
 
 ZEROS = "0 0 0"
+LARGEST = 1_000_000
+"""Bytes of a URDF: one rigid link has no use for more."""
 
 
 def read_urdf(path: Path, folder: Path) -> Shape:
@@ -34,7 +37,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
         SceneError: a file is missing, outside or malformed, or describes something else than one rigid body.
     """
     _require_inside(path, folder)
-    root, lines = _parsed(path)
+    root, lines = _parsed(path, folder)
     links = root.findall("link")
     if len(links) != 1:
         named = ", ".join(f"{link.get('name')} in line {lines[link]}" for link in links)
@@ -59,12 +62,16 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     return Shape("urdf", _minus(high, low), model=Model(centred, weight))
 
 
-def _parsed(path: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
+def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
     """Return the outermost element of an XML file, and the line in which each element begins.
 
     Raises:
         SceneError: the file cannot be read, or is not XML.
     """
+    try:
+        content = read_bytes(path, within=folder, at_most=LARGEST)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
     builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
     lines: dict[ElementTree.Element, int] = {}
 
@@ -73,10 +80,7 @@ def _parsed(path: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, 
 
     parser.StartElementHandler, parser.EndElementHandler = start, builder.end
     try:
-        with path.open("rb") as file:
-            parser.ParseFile(file)
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+        parser.Parse(content, True)
     except expat.ExpatError as error:
         raise SceneError(f"{path}:{error.lineno}: not XML: {str(error).partition(':')[0]}; mend the line") from error
     except (LookupError, ValueError) as error:
@@ -103,7 +107,7 @@ def _require_inside(path: Path, folder: Path) -> None:
     Raises:
         SceneError: it is not.
     """
-    if not path.resolve().is_relative_to(folder.resolve()):
+    if not is_inside(path, folder):
         raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
     if not path.is_file():
         raise SceneError(f"{path}: there is no such file; give the path from the folder of the domain")

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -37,7 +39,7 @@ class Shelf:
 
     def read(self) -> Reach | None:
         """Return what was kept, where it can be believed."""
-        entry = read_entry(self.folder, self.key)
+        entry = read_entry(self.folder, self.key, ARRAYS)
         try:
             return _restored(entry) if entry else None
         except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises the latter where a text is no term
@@ -72,14 +74,19 @@ def shelf_for(folder: Path, domain: Domain, level: str, merge: bool | None) -> S
         told = [domain.program.text, names.read_text(encoding="utf-8") if level == "task" else "", _code()]
     except OSError:
         return None
-    told += [level, str(merge), clingo.__version__]
+    told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
     return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
 
 
+@cache
 def _code() -> str:
-    """Return what tells this version of the code from every other."""
-    files = sorted([*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))])
-    return " ".join(f"{path.relative_to(PACKAGE)}:{path.stat().st_size}:{path.stat().st_mtime_ns}" for path in files)
+    """Return what tells this version of the code from every other: what its files hold, not their size and date."""
+    digest = blake2b(digest_size=20)
+    for path in sorted([*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))]):
+        content = path.read_bytes()
+        digest.update(f"{path.relative_to(PACKAGE)}:{len(content)}:".encode())
+        digest.update(content)
+    return digest.hexdigest()
 
 
 def _restored(entry: Entry) -> Reach | None:

@@ -40,7 +40,7 @@ def files(folder: Path) -> list[Path]:
 
 def test_what_is_written_is_read_back(folder: Path) -> None:
     assert write_entry(folder, KEY, ENTRY)
-    found = read_entry(folder, KEY)
+    found = read_entry(folder, KEY, ENTRY.arrays)
     assert found is not None and found.texts == ENTRY.texts
     assert list(found.arrays) == list(ENTRY.arrays)
     for name, array in ENTRY.arrays.items():
@@ -54,13 +54,13 @@ def test_every_single_damage_is_noticed(folder: Path) -> None:
     content = path.read_bytes()
     for place in range(len(content)):
         path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
-        assert read_entry(folder, KEY) is None
+        assert read_entry(folder, KEY, ENTRY.arrays) is None
         path.write_bytes(content[:place])
-        assert read_entry(folder, KEY) is None
+        assert read_entry(folder, KEY, ENTRY.arrays) is None
     path.write_bytes(content + b"\0")
-    assert read_entry(folder, KEY) is None
+    assert read_entry(folder, KEY, ENTRY.arrays) is None
     path.write_bytes(content)
-    assert read_entry(folder, KEY) is not None
+    assert read_entry(folder, KEY, ENTRY.arrays) is not None
 
 
 def test_numpy_reads_the_file_without_pickle(folder: Path) -> None:
@@ -83,20 +83,20 @@ def test_what_only_looks_like_an_entry_is_not_believed(folder: Path, damage: str
         buffer.write(b"PK\3\4 and nothing else" if damage == "no archive" else b"prag_asp cache 1\n" + bytes(60))
     content = buffer.getvalue()
     (folder / f"{KEY}.arrays").write_bytes(content + zlib.crc32(content).to_bytes(4, "little"))
-    assert read_entry(folder, KEY) is None
+    assert read_entry(folder, KEY, ENTRY.arrays) is None
 
 
 def test_a_file_under_the_key_of_another_is_not_believed(folder: Path) -> None:
     write_entry(folder, KEY, ENTRY)
     files(folder)[0].rename(folder / "4567.arrays")
-    assert read_entry(folder, "4567") is None
+    assert read_entry(folder, "4567", ENTRY.arrays) is None
 
 
 def test_the_folder_stays_small_and_keeps_what_was_read_last(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for number in range(4):
         write_entry(folder, str(number), ENTRY)
         os.utime(folder / f"{number}.arrays", (number, number))
-    read_entry(folder, "0")
+    read_entry(folder, "0", ENTRY.arrays)
     size = files(folder)[0].stat().st_size
     monkeypatch.setattr(cache, "LARGEST_FOLDER", 3 * size)
     write_entry(folder, "4", ENTRY)
@@ -108,7 +108,7 @@ def test_the_folder_stays_small_and_keeps_what_was_read_last(folder: Path, monke
 def test_a_folder_that_cannot_be_written_is_no_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     assert not write_entry(tmp_path / "file" / "cache", KEY, ENTRY)
-    assert read_entry(tmp_path / "file" / "cache", KEY) is None
+    assert read_entry(tmp_path / "file" / "cache", KEY, ENTRY.arrays) is None
 
 
 def test_the_folder_is_the_users_own_or_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -188,7 +188,7 @@ def test_arrays_that_do_not_make_an_automaton_are_not_believed(folder: Path) -> 
     domain = load_domain("prag")
     TaskSpace(domain, 3).count("plan")
     key = files(folder)[0].stem
-    entry = read_entry(folder, key)
+    entry = read_entry(folder, key, ENTRY.arrays)
     assert entry is not None
     shelf = stored.shelf_for(folder, domain, "plan", None)
     assert shelf is not None and shelf.key == key and shelf.read() is not None

@@ -1,0 +1,91 @@
+"""Read archives of arrays, as `numpy.savez` writes them: only those that are expected, and never more than is stated.
+
+An archive of a few kilobytes can hold many gigabytes, and an array can be a pickle, which runs code. So what the
+directory of the archive says is checked before anything is unpacked, each array by its header before it is read, and
+no more is unpacked than was said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING, Any, BinaryIO
+from zipfile import ZipFile, ZipInfo
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+SUFFIX = ".npy"
+LONGEST_HEADER = 10_000
+KINDS = frozenset("biufU")
+"""What numbers and texts of NumPy are of: no objects, which are pickles, and nothing with fields."""
+
+
+class BadArchive(Exception):
+    """An archive holds something else than it has to."""
+
+
+def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[str, NDArray[Any]]:
+    """Return the arrays of some names that an archive has; `at_most` bounds their bytes together, unpacked.
+
+    Raises:
+        OSError: the file cannot be read.
+        BadArchive: it is no archive, it was cut off, or an array is too large, or holds neither numbers nor texts.
+    """
+    try:
+        with ZipFile(file) as archive:
+            members = _members(archive, names)
+            if sum(member.file_size for member in members.values()) > at_most:
+                raise BadArchive(f"its arrays are larger than {at_most / 10**6:,.0f} MB")
+            return {name: _array(archive, name, member) for name, member in members.items()}
+    except (BadArchive, MemoryError):
+        raise
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        raise BadArchive("it is another file than a .npz, or was cut off") from None
+    except Exception as error:  # zipfile and NumPy raise errors of many kinds for what is broken
+        raise BadArchive("it is another file than a .npz, or was cut off") from error
+
+
+def _members(archive: ZipFile, names: Collection[str]) -> Mapping[str, ZipInfo]:
+    """Return the members of an archive by the names of their arrays.
+
+    Raises:
+        BadArchive: there are two of a name.
+    """
+    wanted = {f"{name}{SUFFIX}": name for name in names}
+    found: dict[str, ZipInfo] = {}
+    for member in archive.infolist():
+        name = wanted.get(member.filename)
+        if name in found:
+            raise BadArchive(f"it has two arrays called {name}")
+        if name is not None:
+            found[name] = member
+    return found
+
+
+def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
+    """Return an array of an archive.
+
+    Raises:
+        BadArchive: it is of another kind, or of another size than its header says.
+    """
+    import numpy as np  # noqa: PLC0415 - whoever imports this module may never read an archive
+    from numpy.lib import format as npy  # noqa: PLC0415
+
+    with archive.open(member) as file:
+        read_header = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}[npy.read_magic(file)]
+        shape, by_columns, kind = read_header(file, max_header_size=LONGEST_HEADER)
+        if kind.kind not in KINDS or kind.hasobject:
+            raise BadArchive(f"{name} has to hold numbers or texts")
+        count = 1
+        for side in shape:
+            count *= side
+        size = count * kind.itemsize
+        if min(shape, default=0) < 0 or size != member.file_size - file.tell():
+            raise BadArchive(f"{name} has another size than it says")
+        content = bytearray(file.read(size + 1))  # so that the array can be written to, as after `numpy.load`
+        if len(content) != size:
+            raise BadArchive(f"{name} was cut off")
+    array = np.frombuffer(content, kind) if kind.itemsize else np.zeros(count, kind)
+    return array.reshape(shape, order="F" if by_columns else "C")

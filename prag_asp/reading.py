@@ -1,0 +1,123 @@
+"""The one place where files are opened to be read: regular ones, of a bounded size, and within their folder.
+
+A folder from a stranger may hold links, pipes, devices and files without an end in place of files. What is refused is
+an `OSError` whose `strerror` says why, as for any file that cannot be read.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import stat
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO, TextIO
+
+LARGEST_TEXT = 64_000_000
+"""Bytes of a file that is read at once."""
+
+LONGEST_LINE = 16_000_000
+"""Characters of a line of a file that is read line by line."""
+
+STANDARD_INPUT = "-"
+"""What stands for standard input in place of a file."""
+
+OPEN_ALREADY = ("/proc/", "/dev/fd/")
+"""Where what a shell has opened for us lies: ``/dev/stdin``, and ``<(command)``."""
+
+
+class Refused(OSError):
+    """A file that is not read, whatever its permissions."""
+
+
+def is_inside(path: str | Path, folder: str | Path) -> bool:
+    """Tell whether a path leads into a folder, or to it, once all links are followed."""
+    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+
+
+def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: int = LARGEST_TEXT) -> bytes:
+    """Return what a file holds; `within` is the folder that it must lie in, None where the user has named the file.
+
+    Raises:
+        OSError: it is missing, unreadable, no file, too large, or lies elsewhere.
+    """
+    with open_binary(path, within=within, at_most=at_most) as file:
+        content = file.read(at_most + 1)
+    if len(content) > at_most:  # it has grown, or is a pipe
+        raise _too_large(path, at_most)
+    return content
+
+
+def open_binary(path: str | Path, *, within: str | Path | None = None, at_most: int | None = None) -> BinaryIO:
+    """Open a file to read it; `within` is as in `read_bytes`, and None no limit of its size.
+
+    A pipe without a writer does not keep us waiting, and no device is opened. A pipe that was open before, such as
+    ``<(command)``, is read where the user has named it.
+
+    Raises:
+        OSError: it is missing, unreadable, no file, too large, or lies elsewhere.
+    """
+    try:
+        found = Path(path).stat()
+    except ValueError:
+        raise Refused(errno.EINVAL, "the path has a character that no path has", str(path)) from None
+    if within is not None and not is_inside(path, within):
+        raise Refused(errno.EPERM, f"it leads out of the folder {within}", str(path))
+    _require_kind(path, found)
+    waits = 0 if stat.S_ISFIFO(found.st_mode) else os.O_NONBLOCK
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | waits)
+    try:
+        found = os.fstat(descriptor)
+        _require_kind(path, found)
+        if at_most is not None and found.st_size > at_most:
+            raise _too_large(path, at_most)
+        return os.fdopen(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def _require_kind(path: str | Path, found: os.stat_result) -> None:
+    """Check that something can be read to its end.
+
+    Raises:
+        OSError: it is a folder, or a pipe, a device or a socket.
+    """
+    mode = found.st_mode
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    open_already = os.path.realpath(path).startswith(OPEN_ALREADY)
+    nothing = stat.S_ISCHR(mode) and found.st_rdev == Path(os.devnull).stat().st_rdev
+    if not (stat.S_ISREG(mode) or nothing or (stat.S_ISFIFO(mode) and open_already)):
+        raise Refused(errno.EINVAL, "it is no regular file", str(path))
+
+
+def _too_large(path: str | Path, at_most: int) -> Refused:
+    return Refused(errno.EFBIG, f"it is larger than {at_most / 10**6:,.0f} MB", str(path))
+
+
+@contextmanager
+def open_text(path: str | Path) -> Iterator[TextIO]:
+    """Open a file that the user has named, or standard input, as text; bytes that are no UTF-8 become a sign for it.
+
+    Raises:
+        OSError: it is missing, unreadable, or no file.
+    """
+    if str(path) == STANDARD_INPUT:
+        if sys.stdin is None:
+            raise Refused(errno.EBADF, "standard input is closed", STANDARD_INPUT)
+        yield sys.stdin
+        return
+    with io.TextIOWrapper(open_binary(path), encoding="utf-8", errors="replace") as lines:
+        yield lines
+
+
+def lines_of(stream: TextIO) -> Iterator[str]:
+    """Yield the lines of a stream; of one that is longer than `LONGEST_LINE`, one character more than that, at once."""
+    while line := stream.readline(LONGEST_LINE + 1):
+        yield line
+        if len(line) > LONGEST_LINE:
+            return

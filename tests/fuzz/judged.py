@@ -1,0 +1,90 @@
+"""What is wrong with how a command answered: this is where it is defined what an answer has to be.
+
+A command ends with one of the exit codes of the page about them. Where the code is not 0, it says why: in exactly one
+line on stderr, but
+
+- a check of a domain prints a line for each problem, and each of these begins with ``file:line: `` and is another;
+- a line that says how many warnings there are, and one that begins with ``note: ``, may come before it, and warnings
+  with their names in brackets;
+- with code 1, `validate`, `explain` and `sample` have answered on stdout, and their figures are on stderr.
+
+No line on stderr is longer than 500 characters, or has a character that a terminal would obey.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from tests.fuzz.isolated import Ran
+from tests.fuzz.mutant import SECRET, Mutant
+
+LONGEST_LINE = 500
+MEMORY = 2 * 10**9
+CODES = frozenset(range(9)) | {130, 143}
+"""The exit codes that there are."""
+
+PLACE = re.compile(r".+?:\d+: \S.*")
+BESIDE = re.compile(r"\d+ warnings? about .*|note: .*|.*: warning: .* \[[a-z-]+\]")
+"""Lines that may stand beside the one that says why."""
+
+FIGURES = ("validate", "explain", "sample")
+"""Commands that answer on stdout even where the code is 1."""
+
+OBEYED = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff]")
+"""Characters that a terminal obeys, or that turn what is written around."""
+
+
+def fault(ran: Ran, arguments: Sequence[str], mutant: Mutant) -> str:
+    """Return what is wrong with how a command answered, nothing where nothing is; its first word is the kind."""
+    err = ran.err.decode("utf-8", "replace")
+    lines = err.splitlines()
+    checks = (_ended_badly(ran, err), _says_badly(ran, err), _says_why(ran, lines, arguments, mutant))
+    return next(filter(None, checks), "")
+
+
+def _ended_badly(ran: Ran, err: str) -> str:
+    last = (err.strip().splitlines() or [""])[-1]
+    found = {
+        f"hang after {ran.seconds:.0f} s": ran.hung,
+        f"memory {ran.peak_bytes / 1e9:.1f} GB": "MemoryError" in err or "bad_alloc" in err or ran.peak_bytes > MEMORY,
+        f"signal {-ran.code}": ran.code < 0,
+        f"traceback {_last_place(err)} {last[:100]}": "Traceback (most recent call last)" in err,
+        "outlived: a process is left over": ran.outlived,
+        f"code {ran.code}": ran.code not in CODES,
+    }
+    return next((what for what, is_so in found.items() if is_so), "")
+
+
+def _last_place(err: str) -> str:
+    """Return the last place of the package in a traceback."""
+    places = re.findall(r'File ".*?/(prag_asp/[^"]*)", line (\d+)', err)
+    return ":".join(places[-1]) if places else ""
+
+
+def _says_badly(ran: Ran, err: str) -> str:
+    found = OBEYED.search(err)
+    if found:
+        return f"control character {found[0]!r} on stderr"
+    longest = max(map(len, err.split("\n")))
+    if longest > LONGEST_LINE:
+        return f"long line of {longest} characters"
+    if SECRET in err or SECRET.encode() in ran.out:
+        return "leak of what is outside of the folder"
+    return ""
+
+
+def _says_why(ran: Ran, lines: Sequence[str], arguments: Sequence[str], mutant: Mutant) -> str:
+    if ran.code == 0:
+        return "silence: accepted without output" if mutant.owes_output and not ran.out else ""
+    if ran.code == 1 and arguments[0] in FIGURES and ran.out:
+        return ""
+    why = [line for line in lines if not BESIDE.fullmatch(line)]
+    placed = [bool(PLACE.fullmatch(line)) for line in why]
+    found = {
+        f"silence: code {ran.code} without a word": not why,
+        f"lines: {len(why)} where one is due, {why[:1]}": len(why) > 1 and not all(placed),
+        "lines: the same one twice": len(set(why)) < len(why),
+        f"placeless: no file and line, {why[:1]}": mutant.placed and ran.code == 2 and not all(placed),
+    }
+    return next((what for what, is_so in found.items() if is_so), "")
