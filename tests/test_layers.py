@@ -21,21 +21,8 @@ from prag_asp.cli.registry import COMMANDS
 PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
-    [
-        "errors",
-        "wording",
-        "integers",
-        "atom",
-        "task",
-        "lazy",
-        "output",
-        "children",
-        "missing",
-        "fields",
-        "reading",
-        "arrays",
-    ]
-)
+    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "children", "missing", "fields", "reading"]
+) | {"arrays"}
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")

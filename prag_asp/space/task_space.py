@@ -5,6 +5,7 @@ What only some questions need is imported where they are asked, so that a count 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
@@ -35,6 +36,12 @@ if TYPE_CHECKING:
     from prag_asp.space.parts.ranked import RankedTasks
     from prag_asp.space.plans.readings import Readings
     from prag_asp.space.weighing.temperature import Temperature
+
+LISTED = 500
+"""Skeletons up to which parts of whole skeletons are made of single ones."""
+
+WORD = re.compile(r"\w+")
+"""A name that regular expressions can spell."""
 
 Prefix = Sequence[str | Atom]
 """What a word begins with: for each of the first steps an action or the name of one."""
@@ -181,10 +188,24 @@ class TaskSpace:
         Raises:
             QueryError: the shares do not add up to 1.
         """
+        from prag_asp.space.conditions.whole_skeletons import divide_skeletons
         from prag_asp.space.parts.split import parse_shares
-        from prag_asp.space.parts.whole_skeletons import divide_skeletons
 
-        return divide_skeletons(self, parse_shares(shares), seed)
+        spaces: dict[Condition, TaskSpace] = {}
+
+        def count(condition: Condition) -> int:
+            if condition not in spaces:
+                spaces[condition] = self.where(condition)
+            return spaces[condition].count()
+
+        parts = divide_skeletons(parse_shares(shares), seed, count, self._tasks_by_skeleton)
+        return {name: spaces[condition] for name, condition in parts.items()}
+
+    def _tasks_by_skeleton(self) -> dict[tuple[str, ...], int] | None:
+        """Return the number of tasks of each skeleton, None where they are many or cannot be spelled."""
+        if self.count("skeleton") > LISTED or not all(map(WORD.fullmatch, self.letters("skeleton"))):
+            return None
+        return {skeleton: self.count("task", skeleton) for skeleton in self.words("skeleton")}
 
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
         """Return the tasks without and those with something: an entity, a class, an action's name or a pair of names.

@@ -1,0 +1,79 @@
+"""Parts of a task space that have no skeleton in common, with shares as near to those wanted as skeletons allow."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from math import lcm
+
+from prag_asp.space.conditions.clauses import Matches, Part
+from prag_asp.space.conditions.condition import Condition
+from prag_asp.space.parts.choice import NEAR, choose_parts, farthest
+from prag_asp.space.parts.split import divided
+
+FEWEST_CLASSES = 20
+"""Classes that skeletons are divided into at least: where there are many skeletons, parts are made of whole classes."""
+
+Count = Callable[[Condition], int]
+"""Returns how many tasks satisfy a condition."""
+
+Skeletons = Mapping[tuple[str, ...], int]
+"""The number of tasks of each skeleton."""
+
+
+class SharesWarning(UserWarning):
+    """The parts of a split are not near to the shares that were asked for."""
+
+
+def divide_skeletons(
+    shares: Mapping[str, Fraction], seed: int, count: Count, listed: Callable[[], Skeletons | None]
+) -> dict[str, Condition]:
+    """Return the conditions of disjoint random parts of a space, together all of it, each with whole skeletons.
+
+    Skeletons are divided evenly by a random automaton. Where that comes out uneven, skeletons (those `listed`, None
+    where they are too many) or classes of them are chosen by how many tasks each has, exactly.
+    """
+    modulus = lcm(*(share.denominator for share in shares.values()))
+    modulus *= -(-FEWEST_CLASSES // modulus)
+    residues = divided(modulus, shares)
+    parts = {name: _part(own, modulus, seed) for name, own in residues.items()}
+    if _distance(parts, shares, count) > NEAR:
+        few = listed()
+        parts = _of_skeletons(few, shares, seed) if few is not None else _of_classes(count, shares, seed, modulus)
+        if _distance(parts, shares, count) > NEAR:
+            warnings.warn(_told(parts, shares, count), SharesWarning, stacklevel=3)
+    return parts
+
+
+def _part(residues: Iterable[int], modulus: int, seed: int) -> Condition:
+    return Condition((Part(tuple(residues), modulus, seed),))
+
+
+def _distance(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> Fraction:
+    return farthest([count(part) for part in parts.values()], list(shares.values()))
+
+
+def _of_skeletons(skeletons: Skeletons, shares: Mapping[str, Fraction], seed: int) -> dict[str, Condition]:
+    chosen = choose_parts(list(skeletons.values()), list(shares.values()), seed)
+    words: list[list[str]] = [[] for _ in shares]
+    for skeleton, part in zip(skeletons, chosen, strict=True):
+        words[part].append(" ".join(skeleton) or ".{0}")
+    clauses = [Matches(" | ".join(own)) if own else Matches(".*", inverse=True) for own in words]
+    return {name: Condition((clause,)) for name, clause in zip(shares, clauses, strict=True)}
+
+
+def _of_classes(count: Count, shares: Mapping[str, Fraction], seed: int, modulus: int) -> dict[str, Condition]:
+    classes = [count(_part([residue], modulus, seed)) for residue in range(modulus)]
+    chosen = choose_parts(classes, list(shares.values()), seed)
+    residues: list[list[int]] = [[] for _ in shares]
+    for residue, part in enumerate(chosen):
+        residues[part].append(residue)
+    return {name: _part(own, modulus, seed) for name, own in zip(shares, residues, strict=True)}
+
+
+def _told(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> str:
+    total = sum(map(count, parts.values()))
+    have = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
+    wanted = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
+    return f"{have} of the tasks, not {wanted}: no choice of whole skeletons comes nearer; take other shares or lengths"
