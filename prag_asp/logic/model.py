@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import clingo
@@ -18,6 +18,8 @@ from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
 from prag_asp.logic.symmetry.symmetry import interchangeable
 from prag_asp.program.sources import ADDED, Program, read_sources
+
+LOOP_FREE = ("conditions", "loop_free.lp")
 
 
 @dataclass(frozen=True)
@@ -63,14 +65,24 @@ class Model:
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
         """Return the groups of interchangeable entities in plans of a length; most domains have the same for all."""
-        if not self.obstacles:
-            return self._groups
+        if not self._without_loops.obstacles:
+            return self._without_loops._groups
         unrolled = ground_plan(self.program, length, self.reads)
         return tuple(interchangeable(self.domain.facts, unrolled))
 
     @cached_property
     def _groups(self) -> tuple[tuple[clingo.Symbol, ...], ...]:
         return tuple(interchangeable(self.domain.facts, self.ground))
+
+    @cached_property
+    def _without_loops(self) -> Model:
+        """The model without the rules that forbid loops: these reach back over all steps, and treat all entities alike.
+
+        The unrolled program of a length would not do: clingo leaves out of it what the start decides in so few steps.
+        """
+        sources = self.domain.program.sources
+        left = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
+        return self if len(left) == len(sources) else Model(replace(self.domain, program=Program(left)))
 
     def task_program(self, length: int) -> Program:
         """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""

@@ -150,24 +150,24 @@ class Case:
     def _having(self, values: Values) -> list[State]:
         return [state for state in self._allowed if agrees(state, {i: v for i, v in values.items() if v is not None})]
 
+    def _asked(self, step: int, state: State) -> bool:
+        """Return whether a state satisfies the conditions on the state after some steps."""
+        return all(clause.state(self.named(state)) for clause in self.clauses if clause.state and clause.step == step)
+
     @cached_property
     def _said(self) -> dict[object, list[State]]:
         """What is said of states: those that are allowed, by what says it."""
         said: dict[object, list[State]] = {
             "invariants": self._allowed,
             "impossible": list(filter(self.toy.allowed, self._allowed)),
-            "start": self._having(self.toy.initially),
+            "start": [state for state in self._having(self.toy.initially) if self._asked(0, state)],
             "ending": [state for state in self._every if self.ending(self.named(state))],
-            "last": [
-                state
-                for state in self._having(self.toy.goal)
-                if all(c.state(self.named(state)) for c in self.clauses if c.state and c.step == -1)
-            ],
+            "last": [state for state in self._having(self.toy.goal) if self._asked(-1, state)],
         }
         for name, action in zip(self.actions, self.toy.actions, strict=True):
             said["before", name], said["after", name] = self._having(action.before), self._having(action.after)
         for place, clause in enumerate(self.clauses):
-            if clause.state and clause.step != -1:
+            if clause.state and clause.step not in (0, -1):
                 said["clause", place] = [state for state in self._allowed if clause.state(self.named(state))]
         return said
 
@@ -194,14 +194,14 @@ class Case:
         return whole, actions, never_after, conditions
 
     def _meaning(self, place: int, clause: Clause, renamed_action: Names, told: dict[object, States]) -> object:
-        """Return what a condition means, or None where all satisfy it, or what it says is said of the last state."""
+        """Return what a condition means, or None where all satisfy it, or it speaks of the first or last state."""
         if clause.plan:
             kept = frozenset(filter(clause.plan, self._sequences))
             if len(kept) == len(self._sequences):
                 return None
             return frozenset(tuple(map(renamed_action.__getitem__, words)) for words in kept)
         if clause.state:
-            return None if clause.step == -1 else (clause.step, told["clause", place])
+            return None if clause.step in (0, -1) else (clause.step, told["clause", place])
         return clause.words
 
     @cached_property

@@ -203,6 +203,13 @@ def test_rules_that_go_around_are_compared_as_one(circle: str, groups: list[list
     assert groups_of(text) == groups
 
 
+def test_loop_free_tasks_are_up_to_the_same_renamings_as_other_tasks() -> None:
+    # At the first step the precondition holds, so that the program of one step unrolled has lost it.
+    domain = domain_of(SYMMETRIC + "fluent(lit). initially(lit,true). precondition(flip(x1),lit,true).")
+    space = TaskSpace(domain, 1)
+    assert space.count() == space.where("loop-free").count() == 2
+
+
 def test_circles_that_begin_alike_and_go_on_otherwise_are_told_apart() -> None:
     # A circle of two and one of three, each of which two links tell apart: they differ at the third.
     two = "s(1,0) :- s(1,1), a. s(1,1) :- s(1,0), b. s(1,1) :- c. "

@@ -55,9 +55,7 @@ def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequenc
         return tuple(goal), None
     together = Ends(", ".join(f"({formula})" for formula in choices)).conjunctions(facts)
     found = weakest(together, (*facts.goal, *goal), facts)
-    if len(found) != 1:
-        return tuple(goal), found
-    return (*goal, *_goal(found[0], facts)), None
+    return tuple(goal), None if found == [{}] else found
 
 
 def _goal(conjunction: Conjunction, facts: Facts) -> Assignment:
