@@ -192,6 +192,24 @@ def test_two_zones_exclude_each_other_exactly_where_they_have_no_part_in_common(
     assert reason(beside, made) is None
 
 
+@pytest.mark.parametrize(("out", "proved"), [(0.0, True), (1e-4, False), (0.02, False)])
+def test_a_zone_excludes_that_a_body_is_not_on_another_exactly_where_it_lies_within_that(
+    out: float, proved: bool
+) -> None:
+    made = scene()
+    zones = {"outer": Shape("zone", (0.4, 0.4, 0.0)), "inner": Shape("zone", (0.2, 0.2, 0.0))}
+    made = replace(
+        made, shapes={**made.shapes, **zones}, fixed={"outer": (0.5, 0.0, 0.0), "inner": (0.5, 0.1 + out, 0.0)}
+    )
+    beside = task(state("on_top(cube_1,inner)", "-on_top(cube_1,outer)"))
+    told = reason(beside, made)
+    assert (told is not None) == proved
+    assert told is None or told.endswith("cube 1 cannot be on inner and not on outer, which covers all of inner")
+    if out > 0.01:
+        verdict = validate_task(beside, made, seed=1)
+        assert verdict.witness is not None and check_witness(beside, verdict.witness, made) == []
+
+
 def test_three_zones_that_meet_by_pairs_but_nowhere_all_three_exclude_each_other() -> None:
     fixed = {"a": (0.5, 0.0, 0.0), "b": (0.45, 0.1, math.pi / 3), "c": (0.55, 0.1, -math.pi / 3)}
     made = scene()
