@@ -92,8 +92,9 @@ prefix = click.option(
     "--prefix", metavar="A,B,...", shell_complete=complete.prefix, help="Begin with these actions, or names of actions."
 )
 output = click.option(
-    "-o", "--output", metavar="FILE", shell_complete=complete.files, help="Write to FILE in place of stdout."
-)
+    "-o", "--output", metavar="FILE", shell_complete=complete.files,
+    help="Write to FILE in place of stdout, whole or not at all.",
+)  # fmt: skip
 form = click.option(
     "--format",
     "form",

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.errors import OutputError, QueryError
+from prag_asp.errors import QueryError
 from prag_asp.fields import shown
+from prag_asp.output import replace_file
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.written import PARTS, VERSION
@@ -100,7 +102,7 @@ class Demonstration:
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
     def save(self, path: Path) -> None:
-        """Write the recording as a compressed .npz file with its `version`, the same bytes for the same recording.
+        """Write the recording whole as a compressed .npz file with its `version`; equal ones have equal bytes.
 
         Raises:
             OutputError: the file cannot be written.
@@ -108,11 +110,9 @@ class Demonstration:
         content: dict[str, Any] = {"version": np.array(VERSION)}
         content |= {name: getattr(self, name) for name in ARRAYS}
         content |= {name: np.array(getattr(self, name)) for name in TEXTS}
-        try:
-            with path.open("wb") as file:
-                np.savez_compressed(file, **content)
-        except OSError as error:
-            raise OutputError(f"{path}: the demonstration cannot be written: {error}") from error
+        buffer = BytesIO()
+        np.savez_compressed(buffer, **content)
+        replace_file(path, buffer.getvalue())
 
     @classmethod
     def load(cls, path: str | Path, robot: str = "panda") -> Demonstration:
