@@ -147,7 +147,9 @@ def campaign(count: int, seed: int, names: Sequence[str]) -> Counter[tuple[str, 
         for number in range(count):
             name = names[number % len(names)]
             folder = home / str(number)
-            met[name, kill_once(name, home / "prepared", folder, references[name], chance)] += 1
+            how = kill_once(name, home / "prepared", folder, references[name], chance)
+            met[name, how] += 1
+            sys.stderr.write(f"{number + 1}: {name} was killed {how}\n")
             shutil.rmtree(folder)
     return met
 
