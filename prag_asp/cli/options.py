@@ -119,7 +119,7 @@ CHECKS = (
     ),
     click.option(
         "--demonstrate", metavar="DIR", shell_complete=complete.files,
-        help="Let the robot perform each task, and write recordings (.npz) into DIR.",
+        help="Let the robot perform each task, and write recordings (.npz) into DIR, each whole.",
     ),
 )  # fmt: skip
 
