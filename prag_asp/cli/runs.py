@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import platform
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +14,13 @@ from prag_asp.errors import PragError
 
 if TYPE_CHECKING:
     from prag_asp.cli.asked import Asked
+    from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
 
 NO_SAY = frozenset(
     [
         "names", "settings", "encodings", "learned", "trust", "strict", "file", "output", "workers", "memory", "time",
-        "cached", "wanted", "limit", "max_draws", "demonstrate", "recordings",
+        "cached", "wanted", "limit", "max_draws", "demonstrate",
     ]
 )  # fmt: skip
 """Options without a say in the bytes of a line: those of which the domain or the content of a file tells more, where
@@ -48,24 +49,26 @@ def run_on_file(asked: Asked, file: str, told: Iterable[Any] = ()) -> str | None
     path = Path(file)
     if not path.is_file():
         return None
-    from prag_asp.domain.identity import digest
+    content = blake2b()
+    firsts: dict[tuple[Any, ...], Record] = {}
+    with path.open("rb") as lines:
+        for line in lines:
+            content.update(line)
+            _take_first(line, file, firsts)
+    domains = [asked.of(record, path.parent).domain(tell=False) for record in firsts.values()]
+    return run_of(*domains, told=[content.hexdigest(), *told])
 
-    content = path.read_bytes()
-    domains = [asked.of(record, path.parent).domain(tell=False) for record in _first_of_each(content, file)]
-    return run_of(*domains, told=[digest(content.decode(errors="replace")), *told])
 
+def _take_first(line: bytes, file: str, firsts: dict[tuple[Any, ...], Record]) -> None:
+    """Add the record of a line where it is the first of its domain and constants; what is none is told in its place."""
+    import msgspec
 
-def _first_of_each(content: bytes, file: str) -> Iterator[Any]:
-    """Yield the first record of each domain and its constants; what is no record will be told in its place."""
     from prag_asp.dataset.jsonl import read_lines
 
-    seen: set[str] = set()
-    for line in content.decode(errors="replace").split("\n"):
-        try:
-            told = json.loads(line)
-            key = json.dumps([told["domain"], told.get("constants")])
-            if key not in seen:
-                seen.add(key)
-                yield next(read_lines([line], file))
-        except (ValueError, TypeError, KeyError, AttributeError, RecursionError, PragError):
-            continue
+    try:
+        named = msgspec.json.decode(line, type=dict[str, msgspec.Raw])
+        key = (bytes(named["domain"]), bytes(named.get("constants", msgspec.Raw(b""))))
+        if key not in firsts:
+            firsts[key] = next(read_lines([line.decode(errors="replace")], file))
+    except (msgspec.MsgspecError, KeyError, RecursionError, PragError, StopIteration):
+        return

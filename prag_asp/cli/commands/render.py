@@ -102,7 +102,7 @@ def render(
         if number > len(records):
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
-    steps = None if len(chosen) == 1 else _steps(asked, file, Path(output), [targets[number] for number in chosen])
+    steps = None if len(chosen) == 1 else _steps(asked, file, drawing, Path(output), [targets[n] for n in chosen])
     with progress() as show, whole_lines():
         for done, number in enumerate(chosen):
             if steps is None or done >= steps.done:
@@ -121,9 +121,13 @@ def render(
         steps.finish()
 
 
-def _steps(asked: Asked, file: str, output: Path, pictures: Sequence[Path]) -> Steps | None:
+def _steps(asked: Asked, file: str, drawing: _Drawing, output: Path, pictures: Sequence[Path]) -> Steps | None:
     """Return how many pictures a broken run of the same has drawn, None where nobody can know."""
-    run = run_on_file(asked, file, told=[str(output)])
+    from hashlib import blake2b
+
+    recordings = () if drawing.recordings is None else sorted(drawing.recordings.glob("*.npz"))
+    shown = [(path.name, blake2b(path.read_bytes()).hexdigest()) for path in recordings]
+    run = run_on_file(asked, file, told=[str(output), shown])
     if run is None:
         return None
     steps = Steps(output.with_name(f"{output.name}.run"), run)
