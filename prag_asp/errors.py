@@ -9,6 +9,8 @@ PragError
 ├── MissingError       a package that is needed is not installed; the message says how to install it
 │   ├── PhysicsMissingError
 │   └── PicturesMissingError
+├── NotFound           less was found than was asked for
+├── WorkerError        the processes that validate tasks died again and again, or could not be started
 └── OutputError        a result could not be written
 """
 
@@ -88,6 +90,14 @@ class PhysicsMissingError(MissingError):
 
 class PicturesMissingError(MissingError):
     """Pictures need Pillow."""
+
+
+class NotFound(PragError):
+    """Less was found than was asked for."""
+
+
+class WorkerError(PragError):
+    """The processes that validate tasks died again and again, or could not be started."""
 
 
 class OutputError(PragError):

@@ -13,7 +13,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import OutputError, PicturesMissingError, QueryError
+from prag_asp.errors import PicturesMissingError, QueryError
+from prag_asp.output import replace_file
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
@@ -103,13 +104,7 @@ def draw_curve(curve: Curve, file: str) -> None:
     """
     check_file(file)
     kind = Path(file).suffix.lower()
-    try:
-        if kind == ".html":
-            Path(file).write_text(page(curve), encoding="utf-8")
-        else:
-            Path(file).write_bytes(saved(figure(curve), kind))
-    except OSError as error:
-        raise OutputError(f"{file}: cannot be written: {error.strerror or error}; choose another file") from None
+    replace_file(file, page(curve).encode() if kind == ".html" else saved(figure(curve), kind))
 
 
 def figure(curve: Curve) -> Figure:

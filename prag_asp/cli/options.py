@@ -92,8 +92,9 @@ prefix = click.option(
     "--prefix", metavar="A,B,...", shell_complete=complete.prefix, help="Begin with these actions, or names of actions."
 )
 output = click.option(
-    "-o", "--output", metavar="FILE", shell_complete=complete.files, help="Write to FILE in place of stdout."
-)
+    "-o", "--output", metavar="FILE", shell_complete=complete.files,
+    help="Write to FILE in place of stdout, whole or not at all.",
+)  # fmt: skip
 form = click.option(
     "--format",
     "form",
@@ -118,7 +119,7 @@ CHECKS = (
     ),
     click.option(
         "--demonstrate", metavar="DIR", shell_complete=complete.files,
-        help="Let the robot perform each task, and write recordings (.npz) into DIR.",
+        help="Let the robot perform each task, and write recordings (.npz) into DIR, each whole.",
     ),
 )  # fmt: skip
 

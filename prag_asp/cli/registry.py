@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from prag_asp.cli.exits import MEANINGS
 from prag_asp.cli.terminal import Command, say
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
@@ -65,7 +66,11 @@ def _show_versions(context: click.Context, parameter: click.Parameter, asked: bo
         context.exit()
 
 
-@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
+CODES = "\n".join(["\b", "Exit codes:", *(f"{int(code):5}  {meaning}" for code, meaning in MEANINGS.items())])
+
+
+@click.group(cls=Commands, epilog=CODES, context_settings=CONTEXT)
 @click.option(
     "--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_versions,
     help="Show the versions of prag_asp, clingo and PyBullet, and exit.",

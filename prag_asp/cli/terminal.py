@@ -1,31 +1,27 @@
-"""What the command shows: lines on stdout or in a file, everything else on stderr, errors as one line and a code."""
+"""What the command shows beside its results: errors as one line and a code, how far things are."""
 
 from __future__ import annotations
 
-import errno
 import gc
-import os
 import signal
 import sys
 import threading
 from _thread import start_new_thread
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
 from time import monotonic, sleep
-from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 
 import click
 
-from prag_asp.errors import LimitReached, OutputError, PragError, one_line, plain
-from prag_asp.reading import Refused
+from prag_asp.cli.exits import Exit, exit_of
+from prag_asp.errors import PragError, one_line, plain
 
 if TYPE_CHECKING:
     from types import FrameType
 
     from rich.progress import Progress, TaskID
 
-FAILED, BAD_INPUT, LIMITED, INTERRUPTED, TERMINATED = 1, 2, 3, 130, 143
 COLLECT = (100_000, 50, 100)
 """A ground program is a great many small values without cycles, among which looking for garbage is a waste of time."""
 
@@ -36,14 +32,9 @@ LATER = 0.05
 """Seconds after which an interruption that was dropped comes again."""
 
 
-UNREADABLE = (FileNotFoundError, IsADirectoryError, NotADirectoryError, Refused)
-UNREADABLE_NUMBERS = (errno.ENAMETOOLONG, errno.ELOOP)
-"""What is wrong with a path that is given: it leads to no file that is read."""
-
-
 def say(text: object) -> None:
     """Print lines on stdout; a terminal gets no character that it would obey, but for tabs."""
-    click.echo(_for_terminal(str(text)) if sys.stdout.isatty() else str(text))
+    click.echo(for_terminal(str(text)) if sys.stdout.isatty() else str(text))
 
 
 def tell_line(text: str) -> None:
@@ -51,7 +42,8 @@ def tell_line(text: str) -> None:
     click.echo(one_line(text), err=True)
 
 
-def _for_terminal(text: str) -> str:
+def for_terminal(text: str) -> str:
+    """Return lines without characters that a terminal would obey, but for tabs."""
     return "\n".join("\t".join(map(plain, line.split("\t"))) for line in text.split("\n"))
 
 
@@ -84,7 +76,7 @@ class Command(click.Group):
             return stop.exit_code
         except click.ClickException as error:
             _show_usage(error)
-            return error.exit_code
+            return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
         except (click.Abort, KeyboardInterrupt, PragError, OSError) as error:
             return _end(error)
         except RuntimeError as error:
@@ -126,22 +118,20 @@ def _end(error: BaseException) -> int:
     """Say on stderr why the command ends, and return its exit code."""
     if isinstance(error, BrokenPipeError):
         sys.stdout = None  # nothing more can be flushed into it
-        return FAILED
+        return Exit.OUTPUT
     if isinstance(error, Terminated) or isinstance(error.__cause__, Terminated):
         click.echo("terminated", err=True)
-        return TERMINATED
+        return Exit.TERMINATED
     if isinstance(error, (click.Abort, KeyboardInterrupt)):
         click.echo("interrupted", err=True)
-        return INTERRUPTED
+        return Exit.INTERRUPTED
     if isinstance(error, OSError):
-        tell_line(f"{error.filename or 'output'}: {error.strerror or error}")
-        return BAD_INPUT if isinstance(error, UNREADABLE) or error.errno in UNREADABLE_NUMBERS else FAILED
+        tell_line(f"{error.filename or 'stdout'}: {error.strerror or error}")
+        return Exit.BAD_INPUT if error.filename else Exit.OUTPUT
     assert isinstance(error, PragError)
     for line in error.lines:
         tell_line(line)
-    if isinstance(error, LimitReached):
-        return LIMITED
-    return FAILED if isinstance(error, OutputError) else BAD_INPUT
+    return exit_of(error)
 
 
 @contextmanager
@@ -168,72 +158,6 @@ def whole_lines() -> Iterator[None]:
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     raise Terminated
-
-
-def require_writable(output: str | None) -> None:
-    """Check that a file could be written, without touching it; None is stdout.
-
-    Raises:
-        OutputError: it cannot.
-    """
-    if output is None:
-        return
-    path = Path(output)
-    folder = path.parent
-    if path.is_dir():
-        raise OutputError(f"{output}: is a folder; give a file in it")
-    if not folder.is_dir():
-        raise OutputError(f"{output}: cannot be written: there is no folder {folder}; make it, or choose another file")
-    if not os.access(path if path.exists() else folder, os.W_OK):
-        raise OutputError(f"{output}: cannot be written: no permission; choose another file")
-
-
-def require_unrecorded(folder: str | None) -> None:
-    """Check that a folder has no recordings yet, before anything is written: those of other tasks would be among them.
-
-    Raises:
-        OutputError: it has.
-    """
-    if folder is not None and any(Path(folder).glob("*.npz")):
-        raise OutputError(f"{folder}: has recordings already; give a new folder, or remove them")
-
-
-@contextmanager
-def writer(output: str | None) -> Iterator[Callable[[str], None]]:
-    """Yield a function that writes a line to a file, or to stdout; what was written stays, whatever happens later.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    try:
-        stream: TextIO = open(output, "w", encoding="utf-8") if output else sys.stdout  # noqa: PTH123, SIM115
-    except OSError as error:
-        raise OutputError(f"{output}: cannot be written: {error.strerror}; choose another file") from None
-
-    shown = not output and stream.isatty()
-
-    def write(line: str) -> None:
-        with _writing(output):
-            stream.write(f"{_for_terminal(line) if shown else line}\n")
-
-    try:
-        with whole_lines():
-            yield write
-    finally:
-        with _writing(output):
-            stream.flush()
-            if output:
-                stream.close()
-
-
-@contextmanager
-def _writing(output: str | None) -> Iterator[None]:
-    try:
-        yield
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise OutputError(f"{output or 'stdout'}: cannot be written: {error.strerror}; free some space") from None
 
 
 class Tell(Protocol):

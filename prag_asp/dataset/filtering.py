@@ -12,7 +12,7 @@ from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.recordings import Recordings
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.tally import Tally
-from prag_asp.physics import Budget, Verdict, validate_tasks
+from prag_asp.physics import Budget, Verdict, validate_numbered
 
 if TYPE_CHECKING:
     from prag_asp.scene.model import Scene
@@ -38,7 +38,8 @@ def feasible(
     `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.draw` takes beside the
     seed. It ends after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot
     performs each task, and recordings are written into that folder, which is made where it is missing. What is
-    yielded depends on the seed alone, not on the number of `workers`.
+    yielded depends on the seed alone, not on the number of `workers`. A `tally` that has counted draws before goes on
+    after those.
 
     Raises:
         SceneError: the domain has no scene, or a task speaks of something for which the scene has no shape.
@@ -46,27 +47,62 @@ def feasible(
         OutputError: a recording cannot be written.
         WorkerError: workers died again and again.
     """
+    looked_at = draws_looked_at(
+        space, scene, seed=seed, workers=workers, budget=budget, demonstrate=demonstrate, draws=draws, tally=tally,
+        **drawing,
+    )  # fmt: skip
+    return _feasible(looked_at)
+
+
+def draws_looked_at(
+    space: TaskSpace | TaskSpaces,
+    scene: Scene | None = None,
+    *,
+    seed: int = 0,
+    workers: int = 1,
+    budget: Budget | None = None,
+    demonstrate: str | Path | None = None,
+    draws: int | None = None,
+    tally: Tally | None = None,
+    **drawing: Any,
+) -> Generator[Record | None, None, None]:
+    """Yield the record of each draw as `feasible` does, and None for each that is not feasible.
+
+    Raises:
+        PragError: as `feasible` does.
+    """
     scene = scene_of(space.domain) if scene is None else scene
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
-    asked, kept = tee(islice(space.draw(seed=seed, **drawing), draws))
-    verdicts = validate_tasks(asked, scene, seed=seed, workers=workers, budget=budget)
-    return _passed(kept, verdicts, Recordings(demonstrate), tally)
+    asked, kept = tee(islice(space.draw(seed=seed, **drawing), tally.seen, draws))
+    numbered = enumerate(asked, tally.seen)
+    verdicts = validate_numbered(numbered, scene, seed=seed, workers=workers, budget=budget)
+    return _recorded(kept, verdicts, Recordings(demonstrate), tally)
 
 
-def _passed(
+def _feasible(looked_at: Generator[Record | None, None, None]) -> Generator[Record, None, None]:
+    """Yield the records alone."""
+    with closing(looked_at):
+        for record in looked_at:
+            if record is not None:
+                yield record
+
+
+def _recorded(
     tasks: Iterator[Task], verdicts: Generator[Verdict, None, None], recordings: Recordings, tally: Tally
-) -> Generator[Record, None, None]:
-    """Yield the feasible ones of some tasks, record their demonstrations, and count all."""
+) -> Generator[Record | None, None, None]:
+    """Yield the records of the feasible ones of some tasks, record their demonstrations, and count all."""
     with closing(verdicts):
         for task, verdict in zip(tasks, verdicts, strict=False):
             tally.add(verdict)
-            if verdict.feasible:
-                told = verdict.to_json()
-                witness = told.pop("witness")
-                name = recordings.write(tally.passed, verdict.demonstration)
-                if name is not None:
-                    told["demonstration"] = name
-                yield Record(task, told, witness)
+            if not verdict.feasible:
+                yield None
+                continue
+            told = verdict.to_json()
+            witness = told.pop("witness")
+            name = recordings.write(tally.passed, verdict.demonstration)
+            if name is not None:
+                told["demonstration"] = name
+            yield Record(task, told, witness)
 
 
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:

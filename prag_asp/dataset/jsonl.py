@@ -67,7 +67,7 @@ def _mapping_json(values: Mapping[Any, Any]) -> str:
     return _frozen_json(values) if isinstance(values, FrozenDict) else _json(_spelled(values))
 
 
-@lru_cache(maxsize=1 << 14)
+@lru_cache(maxsize=1 << 13)
 def _frozen_json(values: FrozenDict[Any, Any]) -> str:
     return _json(_spelled(values))
 

@@ -68,6 +68,7 @@ def recheck(
     witness_only: bool = False,
     load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
+    done: int = 0,
 ) -> Generator[Outcome, None, None]:
     """Yield what becomes of each task of a file, or of records: is its plan valid, and can a robot do it.
 
@@ -75,7 +76,7 @@ def recheck(
     those in the file. Without a `domain`, each record names its own: a shipped one, or a folder, here or beside the
     file (in `folder`, for records); `load` says how it is loaded where that takes more. Tasks have to satisfy the
     conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder.
-    Records are read a little ahead.
+    Records are read a little ahead; the first, so many as are `done`, are read and not checked.
 
     Raises:
         QueryError: a line of the file is no task, or a domain that it names is not found; the message has the place.
@@ -86,7 +87,8 @@ def recheck(
         records, folder = read_tasks(tasks), Path(tasks).parent
     else:
         records = iter(tasks)
-    number, recordings = 0, Recordings(demonstrate)
+    number, recordings = done, Recordings(demonstrate)
+    records = islice(records, done, None)
     search = _Search(seed, workers, budget_of(budget, demonstrate))
     load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
     for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from prag_asp.errors import DomainError, OutputError
-from prag_asp.output import make_folder
+from prag_asp.errors import DomainError
+from prag_asp.output import building, make_folder, replace_file
 from prag_asp.program.paths import shipped_domains
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -103,7 +103,7 @@ def write_new_domain(name: str, parent: Path = Path()) -> Path:
 
     Raises:
         DomainError: the name is no name, or the folder exists.
-        OutputError: the folder cannot be made or written.
+        OutputError: the folder cannot be made or written; there is none then.
     """
     folder = parent / name
     if not NAME.fullmatch(Path(name).name) or name.endswith(("/", "\\")):
@@ -112,10 +112,9 @@ def write_new_domain(name: str, parent: Path = Path()) -> Path:
         raise DomainError(f"{folder.name}: a shipped domain has this name; choose another")
     if folder.exists():
         raise DomainError(f"{folder}: exists already; choose another name, or remove it first")
-    make_folder(folder)
-    try:
-        for file, text in (("domain.lp", LOGIC), ("domain.toml", SETTINGS)):
-            (folder / file).write_text(text.format(name=folder.name), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written: {error.strerror}; choose another folder") from None
+    make_folder(folder.parent)
+    texts = {"domain.lp": LOGIC, "domain.toml": SETTINGS}
+    with building(folder, texts) as part:
+        for file, text in texts.items():
+            replace_file(part / file, text.format(name=folder.name).encode(), follow=False)
     return folder

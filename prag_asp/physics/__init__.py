@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
-    from prag_asp.errors import PhysicsMissingError, PicturesMissingError
+    from prag_asp.errors import PhysicsMissingError, PicturesMissingError, WorkerError
     from prag_asp.physics.cascade import open_cascade
     from prag_asp.physics.checks.check import check_witness, open_witness_check
     from prag_asp.physics.checks.settling import open_settling, settle
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.facts import physical_task
     from prag_asp.physics.motion.transit import travel
     from prag_asp.physics.pictures.render import animate, film_strip, still
-    from prag_asp.physics.pool import WorkerError, validate_numbered, validate_tasks
+    from prag_asp.physics.pool import validate_numbered, validate_tasks
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
     from prag_asp.physics.required import require_physics
     from prag_asp.physics.search.attempt import CAUSES
@@ -73,7 +73,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "prag_asp.errors": ("PhysicsMissingError", "PicturesMissingError"),
+    "prag_asp.errors": ("PhysicsMissingError", "PicturesMissingError", "WorkerError"),
     "prag_asp.physics.cascade": ("open_cascade",),
     "prag_asp.physics.checks.check": ("check_witness", "open_witness_check"),
     "prag_asp.physics.checks.settling": ("open_settling", "settle"),
@@ -84,7 +84,7 @@ _HOMES = {
     "prag_asp.physics.required": ("require_physics",),
     "prag_asp.physics.motion.transit": ("travel",),
     "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
-    "prag_asp.physics.pool": ("WorkerError", "validate_numbered", "validate_tasks"),
+    "prag_asp.physics.pool": ("validate_numbered", "validate_tasks"),
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),
     "prag_asp.physics.situation": ("Situation",),
     "prag_asp.scene.geometry": ("Quaternion", "yaw_of"),

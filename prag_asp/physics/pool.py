@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 from prag_asp.children import Child, Children, Ended, answered
-from prag_asp.errors import PragError, QueryError
+from prag_asp.errors import QueryError, WorkerError
 from prag_asp.physics.validator import open_validator
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.scene.model import Scene
@@ -25,10 +25,6 @@ CHUNKS_AHEAD = 3
 
 HANDED = 2
 REPLACEMENTS = 5
-
-
-class WorkerError(PragError):
-    """The processes that validate tasks died again and again, or could not be started."""
 
 
 Numbered = tuple[int, Task]

@@ -139,8 +139,6 @@ def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) ->
         (["count", "prag", "-n", "3", "--rule", "../step"], "no such rule"),
         (["count", "prag", "-n", "3", "--rule", "at_most(grasp,x)"], "at most x times"),
         (["count", "prag", "-n", "3", "--encodings", "/nowhere"], "no encodings"),
-        (["count", "prag", "-n", "3", "--by", "world"], "Invalid value for '--by'"),
-        (["count", "prag"], "Missing option"),
         (["sample", "prag", "-n", "3", "--weight", "grasp"], "KEY=WEIGHT"),
         (["sample", "prag", "-n", "3", "--weight", "gras=2"], "did you mean grasp?"),
         (["sample", "prag", "-n", "3", "--weight", "grasp=-2"], "below 0"),
@@ -161,6 +159,20 @@ def test_bad_input_is_answered_by_a_line_and_exit_code_2(arguments: list[str], w
     assert done.returncode == 2
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["count", "prag", "-n", "3", "--by", "world"], "Invalid value for '--by'"),
+        (["count", "prag"], "Missing option"),
+        (["count", "prag", "-n", "3", "--bye"], "No such option"),
+        (["cuont", "prag", "-n", "3"], "No such command"),
+    ],
+)
+def test_wrong_usage_has_an_exit_code_of_its_own(arguments: list[str], words: str) -> None:
+    done = run(*arguments)
+    assert words in done.stderr and (done.returncode, done.stdout) == (64, "")
+
+
 def test_a_file_that_holds_no_tasks_is_named_with_its_line(tmp_path: Path) -> None:
     file = tmp_path / "tasks.jsonl"
     for text, words in (
@@ -176,16 +188,16 @@ def test_a_file_that_holds_no_tasks_is_named_with_its_line(tmp_path: Path) -> No
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     done = run("sample", "prag", "-n", "2", "--no-physics", "-o", str(tmp_path / "missing" / "x.jsonl"))
-    assert done.returncode == 1 and "cannot be written" in done.stderr and len(done.stderr.splitlines()) == 1
+    assert done.returncode == 4 and "cannot be written" in done.stderr and len(done.stderr.splitlines()) == 1
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_a_full_disk_ends_with_one_line() -> None:
     done = run_apart("enumerate", "prag", "-n", "4", "-o", "/dev/full")
-    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "No space left" in done.stderr
+    assert done.returncode == 4 and done.stderr.count("\n") == 1 and "No space left" in done.stderr
     with Path("/dev/full").open("w") as full:
         code = subprocess.run([*PRAG, "enumerate", "prag", "-n", "4"], stdout=full, stderr=subprocess.PIPE, check=False)
-    assert code.returncode == 1 and b"Traceback" not in code.stderr and b"No space left" in code.stderr
+    assert code.returncode == 4 and b"Traceback" not in code.stderr and b"No space left" in code.stderr
 
 
 def test_a_closed_pipe_ends_quietly() -> None:
@@ -207,10 +219,12 @@ def test_a_closed_pipe_ends_quietly() -> None:
 )
 def test_an_interruption_ends_quickly_and_keeps_whole_lines(arguments: list[str], tmp_path: Path) -> None:
     with interruptible([*PRAG, *arguments], tmp_path) as process:
-        until_it_works(process, tmp_path / "out.txt" if "-o" in arguments else None)
+        until_it_works(process, tmp_path / "out.txt.part" if "-o" in arguments else None)
         err = interrupt(process)
     assert process.returncode == 130
     assert "interrupted" in err and "Traceback" not in err
-    out = tmp_path / "out.txt"
-    text = out.read_text() if out.exists() else ""
-    assert not text or text.endswith("\n")
+    assert not (tmp_path / "out.txt").exists()
+    part = tmp_path / "out.txt.part"
+    if "-o" in arguments and part.exists():
+        text = part.read_text()
+        assert text.endswith("\n") and f"out.txt.part keeps {text.count(chr(10))} line" in err

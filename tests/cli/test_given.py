@@ -155,7 +155,7 @@ def test_words_that_are_no_domain_are_told(told: Told) -> None:
         "hanoi prag: hanoi is no file that ends in .lp; give one name or folder, or files alone\n"
     )
     assert "did you mean press?" in told("explain", "lamps.lp", "actions.lp", "pres", code=2)
-    assert "Missing argument 'DOMAIN..." in told("count", "-n", "2", code=2)
+    assert "Missing argument 'DOMAIN..." in told("count", "-n", "2", code=64)
     assert "no such domain" in told("split", "a=1", "b=1", "-n", "2", code=2)
 
 

@@ -83,8 +83,8 @@ def test_recordings_are_drawn_as_they_were_performed(tmp_path: Path) -> None:
         done = run("render", f"{name}.jsonl", *shared[2:], folder, "-o", "no.png", cwd=tmp_path)
         assert done.returncode == 2 and f"{folder}/000001.npz does not show this task" in done.stderr
     kept = (tmp_path / "tasks.jsonl").read_bytes()
-    again = run(*sampled, "-o", "tasks.jsonl", cwd=tmp_path)
-    assert again.returncode == 1 and "recorded: has recordings already; give a new folder" in again.stderr
+    again = run(*sampled, "--seed", "5", "-o", "tasks.jsonl", cwd=tmp_path)
+    assert again.returncode == 4 and "recorded: has recordings already, of another run; give a new" in again.stderr
     assert (tmp_path / "tasks.jsonl").read_bytes() == kept
     missing = run(*shared, "elsewhere", "-o", "shown.png", cwd=tmp_path)
     assert missing.returncode == 2 and "elsewhere/000001.npz" in missing.stderr and missing.stderr.count("\n") == 1
@@ -124,7 +124,7 @@ def test_options_that_cannot_be_met_are_refused_before_the_file_is_read(
 ) -> None:
     (tmp_path / "broken.jsonl").write_text("no task\n")
     done = run("render", "broken.jsonl", *options, cwd=tmp_path)
-    assert done.returncode == (1 if "no/folder/one.png" in options else 2)
+    assert done.returncode == (4 if "no/folder/one.png" in options else 2)
     assert complaint in done.stderr and done.stderr.count("\n") == 1
 
 

@@ -132,7 +132,7 @@ def test_a_validation_that_is_told_to_end_ends_as_an_interrupted_one_and_its_wor
 
 def test_drawing_that_is_told_to_end_leaves_whole_lines_and_says_how_far_it_came(tmp_path: Path) -> None:
     command = [*PRAG, "sample", "tabletop", "-n", "4", "--count", "100000", "--format", "jsonl", "-o", "tasks.jsonl"]
-    file = tmp_path / "tasks.jsonl"
+    file = tmp_path / "tasks.jsonl.part"
     with interruptible(command, tmp_path) as process:
         until = time.monotonic() + 60
         while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
@@ -142,6 +142,7 @@ def test_drawing_that_is_told_to_end_leaves_whole_lines_and_says_how_far_it_came
     lines = file.read_text().splitlines()
     assert all(json.loads(line)["witness"] for line in lines)
     assert int(err.split(" drawn, ")[1].split()[0]) == len(lines) > 0
+    assert not (tmp_path / "tasks.jsonl").exists() and f"tasks.jsonl.part keeps {len(lines)} line" in err
 
 
 class _Screen(io.StringIO):

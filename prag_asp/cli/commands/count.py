@@ -9,8 +9,9 @@ import click
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import LIMITED, progress, say, tell_line
+from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import LimitReached, QueryError
 
 
@@ -40,7 +41,7 @@ def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool) -> None:
     except LimitReached as limit:
         say(f"{label}at least {limit.at_least}")
         tell_line(str(limit))
-        raise click.exceptions.Exit(LIMITED) from None
+        raise click.exceptions.Exit(Exit.LIMIT) from None
 
 
 def _lengths(asked: int | range, upto: bool) -> range:

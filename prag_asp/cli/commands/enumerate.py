@@ -11,7 +11,9 @@ from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, require_writable, writer
+from prag_asp.cli.runs import run_of
+from prag_asp.cli.terminal import progress
+from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError
 
 
@@ -23,7 +25,10 @@ from prag_asp.errors import QueryError
 @options.form
 @options.output
 def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, form: str, output: str | None) -> None:
-    """Print all tasks of length N, each once, in rank order; of several lengths, the shortest first."""
+    """Print all tasks of length N, each once, in rank order; of several lengths, the shortest first.
+
+    FILE is replaced as a whole at the end; a run that was broken off goes on where it was when it is started again.
+    """
     if form != "text" and by == "skeleton":
         raise QueryError(f"skeletons have no form {form}; choose --format text, or --by task")
     from prag_asp.dataset.jsonl import Record
@@ -32,12 +37,13 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
     require_writable(output)
     with progress() as tell:
         space = asked.spaces(tell)
-        words = islice(space.words(by, first), limit)
-        with writer(output) as write:
+        run = run_of(space.domain) if output else None
+        with writer(output, run, lambda lines, _: limit is None or lines <= limit) as out:
+            words = islice(space.words(by, first), out.lines, limit)
             if form == "text":
                 for word in words:
-                    write(" ".join(word))
+                    out.write(" ".join(word))
             else:
                 line = options.line_form(form, space.domain)
                 for task in space.narrate(words):
-                    write(line(Record(task)))
+                    out.write(line(Record(task)))

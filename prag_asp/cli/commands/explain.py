@@ -11,8 +11,9 @@ import click
 from prag_asp.atom import parse_atom, split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import FAILED, say
+from prag_asp.cli.terminal import say
 from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError
 
@@ -42,7 +43,7 @@ def explain(*, asked: Asked, words: tuple[str, ...]) -> None:
         return
     for line in _told(found, actions):
         say(line)
-    raise click.exceptions.Exit(FAILED)
+    raise click.exceptions.Exit(Exit.NOT_FOUND)
 
 
 def _told(found: Explanation, plan: Sequence[str]) -> Iterator[str]:

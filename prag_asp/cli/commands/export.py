@@ -9,7 +9,7 @@ import click
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import require_writable, writer
+from prag_asp.cli.writing import require_writable, writer
 
 
 @click.command()
@@ -24,6 +24,6 @@ def export(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
     """
     require_writable(output)
     lines = asked.space().dimacs(by)
-    with writer(output) as write:
+    with writer(output) as out:
         for line in lines:
-            write(line)
+            out.write(line)

@@ -15,9 +15,10 @@ from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.table import aligned
-from prag_asp.cli.terminal import progress, require_writable, say, tell_line, writer
+from prag_asp.cli.terminal import progress, say, tell_line
+from prag_asp.cli.writing import require_writable
 from prag_asp.errors import QueryError
-from prag_asp.output import file_in
+from prag_asp.output import file_in, replace_file
 
 if TYPE_CHECKING:
     from prag_asp.dataset.tally import Tally
@@ -34,7 +35,10 @@ Row = tuple[str, ...]
 @click.option("--count", "wanted", type=click.IntRange(min=0), default=200, show_default=True, help="Tasks to draw.")
 @options.seed
 @options.checks
-@click.option("--write", is_flag=True, help="Write learned.lp into the domain's folder, and print the figures only.")
+@click.option(
+    "--write", is_flag=True,
+    help="Write learned.lp into the domain's folder, whole or not at all, and print the figures only.",
+)  # fmt: skip
 def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bool) -> None:
     """Find out what physics proves impossible, and propose rules that keep it out of the domain.
 
@@ -56,8 +60,7 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
         figures = _figures(before, after, scene_of(before.domain), wanted, seed, checking, tell)
         lines = [str(found), *aligned(figures)]
     if write:
-        with writer(str(path)) as put:
-            put(found.text.rstrip())
+        replace_file(path, f"{found.text.rstrip()}\n".encode(), follow=False)
         tell_line(f"wrote {path}")
     else:
         say(found.text)

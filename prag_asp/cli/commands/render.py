@@ -13,11 +13,13 @@ import click
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, require_writable, say
+from prag_asp.cli.runs import run_on_file
+from prag_asp.cli.terminal import progress, say, whole_lines
+from prag_asp.cli.writing import require_writable
 from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_place
-from prag_asp.errors import OutputError, QueryError
-from prag_asp.output import file_in, make_folder
-from prag_asp.reading import lines_of, open_text
+from prag_asp.errors import QueryError
+from prag_asp.output import Steps, file_in, make_folder
+from prag_asp.reading import lines_of, open_text, read_bytes
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -81,7 +83,8 @@ def render(
     """Draw the tasks of a file, or those of the NUMBERs, which count its lines from 1; prints the files written.
 
     A task without a witness is validated first. For an animation the robot performs the task, unless --recordings
-    has what it did.
+    has what it did. Each picture is written whole; a run that was broken off goes on where it was when it is started
+    again.
     """
     from prag_asp.dataset.jsonl import read_lines
     from prag_asp.physics import require_physics
@@ -100,17 +103,38 @@ def render(
         if number > len(records):
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
-    with progress() as show:
+    steps = None if len(chosen) == 1 else _steps(asked, file, drawing, Path(output), [targets[n] for n in chosen])
+    with progress() as show, whole_lines():
         for done, number in enumerate(chosen):
-            record = records[number - 1]
-            domain = asked.of(record, Path(file).parent).domain()
+            if steps is None or done >= steps.done:
+                record = records[number - 1]
+                domain = asked.of(record, Path(file).parent).domain()
 
-            def tell(share: float, done: int = done) -> None:
-                show("pictures", done + share, len(chosen))
+                def tell(share: float, done: int = done) -> None:
+                    show("pictures", done + share, len(chosen))
 
-            drawing.draw(record, number, domain, targets[number], tell)
+                drawing.draw(record, number, domain, targets[number], tell)
+                tell(1.0)
+                if steps is not None:
+                    steps.do(done + 1)
             say(targets[number])
-            tell(1.0)
+    if steps is not None:
+        steps.finish()
+
+
+def _steps(asked: Asked, file: str, drawing: _Drawing, output: Path, pictures: Sequence[Path]) -> Steps | None:
+    """Return how many pictures a broken run of the same has drawn, None where nobody can know."""
+    from hashlib import blake2b
+
+    recordings = () if drawing.recordings is None else sorted(drawing.recordings.glob("*.npz"))
+    shown = [(path.name, blake2b(read_bytes(path, within=drawing.recordings)).hexdigest()) for path in recordings]
+    run = run_on_file(asked, file, told=[str(output), shown])
+    if run is None:
+        return None
+    steps = Steps(output.with_name(f"{output.name}.run"), run)
+    if not all(picture.is_file() for picture in pictures[: steps.done]):
+        steps.done = 0
+    return steps
 
 
 @dataclass(frozen=True)
@@ -135,6 +159,7 @@ class _Drawing:
         from prag_asp.dataset.language import sentence
         from prag_asp.dataset.scenes import scene_of
         from prag_asp.physics import Demonstration, animate, film_strip, still
+        from prag_asp.physics.pictures.saving import save_picture
 
         scene, task = scene_of(domain), record.task
         language = domain.settings.language
@@ -165,10 +190,7 @@ class _Drawing:
                     progress=lambda done, total: tell(done / total),
                 )
                 return
-        try:
-            image.save(path, optimize=True)
-        except (OSError, ValueError) as error:
-            raise OutputError(f"{path}: the picture cannot be written: {error}") from None
+        save_picture(image, path, optimize=True)
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
         """Return what is drawn of a task: its recording where there is a folder of them, otherwise its witness."""

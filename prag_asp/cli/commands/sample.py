@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from contextlib import closing
+from dataclasses import dataclass
 from itertools import islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import Checking, Weighing, asks
-from prag_asp.cli.terminal import progress, require_unrecorded, require_writable, writer
-from prag_asp.errors import OutputError
+from prag_asp.cli.runs import run_of
+from prag_asp.cli.terminal import Tell, progress
+from prag_asp.cli.writing import require_writable, writer
+from prag_asp.errors import NotFound
 from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.jsonl import Record
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.space.task_spaces import TaskSpaces
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""
@@ -51,12 +60,12 @@ def sample(
 ) -> None:
     """Draw tasks of length N, each with a probability proportional to its weight, exactly.
 
-    Of several lengths, all tasks together are drawn from.
+    Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end; a run that was broken
+    off goes on where it was when it is started again.
     """
     from prag_asp.dataset.jsonl import Record
 
     require_writable(output)
-    require_unrecorded(checking.demonstrate)
     checking.tries()
     with progress() as tell:
         space = asked.spaces(tell)
@@ -68,29 +77,79 @@ def sample(
             require_physics(f"the scene of {space.domain.name} needs physics (--no-physics draws without)")
         line = options.line_form(form, space.domain)
         drawing = {"by": by, "over": over, **weighing.arguments(space.domain)}
+        run = run_of(space.domain, told=[physics]) if output or checking.demonstrate else None
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = space.draw(seed=seed, **drawing) if wanted else iter(())
-            with writer(output) as write:
-                for task in islice(drawn, wanted):
-                    write(line(Record(task)))
+            with writer(output, run, lambda lines, _: lines <= wanted) as out:
+                for task in islice(drawn, out.lines, wanted):
+                    out.write(line(Record(task)))
             return
-        from prag_asp.cli.tally import show_tally, tally_line
-        from prag_asp.dataset import Tally, feasible
+        _feasible(_Drawing(space, wanted, max_draws or DRAWS_FOR_EACH * wanted, seed, drawing), checking, output, run,
+                  line, tell)  # fmt: skip
 
-        limit, tally = max_draws or DRAWS_FOR_EACH * wanted, Tally()
-        records = feasible(space, seed=seed, draws=limit, tally=tally, **checking.arguments(), **drawing)
 
-        def told() -> str:
-            return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
+@dataclass(frozen=True)
+class _Drawing:
+    """What is drawn, how many feasible tasks are wanted, and in how many draws."""
 
-        try:
-            with writer(output) as write, closing(records):
-                for record in islice(records, wanted):
-                    write(line(record))
+    space: TaskSpace | TaskSpaces
+    wanted: int
+    limit: int
+    seed: int
+    how: Mapping[str, Any]
+
+
+def _feasible(
+    drawing: _Drawing, checking: Checking, output: str | None, run: str | None, line: Callable[[Record], str],
+    tell: Tell,
+) -> None:  # fmt: skip
+    """Write the feasible ones of the tasks that are drawn.
+
+    Raises:
+        NotFound: they are fewer than wanted.
+    """
+    from prag_asp.cli.tally import show_tally, tally_line
+    from prag_asp.dataset.filtering import draws_looked_at
+    from prag_asp.dataset.recordings import claim, remove_after
+    from prag_asp.dataset.tally import Tally
+
+    tally, wanted, limit = Tally(), drawing.wanted, drawing.limit
+    folder = checking.demonstrate
+
+    def told() -> str:
+        return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
+
+    try:
+        if folder is not None:
+            claim(folder, run)
+        with writer(output, run, lambda _, state: _fits(state, drawing, folder)) as out:
+            tally.go_on(out.state)
+            looked_at = draws_looked_at(
+                drawing.space, seed=drawing.seed, draws=limit, tally=tally, **checking.arguments(), **drawing.how
+            )
+            with closing(looked_at):
+                for record in looked_at if tally.passed < wanted else ():
+                    out.write(line(record) if record is not None else None, tally.state())
                     tell(told(), tally.passed, wanted)
-        finally:
-            show_tally(tally, told())
-        if tally.passed < wanted:
-            found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
-            raise OutputError(f"{found}; raise --max-draws" if tally.seen == limit else found)
+                    if tally.passed == wanted:
+                        break
+            if folder is not None:
+                remove_after(folder, tally.passed)
+    finally:
+        show_tally(tally, told())
+    if tally.passed < wanted:
+        found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
+        raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)
+
+
+def _fits(state: Any, drawing: _Drawing, folder: str | None) -> bool:
+    """Tell whether a broken run has come no further than this one is to, and has left its recordings."""
+    from prag_asp.dataset.recordings import recorded
+    from prag_asp.dataset.tally import Tally
+
+    tally = Tally()
+    tally.go_on(state)
+    if tally.passed > drawing.wanted or tally.seen > drawing.limit:
+        return False
+    return folder is None or recorded(folder, tally.passed) == tally.passed

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import click
@@ -12,8 +14,10 @@ import click
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, say, writer
+from prag_asp.cli.runs import run_of
+from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.cli.words import domain_and_others
+from prag_asp.cli.writing import writer
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
 
@@ -48,7 +52,8 @@ def split(
 ) -> None:  # fmt: skip
     """Divide the tasks of length N into disjoint parts, such as train=0.8 test=0.2, and print their sizes.
 
-    With --count, uniformly drawn tasks of each part are written to DIR/NAME.txt or .jsonl.
+    With --count, uniformly drawn tasks of each part are written to DIR/NAME.txt or .jsonl. These files are replaced
+    together at the end; a run that was broken off goes on where it was when it is started again.
     """
     from prag_asp.dataset.jsonl import Record
 
@@ -65,12 +70,13 @@ def split(
             say(f"{name:<{width}}  {part.count()}")
         if wanted is None or output is None:
             return
-        line = options.line_form(form, space.domain)
-        for name, part in parts.items():
-            file = file_in(make_folder(output), f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")
-            with writer(str(file)) as write:
-                for task in _drawn(part, min(wanted, part.count()), seed):
-                    write(line(Record(task)))
+        line, folder = options.line_form(form, space.domain), make_folder(output)
+        with ExitStack() as files:
+            for name, part in parts.items():
+                file = file_in(folder, f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")
+                out = files.enter_context(writer(str(file), run_of(space.domain, told=[name, wanted])))
+                for task in islice(_drawn(part, min(wanted, part.count()), seed), out.lines, None):
+                    out.write(line(Record(task)))
 
 
 def _parts(
@@ -89,7 +95,7 @@ def _parts(
         warnings.simplefilter("always")
         parts = space.split_skeletons(wanted, seed=seed)
     for each in told:
-        click.echo(f"warning: {each.message}", err=True)
+        tell_line(f"warning: {each.message}")
     return parts
 
 

@@ -13,7 +13,8 @@ from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import Weighing, asks
 from prag_asp.cli.table import aligned
-from prag_asp.cli.terminal import progress, writer
+from prag_asp.cli.terminal import progress
+from prag_asp.cli.writing import require_writable, writer
 
 if TYPE_CHECKING:
     from prag_asp.space.drawing.statistics import Statistics
@@ -44,16 +45,18 @@ WIDEST = 40
 @options.output
 def stats(*, asked: Asked, by: Any, weighing: Weighing, form: str, plot: str | None, output: str | None) -> None:
     """Print what a random task of length N is like, exactly: entropy, expected numbers, and probabilities."""
+    require_writable(output)
     if plot:
         from prag_asp.analysis.curve import check_file
 
         check_file(plot)
+        require_writable(plot)
     with progress() as tell:
         space = asked.space(tell)
         found = space.statistics(by=by, **weighing.arguments(space.domain))
-        with writer(output) as write:
+        with writer(output) as out:
             for line in _text(found) if form == "text" else _json(found):
-                write(line)
+                out.write(line)
         if plot:
             from prag_asp.analysis.curve import counts_by_length, draw_curve
 

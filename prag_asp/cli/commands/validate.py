@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from contextlib import closing
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.terminal import FAILED, progress, require_unrecorded, say, whole_lines
+from prag_asp.cli.runs import run_on_file
+from prag_asp.cli.terminal import progress
+from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError
 from prag_asp.reading import lines_of, open_text
 
@@ -22,15 +25,17 @@ from prag_asp.reading import lines_of, open_text
 @options.seed
 @options.checks
 @click.option("--witness-only", is_flag=True, help="Check the witnesses in the file, and look for no new ones.")
-def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_only: bool) -> None:
+@options.output
+def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_only: bool, output: str | None) -> None:
     """Check tasks of a file again: that their plans are valid, and that a robot can do them.
 
     Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
-    and --where that the tasks were made with.
+    and --where that the tasks were made with. FILE is replaced as a whole at the end; a run that was broken off goes on
+    where it was when it is started again.
     """
     from prag_asp.physics import require_physics
 
-    require_unrecorded(checking.demonstrate)
+    require_writable(output)
     checking.tries()
     if witness_only and checking.budget != options.BUDGET:
         raise QueryError(
@@ -43,25 +48,37 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             raise QueryError(f"{file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
         from prag_asp.cli.tally import show_tally, tally_line
         from prag_asp.dataset import Tally, read_lines, recheck
+        from prag_asp.dataset.recordings import claim, recorded
 
         budget = checking.limits()
         limits = f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}"
         tally = Tally()
-        outcomes = recheck(
-            read_lines(lines_of(stream), file), where=asked.conditions(), seed=seed, witness_only=witness_only,
-            load=lambda record, folder: asked.of(record, folder).domain(), folder=Path(file).parent,
-            **checking.arguments(),
-        )  # fmt: skip
+
+        def fits(_: int, state: Any) -> bool:
+            tally.go_on(state)
+            return checking.demonstrate is None or recorded(checking.demonstrate, tally.seen) == tally.passed
+
+        run = run_on_file(asked, file) if output or checking.demonstrate else None
+        if checking.demonstrate is not None:
+            claim(checking.demonstrate, run)
         try:
-            with whole_lines(), closing(outcomes):
-                for outcome in outcomes:
-                    tally.count(outcome.status, outcome.reason, outcome.causes)
-                    say(f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip())
-                    tell(tally_line(tally, ("task", "tasks"), limits), tally.seen, total)
+            with writer(output, run, fits) as out:
+                tally.go_on(out.state)
+                outcomes = recheck(
+                    read_lines(lines_of(stream), file), where=asked.conditions(), seed=seed, witness_only=witness_only,
+                    load=lambda record, folder: asked.of(record, folder).domain(), folder=Path(file).parent,
+                    done=tally.seen, **checking.arguments(),
+                )  # fmt: skip
+                with closing(outcomes):
+                    for outcome in outcomes:
+                        tally.count(outcome.status, outcome.reason, outcome.causes)
+                        line = f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip()
+                        out.write(line, tally.state())
+                        tell(tally_line(tally, ("task", "tasks"), limits), tally.seen, total)
         finally:
             show_tally(tally, tally_line(tally, ("task", "tasks"), limits))
     if tally.passed < tally.seen:
-        raise click.exceptions.Exit(FAILED)
+        raise click.exceptions.Exit(Exit.NOT_FOUND)
 
 
 def _tasks_in(stream: TextIO) -> int | None:

@@ -15,8 +15,8 @@ from prag_asp.program.sources import Program
 
 Numbers = NDArray[np.int64]
 
-ENTRIES = 1 << 18
-"""Entries of a table after which what was remembered is better forgotten, for memory's sake."""
+ENTRIES = 1 << 15
+"""Entries of a table after which what was remembered is forgotten: with the states that it stands for, some 30 MB."""
 
 
 class _Rows:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.arrays import BadArchive, read_arrays
-from prag_asp.errors import OutputError, QueryError
+from prag_asp.errors import QueryError
 from prag_asp.fields import shown
+from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
@@ -113,7 +115,7 @@ class Demonstration:
             yield Touch(frame, self.bodies[one], self.bodies[two], force)
 
     def save(self, path: Path) -> None:
-        """Write the recording as a compressed .npz file with its `version`, the same bytes for the same recording.
+        """Write the recording whole as a compressed .npz file with its `version`; equal ones have equal bytes.
 
         Raises:
             OutputError: the file cannot be written.
@@ -121,11 +123,9 @@ class Demonstration:
         content: dict[str, Any] = {"version": np.array(VERSION)}
         content |= {name: getattr(self, name) for name in ARRAYS}
         content |= {name: np.array(getattr(self, name)) for name in TEXTS}
-        try:
-            with path.open("wb") as file:
-                np.savez_compressed(file, **content)
-        except OSError as error:
-            raise OutputError(f"{path}: the demonstration cannot be written: {error}") from error
+        buffer = BytesIO()
+        np.savez_compressed(buffer, **content)
+        replace_file(path, buffer.getvalue())
 
     @classmethod
     def load(cls, path: str | Path, robot: str = "panda", *, within: str | Path | None = None) -> Demonstration:

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from prag_asp.atom import Atom
-from prag_asp.errors import OutputError, QueryError, SceneError
+from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
 from prag_asp.physics.facts import Fact, facts, physical_task
 from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.layout import Panel, line_count, sheet
+from prag_asp.physics.pictures.saving import save_picture
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.simulator import Simulator, open_simulator
@@ -135,10 +136,7 @@ def animate(
     pictures = [sheet([panel], 1, lines=line_count(panels)) for panel in panels]
     times = demonstration.times[frames] * 1000 / speed
     pauses = [*(int(pause) for pause in np.round(np.diff(times))), LAST_PAUSE]
-    try:
-        pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0)
-    except OSError as error:
-        raise OutputError(f"{path}: the animation cannot be written: {error}") from error
+    save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0)
 
 
 def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:

@@ -26,11 +26,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.arrays import BadArchive, read_arrays
+from prag_asp.errors import OutputError
+from prag_asp.output import replace_file
 from prag_asp.reading import open_binary
 
 HEADER = "header"
 CHECKSUM = 4
 SUFFIX = ".arrays"
+
+OWN = 0o600
+"""The permissions of a file: what one user keeps, no other one reads or writes."""
 
 LARGEST_FILE, LARGEST_FOLDER = 200_000_000, 1_000_000_000
 """Bytes; the files read longest ago go first."""
@@ -78,8 +83,6 @@ def _parsed(content: bytes, key: str, names: Collection[str]) -> Entry | None:
 
 def write_entry(folder: Path, key: str, entry: Entry) -> bool:
     """Keep something under a key, in one stroke; return whether that was possible."""
-    from tempfile import NamedTemporaryFile
-
     header = np.frombuffer(json.dumps({"key": key, "texts": entry.texts}).encode(), np.uint8)
     arrays: dict[str, Any] = {HEADER: header, **entry.arrays}
     buffer = BytesIO()
@@ -91,23 +94,16 @@ def write_entry(folder: Path, key: str, entry: Entry) -> bool:
         folder.mkdir(OURS_ALONE, parents=True, exist_ok=True)
         if not _is_ours(folder.stat()):
             return False
-        with NamedTemporaryFile(dir=folder, prefix=".", suffix=SUFFIX, delete=False) as file:
-            try:
-                file.write(buffer.getbuffer())
-                file.close()
-                Path(file.name).replace(folder / f"{key}{SUFFIX}")
-            except BaseException:
-                Path(file.name).unlink(missing_ok=True)
-                raise
+        replace_file(folder / f"{key}{SUFFIX}", buffer.getvalue(), mode=OWN, follow=False)
         _shrink(folder)
-    except OSError:
+    except (OSError, OutputError):
         return False
     return True
 
 
 def _shrink(folder: Path) -> None:
     """Remove the files read longest ago until the folder is small enough."""
-    files = sorted(((path.stat().st_mtime, path, path.stat().st_size) for path in folder.glob(f"*{SUFFIX}")),
+    files = sorted(((path.stat().st_mtime, path, path.stat().st_size) for path in folder.glob(f"*{SUFFIX}*")),
                    reverse=True)  # fmt: skip
     for (_, path, _), total in zip(files, accumulate(size for _, _, size in files), strict=True):
         if total > LARGEST_FOLDER:

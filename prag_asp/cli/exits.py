@@ -1,0 +1,42 @@
+"""With which codes the command ends: the one table of them."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+from prag_asp.errors import LimitReached, NotFound, OutputError, WorkerError
+
+
+class Exit(IntEnum):
+    """An exit code."""
+
+    DONE = 0
+    NOT_FOUND = 1
+    BAD_INPUT = 2
+    LIMIT = 3
+    OUTPUT = 4
+    WORKERS = 5
+    USAGE = 64
+    INTERRUPTED = 130
+    TERMINATED = 143
+
+
+MEANINGS = {
+    Exit.DONE: "done",
+    Exit.NOT_FOUND: "found less than asked for: tasks fail validate, sample finds too few, explain is given no plan",
+    Exit.BAD_INPUT: "wrong input: the domain, a file, or what is asked of it",
+    Exit.LIMIT: "a limit on time or memory was reached",
+    Exit.OUTPUT: "the output could not be written; after a closed pipe, quietly",
+    Exit.WORKERS: "the workers of physics died again and again",
+    Exit.USAGE: "wrong usage: an unknown command or option, a missing or an invalid value",
+    Exit.INTERRUPTED: "interrupted by Ctrl-C",
+    Exit.TERMINATED: "ended by SIGTERM",
+}
+"""What each code says."""
+
+OF_ERRORS = {NotFound: Exit.NOT_FOUND, LimitReached: Exit.LIMIT, OutputError: Exit.OUTPUT, WorkerError: Exit.WORKERS}
+
+
+def exit_of(error: BaseException) -> Exit:
+    """Return the code for an error of this package; what is not in the table is about what was given."""
+    return next((code for kind, code in OF_ERRORS.items() if isinstance(error, kind)), Exit.BAD_INPUT)

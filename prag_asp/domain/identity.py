@@ -1,0 +1,66 @@
+"""What a domain says, in full: two that say the same make the same tasks, and the same verdicts on them."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from prag_asp.domain.load import Domain
+from prag_asp.program.paths import PACKAGE
+
+MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
+"""How a URDF names a mesh."""
+
+
+def domain_digest(domain: Domain) -> str:
+    """Return a digest of all that tasks of a domain and verdicts on them depend on, the files of its scene included."""
+    settings = domain.settings
+    files = {str(path): blake2b(path.read_bytes()).hexdigest() for path in _files(settings.scene, settings.path.parent)}
+    told = [
+        domain.name,
+        domain.program.text,
+        dict(domain.constants),
+        domain.trusted,
+        {key: str(weight) for key, weight in settings.weights.items()},
+        dict(settings.language),
+        settings.scene,
+        files,
+    ]
+    return digest(told)
+
+
+def code_digest(encodings: Path) -> str:
+    """Return a digest of the code of this package and of a folder of encodings, which have a say in every result."""
+    files = [*PACKAGE.rglob("*.py"), *encodings.rglob("*.lp")]
+    return digest(sorted((path.name, blake2b(path.read_bytes()).hexdigest()) for path in files))
+
+
+def digest(values: object) -> str:
+    """Return a digest of plain values; tables that hold the same in the same order have the same."""
+    return blake2b(json.dumps(values, default=str).encode(), digest_size=20).hexdigest()
+
+
+def _files(table: object, folder: Path) -> Iterator[Path]:
+    """Yield the files that a table of a scene names, and those that these name."""
+    for text in sorted(set(_texts(table))):
+        path = folder / text
+        if len(text) < 256 and "\0" not in text and path.is_file():
+            yield path
+            if path.suffix.lower() == ".urdf":
+                meshes = (path.parent / name.decode(errors="replace") for name in MESH.findall(path.read_bytes()))
+                yield from (mesh for mesh in meshes if mesh.is_file())
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for each in value.values():
+            yield from _texts(each)
+    elif isinstance(value, Sequence):
+        for each in value:
+            yield from _texts(each)

@@ -1,0 +1,8 @@
+"""Files that are written whole or not at all, and files of lines that go on where a run was broken off."""
+
+from prag_asp.output.files import replace_file
+from prag_asp.output.folders import building, file_in, make_folder
+from prag_asp.output.lines import Lines
+from prag_asp.output.steps import Steps
+
+__all__ = ["Lines", "Steps", "building", "file_in", "make_folder", "replace_file"]

@@ -1,0 +1,171 @@
+"""Kill commands that write, at random moments, and start them again: no file is cut, and all end with the same bytes.
+
+``python -m tests.output.kills [--count N] [--seed N] [COMMAND...]`` does so N times, by turns over the commands.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from tests.commands import PRAG
+from tests.output.faults import content
+
+OLD = b"% what was there before\n"
+
+TASKS = ("sample", "tabletop", "-n", "3", "--seed", "3", "--format", "jsonl")
+COMMANDS: Mapping[str, tuple[str, ...]] = {
+    "sample": (*TASKS, "--count", "12", "--demonstrate", "recorded", "-o", "drawn.jsonl"),
+    "enumerate": ("enumerate", "prag", "-n", "7", "--format", "jsonl", "--limit", "30000", "-o", "listed.jsonl"),
+    "validate": ("validate", "tasks.jsonl", "-o", "report.txt"),
+    "split": ("split", "prag", "-n", "8", "train=0.8", "test=0.2", "--count", "15000", "-o", "parts"),
+    "render": ("render", "tasks.jsonl", *map(str, range(1, 9)), "--size", "160x120", "-o", "pictures"),
+    "learn": ("learn", "mine", "-n", "2", "--count", "12", "--write"),
+}
+BEFORE = {
+    "enumerate": ["listed.jsonl"],
+    "validate": ["report.txt"],
+    "split": ["parts/train.txt", "parts/test.txt"],
+    "render": ["pictures/000001.png"],
+    "learn": ["mine/learned.lp"],
+}
+"""Files that are there before a command writes them."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What a command leaves that nobody disturbs: its exit code, its files, when it writes first, how long it takes."""
+
+    code: int
+    files: Mapping[str, bytes]
+    first: float
+    seconds: float
+
+
+def prepare(folder: Path, names: Sequence[str]) -> None:
+    """Write what the commands read."""
+    if not {"validate", "render", "learn"} & {*names}:
+        return
+    for arguments in ((*TASKS, "--count", "24", "-o", "tasks.jsonl"), ("new", "mine")):
+        subprocess.run([*PRAG, *arguments], cwd=folder, check=True, capture_output=True)
+
+
+def place(name: str, prepared: Path, folder: Path) -> None:
+    """Fill a folder with what a command reads, and with old files in place of those that it writes."""
+    shutil.copytree(prepared, folder)
+    for file in BEFORE.get(name, ()):
+        (folder / file).parent.mkdir(exist_ok=True)
+        (folder / file).write_bytes(OLD)
+
+
+def started(name: str, folder: Path) -> subprocess.Popen[str]:
+    """Start a command in a session of its own."""
+    return subprocess.Popen(
+        [*PRAG, *COMMANDS[name]], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "PRAG_ASP_CACHE": ""}, start_new_session=True,
+    )  # fmt: skip
+
+
+def undisturbed(name: str, prepared: Path, folder: Path) -> Reference:
+    """Run a command to its end."""
+    place(name, prepared, folder)
+    begun, first = time.monotonic(), None
+    process = started(name, folder)
+    while process.poll() is None:
+        if first is None and any(folder.rglob("*.part")):
+            first = time.monotonic() - begun
+        time.sleep(0.01)
+    seconds = time.monotonic() - begun
+    assert process.stderr is not None
+    assert process.returncode in (0, 1), process.stderr.read()
+    process.stderr.close()
+    return Reference(process.returncode, content(folder), first or seconds / 2, seconds)
+
+
+def faults(found: Mapping[str, bytes], before: Mapping[str, bytes], whole: Mapping[str, bytes]) -> list[str]:
+    """Return the files that are neither what they were nor what they are to be; parts are not looked into."""
+    ours = {name: text for name, text in found.items() if not name.endswith((".part", ".run"))}
+    return [name for name, text in ours.items() if text not in (before.get(name), whole.get(name))]
+
+
+def kill_once(name: str, prepared: Path, folder: Path, reference: Reference, chance: random.Random) -> str:
+    """Kill a command at a random moment, once or twice, run it to its end, and return how it was met.
+
+    Raises:
+        AssertionError: a file was cut, or the end is not that of a run that nobody disturbs.
+    """
+    place(name, prepared, folder)
+    before, met = content(folder), "before it wrote"
+    for _ in range(chance.choice((1, 1, 2))):
+        process = started(name, folder)
+        with suppress(subprocess.TimeoutExpired):
+            process.communicate(timeout=chance.uniform(0.8 * reference.first, 1.05 * reference.seconds))
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        found = content(folder)
+        cut = faults(found, before, reference.files)
+        assert not cut, f"{name}: cut: {cut}"
+        if any(file.endswith((".part", ".run")) for file in found):
+            met = "while it wrote"
+        elif process.returncode == reference.code:
+            met = "not: it had ended"
+    process = started(name, folder)
+    told = process.communicate()[1]
+    assert process.returncode == reference.code, f"{name}: {process.returncode}: {told}"
+    left = content(folder)
+    assert left.keys() == reference.files.keys(), f"{name}: {sorted(left.keys() ^ reference.files.keys())}"
+    different = [file for file, text in left.items() if text != reference.files[file]]
+    assert not different, f"{name}: other bytes: {different}"
+    return f"{met}, and went on" if "goes on after" in told else met
+
+
+def campaign(count: int, seed: int, names: Sequence[str]) -> Counter[tuple[str, str]]:
+    """Kill commands by turns, and return how often each was met in which state.
+
+    Raises:
+        AssertionError: a file was cut, or the end is not that of a run that nobody disturbs.
+    """
+    chance, met = random.Random(seed), Counter[tuple[str, str]]()
+    with TemporaryDirectory() as made:
+        home = Path(made)
+        (home / "prepared").mkdir()
+        prepare(home / "prepared", names)
+        references = {name: undisturbed(name, home / "prepared", home / name) for name in names}
+        for number in range(count):
+            name = names[number % len(names)]
+            folder = home / str(number)
+            how = kill_once(name, home / "prepared", folder, references[name], chance)
+            met[name, how] += 1
+            sys.stderr.write(f"{number + 1}: {name} was killed {how}\n")
+            shutil.rmtree(folder)
+    return met
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Run the campaign that a command line asks for."""
+    parser = argparse.ArgumentParser(prog="python -m tests.output.kills", description=__doc__)
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("commands", nargs="*", metavar="COMMAND", help=f"of {', '.join(COMMANDS)}; all by default")
+    given = parser.parse_args(arguments)
+    met = campaign(given.count, given.seed, given.commands or list(COMMANDS))
+    for (name, how), times in sorted(met.items()):
+        sys.stdout.write(f"{name:10} killed {times:3} times {how}\n")
+    sys.stdout.write(f"{given.count} kills: no file was cut, and every run ended with the same bytes\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,309 @@
+"""Commands that write leave whole files whatever fails, and go on where a run of the same was broken off."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.cli.asked import Asked
+from prag_asp.dataset import filtering
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.output import lines
+from prag_asp.physics import Budget, Verdict, validate_task
+from tests.commands import PRAG, run
+from tests.output.faults import Disk, content
+
+OUTPUT, NOT_FOUND = 4, 1
+SAMPLE = (
+    "sample",
+    "tabletop",
+    "-n",
+    "1",
+    "--seed",
+    "7",
+    "--format",
+    "jsonl",
+    "--demonstrate",
+    "rec",
+    "-o",
+    "out.jsonl",
+)
+
+
+@pytest.fixture(scope="module")
+def feasible() -> Verdict:
+    """A verdict with a witness and a recording."""
+    domain = load_domain("tabletop")
+    task = TaskSpace(domain, 1).sample(1, seed=7)[0]
+    verdict = validate_task(task, scene_of(domain), seed=7, budget=Budget(tier="demonstration"))
+    assert verdict.demonstration is not None
+    return verdict
+
+
+class Physics:
+    """Says of two of three tasks that they are feasible, at once; breaks off when it has been asked so often."""
+
+    def __init__(self, feasible: Verdict) -> None:
+        self.feasible = feasible
+        self.asked: list[int] = []
+        self.breaks: int | None = None
+
+    def __call__(self, tasks: Iterable[tuple[int, Any]], *_: object, **more: Any) -> Iterator[Verdict]:
+        for index, _ in tasks:
+            if len(self.asked) == self.breaks:
+                raise KeyboardInterrupt
+            self.asked.append(index)
+            found = replace(self.feasible, index=index, causes={"objects collide": index})
+            yield found if index % 3 else Verdict("not_found", found.budget, 7, index, reason="objects collide",
+                                                  causes={"objects collide": 100})  # fmt: skip
+
+
+@pytest.fixture
+def physics(feasible: Verdict, monkeypatch: pytest.MonkeyPatch) -> Physics:
+    made = Physics(feasible)
+    monkeypatch.setattr(filtering, "validate_numbered", made)
+    return made
+
+
+def remembered(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method of what a command line asks for that answers the same question once."""
+
+    def found(asked: Asked, *given: Any, **more: Any) -> Any:
+        key = f"{method.__name__} {asked}"
+        if key not in ANSWERS:
+            ANSWERS[key] = method(asked, *given, **more)
+        return ANSWERS[key]
+
+    return found
+
+
+@pytest.fixture(autouse=True)
+def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have each domain loaded once, and nothing flushed: no power is lost here."""
+    for name in ("domain", "space", "spaces"):
+        monkeypatch.setattr(Asked, name, remembered(getattr(Asked, name)))
+    monkeypatch.setattr(os, "fsync", lambda descriptor: None)
+
+
+@pytest.fixture
+def noted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Note how far a run is after each line."""
+    monkeypatch.setattr(lines, "INTERVAL", 0.0)
+
+
+def test_a_sample_that_is_broken_off_anywhere_goes_on_without_doing_physics_again(
+    tmp_path: Path, physics: Physics, noted: None
+) -> None:
+    whole = run(*SAMPLE, "--count", "6", cwd=tmp_path)
+    assert whole.returncode == 0 and "9 drawn, 6 passed" in whole.stderr
+    reference = content(tmp_path)
+    assert len(reference) == 1 + 6 + 1
+    draws = physics.asked
+    assert draws == list(range(9))
+    for breaks in (1, 2, 5, 8):
+        shutil.rmtree(tmp_path / "rec")
+        (tmp_path / "out.jsonl").write_text("old\n")
+        physics.asked, physics.breaks = [], breaks
+        broken = run(*SAMPLE, "--count", "6", cwd=tmp_path)
+        assert broken.returncode == 130 and (tmp_path / "out.jsonl").read_text() == "old\n"
+        assert f"{breaks} drawn, " in broken.stderr
+        physics.breaks = None
+        again = run(*SAMPLE, "--count", "6", cwd=tmp_path)
+        assert physics.asked == draws and content(tmp_path) == reference
+        assert [line for line in again.stderr.splitlines() if "goes on" not in line] == whole.stderr.splitlines()
+
+
+def test_a_run_that_is_to_be_longer_or_shorter_goes_on_too(tmp_path: Path, physics: Physics) -> None:
+    references = {}
+    for count in ("3", "9"):
+        home = tmp_path / count
+        home.mkdir()
+        assert run(*SAMPLE, "--count", count, "--workers", count, cwd=home).returncode == 0
+        references[count] = content(home)
+    for count, goes_on in (("9", True), ("3", False)):
+        home = tmp_path / f"broken {count}"
+        home.mkdir()
+        physics.asked, physics.breaks = [], 8
+        assert run(*SAMPLE, "--count", "6", cwd=home).returncode == 130
+        physics.breaks = None
+        done = run(*SAMPLE, "--count", count, cwd=home)
+        assert ("goes on after 5 lines" in done.stderr) is (physics.asked[8] == 8) is goes_on
+        assert content(home) == references[count]
+
+
+def test_another_run_begins_anew_and_recordings_of_another_are_not_mixed(tmp_path: Path, physics: Physics) -> None:
+    physics.breaks = 5
+    run(*SAMPLE, "--count", "6", cwd=tmp_path)
+    physics.asked, physics.breaks = [], None
+    other = [("8" if each == "7" else each) for each in SAMPLE]
+    done = run(*other, "--count", "6", cwd=tmp_path)
+    assert done.returncode == OUTPUT and "rec: has recordings already, of another run" in done.stderr
+    assert physics.asked == []
+    (tmp_path / "rec" / "000002.npz").unlink()  # one that the broken run had made
+    done = run(*SAMPLE, "--count", "6", cwd=tmp_path)
+    assert done.returncode == 0 and physics.asked[0] == 0 and len(list((tmp_path / "rec").glob("*.npz"))) == 6
+
+
+def test_too_few_tasks_are_a_whole_file_and_an_exit_code_of_their_own(tmp_path: Path, physics: Physics) -> None:
+    done = run(*SAMPLE, "--count", "6", "--max-draws", "4", cwd=tmp_path)
+    assert done.returncode == NOT_FOUND and done.stderr.endswith(
+        "only 2 of 6 tasks found in 4 draws; raise --max-draws\n"
+    )
+    assert len((tmp_path / "out.jsonl").read_text().splitlines()) == 2
+
+
+ANSWERS: dict[str, Any] = {}
+WRITING = {
+    "enumerate": ("enumerate", "blocks", "-n", "3", "-o", "out.txt"),
+    "sample": ("sample", "blocks", "-n", "3", "--count", "9", "--format", "jsonl", "-o", "out.txt"),
+    "split": ("split", "blocks", "-n", "3", "train=1/2", "test=1/2", "--count", "4", "-o", "out"),
+    "export": ("export", "blocks", "-n", "1", "-o", "out.cnf"),
+    "stats": ("stats", "blocks", "-n", "2", "-o", "out.txt"),
+    "new": ("new", "mine"),
+    "feasible": (*SAMPLE, "--count", "2"),
+}
+
+
+@pytest.mark.parametrize("name", WRITING)
+def test_at_each_failure_of_the_disk_no_file_is_cut_and_the_next_run_ends_well(
+    tmp_path: Path, name: str, physics: Physics
+) -> None:
+    reference = tmp_path / "reference"
+    reference.mkdir()
+    with Disk().working() as disk:
+        done = run(*WRITING[name], cwd=reference)
+    assert done.returncode == 0, done.stderr
+    whole, total = content(reference), len(disk.asked)
+    assert total >= 6
+    for number in range(1, total + 1):
+        home = tmp_path / str(number)
+        home.mkdir()
+        with Disk(number, (1, 10**6)[number % 2], (errno.ENOSPC, errno.EIO)[number // 2 % 2]).working():
+            done = run(*WRITING[name], cwd=home)
+        assert done.returncode == OUTPUT, (number, disk.asked[number - 1], done.stderr)
+        assert "cannot be" in done.stderr and "Traceback" not in done.stderr
+        found = {file: text for file, text in content(home).items() if not file.endswith((".part", ".run"))}
+        assert all(whole[file] == text for file, text in found.items())
+        again = run(*WRITING[name], cwd=home)
+        if name == "new" and found:  # it is there already, whole
+            assert again.returncode == 2
+        else:
+            assert again.returncode == 0, (number, again.stderr)
+        assert content(home) == whole
+        shutil.rmtree(home)
+
+
+def test_a_disk_without_room_for_all_keeps_what_it_has_room_for(tmp_path: Path) -> None:
+    """The system itself says that there is no more room: a limit on the size of files, set in the process."""
+    command = ["enumerate", "prag", "-n", "4", "-o", "out.txt"]
+    assert run(*command, cwd=tmp_path).returncode == 0
+    whole = (tmp_path / "out.txt").read_bytes()
+    (tmp_path / "out.txt").write_text("old\n")
+    code = (
+        "import resource, sys; from prag_asp.output import lines; lines.HELD = 100;"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2);"
+        "from prag_asp.cli import main; main()"
+    )
+    for room in ("0", "5", "3000"):
+        done = subprocess.run(
+            [sys.executable, "-c", code, room, *command], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == OUTPUT, done.stderr
+        assert done.stderr.splitlines()[-1] == "out.txt: cannot be written: File too large; free some space"
+        assert (tmp_path / "out.txt").read_text() == "old\n"
+    done = run(*command, cwd=tmp_path)
+    assert "out.txt: goes on after" in done.stderr and content(tmp_path) == {"out.txt": whole}
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize("command", ["count prag -n 3", "enumerate prag -n 3", "check prag", "stats prag -n 3"])
+def test_a_full_disk_behind_stdout_is_one_line_and_the_code_of_output(command: str) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([*PRAG, *command.split()], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == OUTPUT and done.stderr.count("\n") == 1, done.stderr
+    assert "No space left on device" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["count prag -n 3", "enumerate prag -n 6", "check prag", "stats prag -n 3"])
+def test_a_closed_pipe_is_quiet_and_has_the_code_of_output(command: str) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "w") as closed:
+        done = subprocess.run([*PRAG, *command.split()], stdout=closed, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (OUTPUT, "")
+
+
+def test_what_is_no_file_is_written_as_it_is(tmp_path: Path) -> None:
+    assert run("enumerate", "blocks", "-n", "1", "-o", "/dev/null").returncode == 0
+    assert Path("/dev/null").is_char_device()
+    command = f"{' '.join(map(repr, PRAG))} enumerate blocks -n 1 -o >(cat > piped.txt); sleep 0.2"
+    subprocess.run(["bash", "-c", command], cwd=tmp_path, check=True)
+    assert (tmp_path / "piped.txt").read_text() == run("enumerate", "blocks", "-n", "1").stdout
+
+
+def test_validate_writes_what_it_prints_and_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = ("sample", "tabletop", "-n", "1", "--no-physics", "--count", "6", "--format", "jsonl", "-o", "tasks.jsonl")
+    assert run(*drawn, cwd=tmp_path).returncode == 0
+    checked = ("validate", "tasks.jsonl", "--budget", "1x1")
+    printed = run(*checked, cwd=tmp_path)
+    with monkeypatch.context() as patch:
+        broken(patch, 4)
+        first = run(*checked, "-o", "report.txt", cwd=tmp_path)
+    assert first.returncode == 130 and "report.txt.part keeps 3 lines" in first.stderr
+    done = run(*checked, "-o", "report.txt", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (printed.returncode, "")
+    assert done.stderr == "report.txt: goes on after 3 lines of the same run\n" + printed.stderr
+    assert (tmp_path / "report.txt").read_text() == printed.stdout
+    assert set(content(tmp_path)) == {"tasks.jsonl", "report.txt"}
+
+
+def broken(monkeypatch: pytest.MonkeyPatch, time: int) -> None:
+    """Have validation broken off at the n-th task."""
+    from prag_asp.physics.validator import Validator
+
+    validate: Callable[..., Verdict] = Validator.validate
+    done: list[int] = []
+
+    def breaks(*given: Any, **more: Any) -> Verdict:
+        done.append(1)
+        if len(done) == time:
+            raise KeyboardInterrupt
+        return validate(*given, **more)
+
+    monkeypatch.setattr(Validator, "validate", breaks)
+
+
+def test_pictures_that_are_drawn_already_are_not_drawn_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from prag_asp.physics.pictures import saving
+
+    drawn = ("sample", "tabletop", "-n", "1", "--count", "3", "--format", "jsonl", "-o", "tasks.jsonl")
+    assert run(*drawn, cwd=tmp_path).returncode == 0
+    shown = ("render", "tasks.jsonl", "--as", "state", "--size", "32x32", "-o")
+    whole = run(*shown, "whole", cwd=tmp_path)
+    written: list[Path] = []
+    write = saving.replace_file
+
+    def counted(path: Path, content: bytes) -> None:
+        if len(written) == 2:
+            raise KeyboardInterrupt
+        written.append(path)
+        write(path, content)
+
+    monkeypatch.setattr(saving, "replace_file", counted)
+    assert run(*shown, "pictures", cwd=tmp_path).returncode == 130
+    written[:] = []
+    done = run(*shown, "pictures", cwd=tmp_path)
+    assert [path.name for path in written] == ["000003.png"]
+    assert done.stdout == whole.stdout.replace("whole", "pictures")
+    assert content(tmp_path / "pictures") == content(tmp_path / "whole")
+    assert not list(tmp_path.glob("*.run"))

@@ -1,0 +1,35 @@
+"""What is remembered of states that tasks have passed is forgotten in time."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+from prag_asp import TaskSpace, load_domain
+
+BITS, LENGTH, PLANS = 20, 50, 1000
+
+LAMPS = f"""
+class(lamp).  entity(lamp(1..{BITS}), lamp).
+fluent(on(L)) :- is_a(L,lamp).
+initially(F, false) :- fluent(F).
+action(set(L,on)) :- is_a(L,lamp).    postcondition(set(L,on), on(L), true) :- is_a(L,lamp).
+action(set(L,off)) :- is_a(L,lamp).   postcondition(set(L,off), on(L), false) :- is_a(L,lamp).
+"""
+
+
+def plans(count: int) -> Iterator[tuple[str, ...]]:
+    """Yield random plans, which pass states that hardly any other one does."""
+    chance = random.Random(5)
+    for _ in range(count):
+        yield tuple(f"set(lamp({chance.randint(1, BITS)}),{chance.choice(('on', 'off'))})" for _ in range(LENGTH))
+
+
+def test_states_that_are_remembered_are_few_however_many_tasks_are_told() -> None:
+    space = TaskSpace(load_domain(text=LAMPS), LENGTH)
+    passed, remembered = set(), []
+    for task in space.narrate(plans(PLANS)):
+        passed |= {hash(state) for state in task.states}
+        remembered.append(len(space._shared.narrator._states))
+    assert len(passed) > 36_000
+    assert max(remembered) < 36_000
