@@ -20,7 +20,9 @@ from prag_asp.cli.registry import COMMANDS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
-GROUND = frozenset(["errors", "wording", "atom", "task", "lazy", "output", "children", "missing", "fields"])
+GROUND = frozenset(
+    ["errors", "wording", "atom", "task", "lazy", "output", "children", "missing", "fields", "stage", "machine"]
+)
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
@@ -30,7 +32,10 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
-    "children": frozenset(["errors"]),
+    "lifeline": frozenset(),
+    "machine": frozenset(),
+    "stage": frozenset(),
+    "children": frozenset(["errors", "lifeline"]),
     "missing": frozenset(["errors"]),
     "fields": frozenset(["errors"]),
     "output": frozenset(["errors"]),
@@ -46,7 +51,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "domain", "space", "physics"},
     "analysis": GROUND | {"domain", "space"},
-    "cli": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
+    "cli": GROUND
+    | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions", "lifeline"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.errors import OutputError, PicturesMissingError, QueryError
 from prag_asp.space.task_space import TaskSpace
+from prag_asp.stage import stage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,6 +103,7 @@ def draw_curve(curve: Curve, file: str) -> None:
         OutputError: the file cannot be written.
     """
     check_file(file)
+    stage("drawing the curve")
     kind = Path(file).suffix.lower()
     try:
         if kind == ".html":

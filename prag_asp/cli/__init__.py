@@ -16,11 +16,16 @@ __all__ = ["cli", "main"]
 
 def main() -> None:
     """Run the command and exit; while it is being loaded, an interruption ends it as quietly as later."""
+    from prag_asp.cli.supervision import supervise
+
+    supervise()
     try:
         code = _command().main()
-    except KeyboardInterrupt:
-        sys.stderr.write("\ninterrupted\n")
-        code = 130
+    except KeyboardInterrupt as asked:
+        from prag_asp.cli.ending import INTERRUPTED, TERMINATED, Terminated
+
+        line, code = ("terminated", TERMINATED) if isinstance(asked, Terminated) else ("interrupted", INTERRUPTED)
+        sys.stderr.write(f"\n{line}\n")
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.
     sys.exit(code)
 

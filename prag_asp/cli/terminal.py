@@ -16,14 +16,25 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TextIO
 
 import click
 
+from prag_asp.cli import ending
+from prag_asp.cli.ending import (
+    ASKED,
+    BAD_INPUT,
+    FAILED,
+    INTERRUPTED,
+    LIMITED,
+    TERMINATED,
+    Struck,
+    Terminated,
+)
 from prag_asp.errors import LimitReached, OutputError, PragError
+from prag_asp.stage import so_far
 
 if TYPE_CHECKING:
     from types import FrameType
 
     from rich.progress import Progress, TaskID
 
-FAILED, BAD_INPUT, LIMITED, INTERRUPTED, TERMINATED = 1, 2, 3, 130, 143
 COLLECT = (100_000, 50, 100)
 """A ground program is a great many small values without cycles, among which looking for garbage is a waste of time."""
 
@@ -34,10 +45,6 @@ LATER = 0.05
 """Seconds after which an interruption that was dropped comes again."""
 
 
-class Terminated(KeyboardInterrupt):
-    """Another process has asked this one to end, which it does as after Ctrl-C."""
-
-
 class Command(click.Group):
     """Turns errors into one line on stderr, and an interruption into a quiet end."""
 
@@ -46,6 +53,7 @@ class Command(click.Group):
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
         gc.set_threshold(*COLLECT)
+        ending.begin()
         try:
             with _insisting():
                 return super().main(*args, **{**kwargs, "standalone_mode": False}) or 0
@@ -54,12 +62,12 @@ class Command(click.Group):
         except click.ClickException as error:
             error.show()
             return error.exit_code
-        except (click.Abort, KeyboardInterrupt, PragError, OSError) as error:
+        except (click.Abort, KeyboardInterrupt, Struck, PragError, OSError, MemoryError, RecursionError) as error:
             return _end(error)
-        except RuntimeError as error:
-            if isinstance(error.__cause__, KeyboardInterrupt):  # So Python wraps what interrupts the making of a class.
-                return _end(error.__cause__)
-            raise
+        except Exception as error:
+            if _interruption(error) is None:
+                raise
+            return _end(error)
 
 
 @contextmanager
@@ -68,13 +76,15 @@ def _insisting() -> Iterator[None]:
     usual = sys.unraisablehook
 
     def again(dropped: sys.UnraisableHookArgs) -> None:
-        if isinstance(dropped.exc_value, Terminated):
-            signal.signal(signal.SIGTERM, _terminate)
-            start_new_thread(_send_later, (signal.SIGTERM,))
-        elif isinstance(dropped.exc_value, KeyboardInterrupt):
-            start_new_thread(_send_later, (signal.SIGINT,))
-        else:
+        number = next((each for each, kind in ASKED.items() if type(dropped.exc_value) is kind), None)
+        if number is None:
             usual(dropped)
+            return
+        if ending.supervised():
+            ending.answer_again()
+        elif number == signal.SIGTERM:
+            signal.signal(signal.SIGTERM, _terminate)
+        start_new_thread(_send_later, (number,))
 
     sys.unraisablehook = again
     try:
@@ -83,7 +93,7 @@ def _insisting() -> Iterator[None]:
         sys.unraisablehook = usual
 
 
-def _send_later(number: signal.Signals) -> None:
+def _send_later(number: int) -> None:
     """Send the main thread a signal when Python has come to do something else."""
     sleep(LATER)
     main = threading.main_thread().ident
@@ -96,12 +106,12 @@ def _end(error: BaseException) -> int:
     if isinstance(error, BrokenPipeError):
         sys.stdout = None  # nothing more can be flushed into it
         return FAILED
-    if isinstance(error, Terminated) or isinstance(error.__cause__, Terminated):
-        click.echo("terminated", err=True)
-        return TERMINATED
-    if isinstance(error, (click.Abort, KeyboardInterrupt)):
-        click.echo("interrupted", err=True)
-        return INTERRUPTED
+    interruption = _interruption(error)
+    if interruption is not None:
+        return _end_asked(interruption)
+    if isinstance(error, (MemoryError, RecursionError)):
+        click.echo(ending.out_of_memory() if isinstance(error, MemoryError) else ending.too_deep(), err=True)
+        return LIMITED if isinstance(error, MemoryError) else BAD_INPUT
     if isinstance(error, OSError):
         click.echo(f"{error.filename or 'output'}: {error.strerror or error}", err=True)
         return BAD_INPUT if isinstance(error, (FileNotFoundError, IsADirectoryError)) else FAILED
@@ -109,6 +119,23 @@ def _end(error: BaseException) -> int:
     if isinstance(error, LimitReached):
         return LIMITED
     return FAILED if isinstance(error, OutputError) else BAD_INPUT
+
+
+def _interruption(error: BaseException) -> type[BaseException] | None:
+    """Return what interrupted the command, be it that an error of foreign code or of Python wraps it, or None."""
+    for each in (error.__cause__, error):
+        if each is not None and isinstance(each, (*ASKED.values(), click.Abort)):
+            return ending.asked_for() or type(each)
+    return ending.asked_for()
+
+
+def _end_asked(kind: type[BaseException]) -> int:
+    """Say that the command ends since it was asked to, and return its exit code."""
+    told = {Terminated: ("terminated", TERMINATED), Struck: (ending.struck(), LIMITED)}
+    line, code = told.get(kind, ("interrupted", INTERRUPTED))
+    click.echo(line, err=True)
+    ending.said()
+    return code
 
 
 @contextmanager
@@ -211,14 +238,15 @@ class Tell(Protocol):
 @contextmanager
 def progress() -> Iterator[Tell]:
     """Yield a function that is told how far things are; a terminal sees it once two seconds have passed."""
-    if not sys.stderr.isatty():
-        yield lambda words, done=0, total=None: None
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield lambda words, done=0, total=None: so_far(_line(words))
         return
     begun = monotonic()
     shown: list[tuple[Progress, TaskID]] = []
     with ExitStack() as bars:
 
         def tell(words: str, done: float = 0, total: int | None = None) -> None:
+            so_far(_line(words))
             first = not shown
             if first:
                 if monotonic() - begun <= PATIENCE:
@@ -226,9 +254,13 @@ def progress() -> Iterator[Tell]:
                 bar = bars.enter_context(_bar())
                 shown.append((bar, bar.add_task("", total=None)))
             bar, number = shown[0]
-            bar.update(number, description=words.splitlines()[0], completed=done, total=total, refresh=first)
+            bar.update(number, description=_line(words), completed=done, total=total, refresh=first)
 
         yield tell
+
+
+def _line(words: str) -> str:
+    return words.partition("\n")[0]
 
 
 def _bar() -> Progress:

@@ -9,6 +9,7 @@ import clingo
 
 from prag_asp.errors import DomainError
 from prag_asp.program.sources import Program
+from prag_asp.stage import stage
 
 POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
 UNSAFE = r"'([^']+)' is unsafe"
@@ -39,6 +40,7 @@ class Grounder:
         Raises:
             DomainError: clingo cannot ground them, or an arithmetic or set operation is undefined.
         """
+        stage("grounding the domain")
         self._run(lambda: self.control.ground(list(parts)))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:

@@ -15,6 +15,9 @@ from prag_asp.program.tokens import blanked, open_comment
 MESSAGE = r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>(?s:.*))"
 TOKEN = r"#?[\w']+|:-|\S"
 EXPECTED = r"expecting (.*)"
+DEEPEST = 300
+"""How deep parentheses may be nested."""
+
 STAND_IN = "$"
 """A character that clingo reads in strings and comments only."""
 
@@ -24,11 +27,25 @@ def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statemen
     statements: list[Statement] = []
     problems: list[Problem] = []
     for source, own in sources:
-        broken = _character_problem(source)
+        broken = _character_problem(source) or _depth_problem(source)
         if broken is None:
             broken = _parse(source, own, statements)
         problems += [broken] if broken else []
     return statements, problems
+
+
+def _depth_problem(source: Source) -> Problem | None:
+    """Return where parentheses are nested deeper than clingo, or what reads its terms, can follow."""
+    if source.text.count("(") <= DEEPEST:
+        return None
+    depth = 0
+    for number, line in enumerate(blanked(source.text).split("\n"), 1):
+        for character in line:
+            depth = max(depth + (character == "(") - (character == ")"), 0)
+            if depth > DEEPEST:
+                told = f"parentheses are nested more than {DEEPEST} deep; make the term flatter"
+                return Problem(source.path, number, told)
+    return None
 
 
 def _character_problem(source: Source) -> Problem | None:

@@ -9,8 +9,9 @@ import click
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.ending import LIMITED
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import LIMITED, progress
+from prag_asp.cli.terminal import progress
 from prag_asp.errors import LimitReached, QueryError
 
 

@@ -11,8 +11,8 @@ import click
 from prag_asp.atom import parse_atom, split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.ending import FAILED
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import FAILED
 from prag_asp.cli.words import domain_and_others
 from prag_asp.errors import QueryError
 

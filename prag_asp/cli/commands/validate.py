@@ -10,8 +10,9 @@ import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.ending import FAILED
 from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.terminal import FAILED, progress, require_unrecorded, whole_lines
+from prag_asp.cli.terminal import progress, require_unrecorded, whole_lines
 from prag_asp.errors import QueryError
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers import expat
@@ -22,6 +23,9 @@ from prag_asp.scene.read.stability import rotation
 from prag_asp.wording import plural
 
 ZEROS = "0 0 0"
+MOST_SOLIDS = 1000
+"""Collisions that a body may have: each takes its time in every check of every pose."""
+
 HULL_MARGIN = 0.001
 """How far PyBullet keeps other bodies off the hull of a mesh, in metres."""
 
@@ -64,12 +68,16 @@ def _parsed(path: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, 
     """Return the outermost element of an XML file, and the line in which each element begins.
 
     Raises:
-        SceneError: the file cannot be read, or is not XML.
+        SceneError: the file cannot be read, is not XML, or has more collisions than a body may have.
     """
     builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
     lines: dict[ElementTree.Element, int] = {}
+    solids = count(1)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        if tag == "collision" and next(solids) > MOST_SOLIDS:
+            where, told = f"{path}:{parser.CurrentLineNumber}", f"more than {MOST_SOLIDS:,} collisions"
+            raise SceneError(f"{where}: {told}; give the body a simpler shape, such as one mesh or a few boxes")
         lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
 
     parser.StartElementHandler, parser.EndElementHandler = start, builder.end

@@ -13,6 +13,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.sources import Program, Source, read_sources
 from prag_asp.space.conditions.clauses import Clause, Ends
 from prag_asp.space.conditions.condition import Condition
+from prag_asp.stage import stage
 
 
 def conditioned(domain: Domain, condition: Condition) -> Domain:
@@ -24,6 +25,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     Raises:
         QueryError: the condition speaks of something that the domain does not have.
     """
+    stage("reading the conditions")
     facts, files, asked = domain.facts, [], []
     for number, clause in enumerate(_one_end(condition.clauses, facts)):
         goal = _goal(clause, facts)

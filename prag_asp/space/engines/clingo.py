@@ -13,8 +13,9 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at, within
 from prag_asp.space.weighing.weights import Weighed, Weights
+from prag_asp.stage import stage
 
 POLL = 0.2
 """Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
@@ -41,20 +42,29 @@ class ClingoEngine:
             LimitReached: a limit ended the search; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        if self._progress:
-            self._progress(f"enumerating answer sets for length {length}")
         plans = self._plans(length)
         assumptions = plans.assume(prefix)
         if assumptions is None:
             return 0
+        if self._progress:
+            self._progress(f"enumerating answer sets for length {length}")
+        stage("enumerating answer sets")
         found, stopped = plans.count(assumptions, budget)
         if stopped:
             raise stopped_at(stopped, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily: by one search for each way to go on."""
+        """Yield the words of a length in order, lazily: by one search for each way to go on.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        return within(self._limits, self._words(length, prefix), self._level, length)
+
+    def _words(self, length: int, prefix: Letters) -> Iterator[Letters]:
         plans = self._plans(length)
+        stage("searching words")
 
         def onward(word: Letters) -> Iterator[Letters]:
             step = len(word)
