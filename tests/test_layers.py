@@ -42,6 +42,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "wording": frozenset(["errors"]),
     "atom": frozenset(["errors"]),
     "task": frozenset(["errors", "atom"]),
+    "bounding": frozenset(["errors", "children", "machine"]),
     "program": GROUND - {"task"},
     "scene": GROUND - {"task"},
     "lint": (GROUND - {"task"}) | {"program", "scene"},
@@ -76,8 +77,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 
 PUBLIC = {
     "Atom", "Condition", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached", "Limits", "OutputError",
-    "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "explain",
-    "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
+    "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "bounded",
+    "explain", "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
 }  # fmt: skip
 HEAVY = {
     "pybullet",
