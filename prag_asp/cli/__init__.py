@@ -16,10 +16,10 @@ __all__ = ["cli", "main"]
 
 def main() -> None:
     """Run the command and exit; while it is being loaded, an interruption ends it as quietly as later."""
-    from prag_asp.cli.supervision import supervise
-
-    supervise()
     try:
+        from prag_asp.cli.supervision import supervise
+
+        supervise()
         code = _command().main()
     except KeyboardInterrupt as asked:
         from prag_asp.cli.ending import INTERRUPTED, TERMINATED, Terminated
