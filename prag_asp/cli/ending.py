@@ -10,12 +10,17 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from time import monotonic
-from typing import NoReturn
+from _thread import start_new_thread
+from threading import main_thread
+from time import monotonic, sleep
+from typing import TYPE_CHECKING, NoReturn
 
 from prag_asp.lifeline import above_the_standard_ones
 from prag_asp.machine import SHARE, memory_in_use, usual_memory
 from prag_asp.stage import hear
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 FAILED, BAD_INPUT, LIMITED, INTERRUPTED, TERMINATED = 1, 2, 3, 130, 143
 LONGEST = 300
@@ -23,6 +28,13 @@ LONGEST = 300
 
 STAGE, LIMITS, SIZE = 128, 64, 2048
 """Where on the board the stage and the limits stand; its first byte says how far an end has come."""
+
+
+LATER = 0.05
+"""Seconds after which an interruption that was dropped, or could not be, comes again."""
+
+DEADLY = frozenset(["_pyclingo_solve_event_callback", "_pyclingo_logger_callback"])
+"""Functions that clingo calls, and for whose errors it ends the process."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -113,13 +125,32 @@ def begin(board: Board | None = None) -> None:
                 signal.signal(number, _answer)
 
 
-def _answer(number: int, frame: object) -> None:
-    """Raise what a signal asks for, the first time."""
-    if _command.asked is None:
+def _answer(number: int, frame: FrameType | None) -> None:
+    """Raise what a signal asks for, the first time; where foreign code does not survive that, a little later."""
+    if _command.asked is None and _in_callback(frame):
+        start_new_thread(send_later, (number,))
+    elif _command.asked is None:
         _command.asked = number
         if _command.board is not None:
             _command.board.tell_end(said=False)
         raise ASKED[number]
+
+
+def _in_callback(frame: FrameType | None) -> bool:
+    """Tell whether foreign code that ends the process for an error has called what a frame is part of."""
+    while frame is not None:
+        if frame.f_code.co_name in DEADLY:
+            return True
+        frame = frame.f_back
+    return False
+
+
+def send_later(number: int) -> None:
+    """Send the main thread a signal when Python has come to do something else."""
+    sleep(LATER)
+    main = main_thread().ident
+    if main is not None:
+        signal.pthread_kill(main, number)
 
 
 def answer_again() -> None:

@@ -11,7 +11,7 @@ from _thread import start_new_thread
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from time import monotonic, sleep
+from time import monotonic
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TextIO
 
 import click
@@ -40,9 +40,6 @@ COLLECT = (100_000, 50, 100)
 
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
-
-LATER = 0.05
-"""Seconds after which an interruption that was dropped comes again."""
 
 
 class Command(click.Group):
@@ -84,21 +81,13 @@ def _insisting() -> Iterator[None]:
             ending.answer_again()
         elif number == signal.SIGTERM:
             signal.signal(signal.SIGTERM, _terminate)
-        start_new_thread(_send_later, (number,))
+        start_new_thread(ending.send_later, (number,))
 
     sys.unraisablehook = again
     try:
         yield
     finally:
         sys.unraisablehook = usual
-
-
-def _send_later(number: int) -> None:
-    """Send the main thread a signal when Python has come to do something else."""
-    sleep(LATER)
-    main = threading.main_thread().ident
-    if main is not None:
-        signal.pthread_kill(main, number)
 
 
 def _end(error: BaseException) -> int:

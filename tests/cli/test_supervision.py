@@ -229,6 +229,17 @@ def test_an_interruption_that_foreign_code_turns_into_an_error_of_its_own_is_an_
     assert ends(work) == (130, "interrupted\n")
 
 
+def test_an_interruption_in_what_clingo_calls_comes_when_that_is_done(tmp_path: Path) -> None:
+    work = """
+    import clingo
+    control = clingo.Control(["0"])
+    control.add("base", [], "1 { a(1..3) } 1.")
+    control.ground([("base", [])])
+    control.solve(on_statistics=lambda step, all: signal.raise_signal(signal.SIGINT))
+    time.sleep(60)"""
+    assert ends(work) == (130, "interrupted\n")
+
+
 @pytest.mark.parametrize("code", [0, 1, 2, 77])
 def test_codes_and_streams_are_those_of_the_command(code: int) -> None:
     work = f"sys.stdout.write(sys.stdin.read() + 'out'); sys.stderr.write('err'); sys.exit({code})"

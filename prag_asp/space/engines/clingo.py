@@ -7,6 +7,7 @@ from itertools import islice
 
 import clingo
 
+from prag_asp.children import uninterrupted
 from prag_asp.logic.ground.ground import unrolled
 from prag_asp.logic.model import Model
 from prag_asp.program.grounding import Grounder
@@ -153,7 +154,8 @@ class _Unrolled:
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
         self._limit(1)
-        return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
+        with uninterrupted():  # for an error in what it calls at the end, clingo ends the process
+            return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
 
     def count(self, assumptions: Sequence[int], budget: Budget) -> tuple[int, str | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
