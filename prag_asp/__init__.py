@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     __version__: str
 
     from prag_asp.atom import Atom, parse_atom
+    from prag_asp.bounding import bounded
     from prag_asp.domain.load import Domain, load_domain, load_scene
     from prag_asp.domain.scaffold import write_new_domain
     from prag_asp.errors import (
@@ -60,6 +61,7 @@ __all__ = [
     "TaskSpace",
     "TaskSpaces",
     "__version__",
+    "bounded",
     "explain",
     "load_domain",
     "load_scene",
@@ -70,6 +72,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.atom": ("Atom", "parse_atom"),
+    "prag_asp.bounding": ("bounded",),
     "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
     "prag_asp.domain.scaffold": ("write_new_domain",),
     "prag_asp.errors": (

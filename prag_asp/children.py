@@ -3,7 +3,7 @@
 `multiprocessing` cannot promise that: a process that is just being started tells of arguments that never came where
 its parent has ended, and a tracker that it runs beside tells of semaphores. Here nothing that a child does before it
 listens depends on its parent; it hears no Ctrl-C, which is for its parent to answer; and a line that is cut ends it at
-once.
+once. Where its parent is gone, the kernel ends it, even while foreign code keeps it from hearing anything.
 
 A child runs `answers(messages)` of a module: an iterator over what is sent to it makes one over what it answers.
 """
@@ -26,6 +26,8 @@ from threading import Thread, current_thread, main_thread
 from types import FrameType, TracebackType
 from typing import Any
 
+from prag_asp.lifeline import hang_on, held_line
+
 
 class Ended(Exception):
     """A child has ended before it answered: the message says how."""
@@ -41,6 +43,8 @@ class Child:
 
     process: subprocess.Popen[bytes]
     line: Connection
+    held: int
+    """The end of its lifeline that we hold as long as we live."""
 
     def send(self, message: object) -> None:
         """Send it something that can be pickled.
@@ -113,11 +117,12 @@ class Children:
         """
         with uninterrupted(), _unheard():
             ours, theirs = Pipe()
+            hanging, held = held_line()
             with theirs:
                 # The path is handed over, and the folder that the user stands in, which Python would add, left out.
                 code = (
                     f"import sys; sys.path[:] = {[*map(str, sys.path)]!r}; "
-                    f"from prag_asp.children import serve; serve({theirs.fileno()}, {self._module!r})"
+                    f"from prag_asp.children import serve; serve({theirs.fileno()}, {hanging}, {self._module!r})"
                 )
                 try:
                     process = subprocess.Popen(
@@ -125,11 +130,14 @@ class Children:
                         stdin=subprocess.DEVNULL,
                         stdout=subprocess.DEVNULL,
                         stderr=self._complaints,
-                        pass_fds=[theirs.fileno()],
+                        pass_fds=[theirs.fileno(), hanging],
                     )
                 except OSError as error:
+                    os.close(held)
                     raise Ended(f"before it began: {error.strerror}") from None
-            child = Child(process, ours)
+                finally:
+                    os.close(hanging)
+            child = Child(process, ours, held)
             self._all.append(child)
         return child
 
@@ -139,12 +147,13 @@ class Children:
             child.process.kill()
             child.process.wait()
             child.line.close()
+            os.close(child.held)
             self._all.remove(child)
 
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Put off what SIGINT and SIGTERM do until the block has ended.
+    """Put off what SIGINT, SIGTERM and SIGALRM do until the block has ended.
 
     Blocking them would not do: another thread may take them, one of NumPy's for instance, and the main one answers.
     """
@@ -156,7 +165,7 @@ def uninterrupted() -> Iterator[None]:
     def put_off(number: int, frame: FrameType | None) -> None:
         came.append(number)
 
-    usual = {each: signal.getsignal(each) for each in (signal.SIGTERM, signal.SIGINT)}
+    usual = {each: signal.getsignal(each) for each in (signal.SIGTERM, signal.SIGINT, signal.SIGALRM)}
     known = {each: handler for each, handler in usual.items() if callable(handler)}
     try:
         for each in known:
@@ -185,8 +194,9 @@ def answered(children: Collection[Child], seconds: float | None = None) -> list[
     return [child for child in children if child.line in ready]
 
 
-def serve(descriptor: int, module: str) -> None:
-    """Be a child: answer what comes, tell of an error and end, and end at once when the line is cut."""
+def serve(descriptor: int, lifeline: int, module: str) -> None:
+    """Be a child: answer what comes, tell of an error and end, and end at once when a line is cut."""
+    hang_on(lifeline)
     line = Connection(descriptor)
     os.set_inheritable(descriptor, False)
     messages: SimpleQueue[bytes] = SimpleQueue()

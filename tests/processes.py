@@ -53,14 +53,18 @@ def until_it_works(process: subprocess.Popen[str], output: Path | None = None, s
     while process.poll() is None and time.monotonic() < latest:
         if output is not None and output.exists() and output.stat().st_size:
             return
-        if output is None and sum(map(computed, (process.pid, *children(process.pid)))) > seconds:
+        if output is None and sum(map(computed, family(process.pid))) > seconds:
             return
         time.sleep(0.05)
 
 
 def computed(pid: int) -> float:
-    """Return for how many seconds a process has computed."""
-    user, system = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+    """Return for how many seconds a process has computed; one that is gone has not."""
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    user, system = text.rpartition(")")[2].split()[11:13]
     return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 
@@ -71,6 +75,20 @@ def children(of: int | str = "self") -> list[int]:
         with suppress(FileNotFoundError, ProcessLookupError):  # Threads end meanwhile.
             found += map(int, (thread / "children").read_text().split())
     return found
+
+
+def family(of: int) -> list[int]:
+    """Return a process and all that were started by it or by one that it has started."""
+    found = [of]
+    for process in found:
+        with suppress(FileNotFoundError):
+            found += children(process)
+    return found
+
+
+def workers(command: int) -> list[int]:
+    """Return what a command has started, without itself and the supervisor that it was started as."""
+    return family(command)[2:]
 
 
 def gone(processes: Iterable[int], seconds: float = 15) -> bool:

@@ -22,17 +22,20 @@ PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
     ["errors", "wording", "integers", "atom", "task", "lazy", "output", "children", "missing", "fields", "reading"]
-) | {"arrays"}
+) | {"arrays", "stage", "machine"}
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
 
 ROOMS: Mapping[str, frozenset[str]] = {
-    "": GROUND | {"program", "scene", "domain", "logic", "space", "versions"},
+    "": GROUND | {"program", "scene", "domain", "logic", "space", "versions", "bounding"},
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
-    "children": frozenset(["errors"]),
+    "lifeline": frozenset(),
+    "machine": frozenset(),
+    "stage": frozenset(),
+    "children": frozenset(["errors", "lifeline"]),
     "missing": frozenset(["errors"]),
     "reading": frozenset(),
     "arrays": frozenset(),
@@ -42,6 +45,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "integers": frozenset(),
     "atom": frozenset(["errors", "integers"]),
     "task": frozenset(["errors", "atom", "integers"]),
+    "bounding": frozenset(["errors", "children", "machine"]),
     "program": GROUND - {"task"},
     "scene": GROUND - {"task"},
     "lint": (GROUND - {"task"}) | {"program", "scene"},
@@ -51,7 +55,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "domain", "space", "physics"},
     "analysis": GROUND | {"domain", "space"},
-    "cli": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
+    "cli": GROUND
+    | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions", "lifeline"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -75,8 +80,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 
 PUBLIC = {
     "Atom", "Condition", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached", "Limits", "OutputError",
-    "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "explain",
-    "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
+    "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "bounded",
+    "explain", "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
 }  # fmt: skip
 HEAVY = {
     "pybullet",

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from prag_asp.errors import PicturesMissingError, QueryError
 from prag_asp.output import replace_file
 from prag_asp.space.task_space import TaskSpace
+from prag_asp.stage import stage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -103,6 +104,7 @@ def draw_curve(curve: Curve, file: str) -> None:
         OutputError: the file cannot be written.
     """
     check_file(file)
+    stage("drawing the curve")
     kind = Path(file).suffix.lower()
     replace_file(file, page(curve).encode() if kind == ".html" else saved(figure(curve), kind))
 

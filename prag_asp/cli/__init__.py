@@ -17,10 +17,18 @@ __all__ = ["cli", "main"]
 def main() -> None:
     """Run the command and exit; while it is being loaded, an interruption ends it as quietly as later."""
     try:
+        from prag_asp.cli.supervision import supervise
+
+        supervise()
         code = _command().main()
-    except KeyboardInterrupt:
-        sys.stderr.write("\ninterrupted\n")
-        code = 130
+    except KeyboardInterrupt as asked:
+        from prag_asp.cli.ending import Terminated
+        from prag_asp.cli.exits import Exit
+
+        line, code = (
+            ("terminated", Exit.TERMINATED) if isinstance(asked, Terminated) else ("interrupted", Exit.INTERRUPTED)
+        )
+        sys.stderr.write(f"\n{line}\n")
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.
     sys.exit(code)
 

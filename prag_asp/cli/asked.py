@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from prag_asp.cli import ending
 from prag_asp.cli.terminal import tell_line
 from prag_asp.errors import DomainError, QueryError
 from prag_asp.reading import STANDARD_INPUT
@@ -40,8 +41,6 @@ class Asked:
     length: int | range = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
-    memory: str | None = None
-    time: str | None = None
     cached: bool = True
     trust: bool = False
     strict: bool = False
@@ -126,13 +125,13 @@ class Asked:
         """Return the limits; what is asked is checked on the way, before anything is loaded.
 
         Raises:
-            QueryError: a limit is none, or a condition is empty.
+            QueryError: a condition is empty.
         """
-        from prag_asp.space.limits import Limits, parse_memory, parse_time
+        from prag_asp.space.limits import Limits
 
         self.conditions()
-        memory = parse_memory(self.memory) if self.memory else None
-        return Limits(memory, parse_time(self.time) if self.time else None, self.cached)
+        seconds, memory, begun = ending.limits()
+        return Limits(memory, seconds, self.cached, begun)
 
 
 def _note_unread(names: Sequence[str]) -> None:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli import complete
+from prag_asp.cli import complete, ending
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.words import one_length, one_or_more_lengths
 from prag_asp.errors import QueryError
+from prag_asp.machine import SHARE
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
@@ -20,6 +21,22 @@ if TYPE_CHECKING:
     from prag_asp.physics import Budget
 
 Function = Callable[..., Any]
+
+
+def _limit_time(context: click.Context, parameter: click.Parameter, given: str | None) -> None:
+    """Limit the time of the command."""
+    if given and not context.resilient_parsing:
+        from prag_asp.space.limits import parse_time
+
+        ending.limit(seconds=parse_time(given))
+
+
+def _limit_memory(context: click.Context, parameter: click.Parameter, given: str | None) -> None:
+    """Limit the memory of the command."""
+    if given and not context.resilient_parsing:
+        from prag_asp.space.limits import parse_memory
+
+        ending.limit(memory=parse_memory(given))
 
 
 PROGRAM = (
@@ -72,12 +89,31 @@ ANSWERED = (
         "--engine", default="auto", show_default=True, metavar="ENGINE", shell_complete=complete.engines,
         help="auto, automaton, clingo, sat or sharp.",
     ),
-    click.option("--memory", metavar="SIZE", help="Stop at this much memory, such as 4GB."),
-    click.option("--time", metavar="TIME", help="Stop exploring or counting after this long, such as 60s or 5m."),
     click.option(
         "--cache/--no-cache", "cached", default=True, help="Keep what took long for the next run.  [default: cache]"
     ),
 )  # fmt: skip
+LIMITS = (
+    click.option(
+        "--time", metavar="TIME", expose_value=False, is_eager=True, callback=_limit_time,
+        help="Stop after this long, such as 60s or 5m, with what is known by then.  [default: no limit]",
+    ),
+    click.option(
+        "--memory", metavar="SIZE", expose_value=False, is_eager=True, callback=_limit_memory,
+        help=f"Stop at this much memory of all processes, such as 4GB.  [default: {SHARE} % of the machine's]",
+    ),
+)  # fmt: skip
+"""Every command has these, which the list of commands gives it."""
+
+
+def with_limits(command: click.Command) -> click.Command:
+    """Return a command with the options of limits, which it is given once."""
+    if not any(each.name == "memory" for each in command.params):
+        for option in LIMITS:
+            option(command)
+    return command
+
+
 SPACE = (*DOMAIN, LENGTH, *ANSWERED)
 SPACES = (*DOMAIN, LENGTHS, *ANSWERED)
 

@@ -45,9 +45,11 @@ class Commands(Command):
         """Return the command of a name, None where there is none."""
         if cmd_name not in COMMANDS:
             return None
+        from prag_asp.cli.options import with_limits
+
         found = getattr(import_module(f"prag_asp.cli.commands.{COMMANDS[cmd_name]}"), cmd_name)
         assert isinstance(found, click.Command)
-        return found
+        return with_limits(found)
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run the command, or answer a shell that asks for completions, and return the exit code."""

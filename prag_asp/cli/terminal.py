@@ -9,13 +9,16 @@ import threading
 from _thread import start_new_thread
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from time import monotonic, sleep
+from time import monotonic
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 
 import click
 
+from prag_asp.cli import ending
+from prag_asp.cli.ending import ASKED, Struck, Terminated
 from prag_asp.cli.exits import Exit, exit_of
 from prag_asp.errors import PragError, one_line, plain
+from prag_asp.stage import so_far
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -27,9 +30,6 @@ COLLECT = (100_000, 50, 100)
 
 PATIENCE = 2.0
 """Seconds before a terminal is shown how far things are."""
-
-LATER = 0.05
-"""Seconds after which an interruption that was dropped comes again."""
 
 
 def say(text: object) -> None:
@@ -57,10 +57,6 @@ def _show_usage(error: click.ClickException) -> None:
     tell_line(f"{context.command_path}: {told}; see {context.command_path} --help")
 
 
-class Terminated(KeyboardInterrupt):
-    """Another process has asked this one to end, which it does as after Ctrl-C."""
-
-
 class Command(click.Group):
     """Turns errors into one line on stderr, and an interruption into a quiet end."""
 
@@ -69,6 +65,7 @@ class Command(click.Group):
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
         gc.set_threshold(*COLLECT)
+        ending.begin()
         try:
             with _insisting():
                 return super().main(*args, **{**kwargs, "standalone_mode": False}) or 0
@@ -77,12 +74,12 @@ class Command(click.Group):
         except click.ClickException as error:
             _show_usage(error)
             return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
-        except (click.Abort, KeyboardInterrupt, PragError, OSError) as error:
+        except (click.Abort, KeyboardInterrupt, Struck, PragError, OSError, MemoryError, RecursionError) as error:
             return _end(error)
-        except RuntimeError as error:
-            if isinstance(error.__cause__, KeyboardInterrupt):  # So Python wraps what interrupts the making of a class.
-                return _end(error.__cause__)
-            raise
+        except Exception as error:
+            if _interruption(error) is None:
+                raise
+            return _end(error)
 
 
 @contextmanager
@@ -91,13 +88,15 @@ def _insisting() -> Iterator[None]:
     usual = sys.unraisablehook
 
     def again(dropped: sys.UnraisableHookArgs) -> None:
-        if isinstance(dropped.exc_value, Terminated):
-            signal.signal(signal.SIGTERM, _terminate)
-            start_new_thread(_send_later, (signal.SIGTERM,))
-        elif isinstance(dropped.exc_value, KeyboardInterrupt):
-            start_new_thread(_send_later, (signal.SIGINT,))
-        else:
+        number = next((each for each, kind in ASKED.items() if type(dropped.exc_value) is kind), None)
+        if number is None:
             usual(dropped)
+            return
+        if ending.supervised():
+            ending.answer_again()
+        elif number == signal.SIGTERM:
+            signal.signal(signal.SIGTERM, _terminate)
+        start_new_thread(ending.send_later, (number,))
 
     sys.unraisablehook = again
     try:
@@ -106,25 +105,17 @@ def _insisting() -> Iterator[None]:
         sys.unraisablehook = usual
 
 
-def _send_later(number: signal.Signals) -> None:
-    """Send the main thread a signal when Python has come to do something else."""
-    sleep(LATER)
-    main = threading.main_thread().ident
-    if main is not None:
-        signal.pthread_kill(main, number)
-
-
 def _end(error: BaseException) -> int:
     """Say on stderr why the command ends, and return its exit code."""
     if isinstance(error, BrokenPipeError):
         sys.stdout = None  # nothing more can be flushed into it
         return Exit.OUTPUT
-    if isinstance(error, Terminated) or isinstance(error.__cause__, Terminated):
-        click.echo("terminated", err=True)
-        return Exit.TERMINATED
-    if isinstance(error, (click.Abort, KeyboardInterrupt)):
-        click.echo("interrupted", err=True)
-        return Exit.INTERRUPTED
+    interruption = _interruption(error)
+    if interruption is not None:
+        return _end_asked(interruption)
+    if isinstance(error, (MemoryError, RecursionError)):
+        tell_line(ending.out_of_memory() if isinstance(error, MemoryError) else ending.too_deep())
+        return Exit.LIMIT if isinstance(error, MemoryError) else Exit.BAD_INPUT
     if isinstance(error, OSError):
         tell_line(f"{error.filename or 'stdout'}: {error.strerror or error}")
         return Exit.BAD_INPUT if error.filename else Exit.OUTPUT
@@ -132,6 +123,23 @@ def _end(error: BaseException) -> int:
     for line in error.lines:
         tell_line(line)
     return exit_of(error)
+
+
+def _interruption(error: BaseException) -> type[BaseException] | None:
+    """Return what interrupted the command, be it that an error of foreign code or of Python wraps it, or None."""
+    for each in (error.__cause__, error):
+        if each is not None and isinstance(each, (*ASKED.values(), click.Abort)):
+            return ending.asked_for() or type(each)
+    return ending.asked_for()
+
+
+def _end_asked(kind: type[BaseException]) -> Exit:
+    """Say that the command ends since it was asked to, and return its exit code."""
+    told = {Terminated: ("terminated", Exit.TERMINATED), Struck: (ending.struck(), Exit.LIMIT)}
+    line, code = told.get(kind, ("interrupted", Exit.INTERRUPTED))
+    click.echo(line, err=True)
+    ending.said()
+    return code
 
 
 @contextmanager
@@ -170,14 +178,15 @@ class Tell(Protocol):
 @contextmanager
 def progress() -> Iterator[Tell]:
     """Yield a function that is told how far things are; a terminal sees it once two seconds have passed."""
-    if not sys.stderr.isatty():
-        yield lambda words, done=0, total=None: None
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield lambda words, done=0, total=None: so_far(_line(words))
         return
     begun = monotonic()
     shown: list[tuple[Progress, TaskID]] = []
     with ExitStack() as bars:
 
         def tell(words: str, done: float = 0, total: int | None = None) -> None:
+            so_far(_line(words))
             first = not shown
             if first:
                 if monotonic() - begun <= PATIENCE:
@@ -185,9 +194,13 @@ def progress() -> Iterator[Tell]:
                 bar = bars.enter_context(_bar())
                 shown.append((bar, bar.add_task("", total=None)))
             bar, number = shown[0]
-            bar.update(number, description=plain(words.splitlines()[0]), completed=done, total=total, refresh=first)
+            bar.update(number, description=plain(_line(words)), completed=done, total=total, refresh=first)
 
         yield tell
+
+
+def _line(words: str) -> str:
+    return words.partition("\n")[0]
 
 
 def _bar() -> Progress:

@@ -20,6 +20,7 @@ from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources, read_text
+from prag_asp.stage import stage
 
 if TYPE_CHECKING:
     from prag_asp.scene.model import Scene
@@ -88,6 +89,7 @@ def load_domain(
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
     """
+    stage("reading the domain")
     found = parse_given(given, text)
     values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
@@ -146,6 +148,7 @@ def load_scene(domain: Domain) -> Scene:
     facts = domain.facts
     from prag_asp.scene.load import parse_scene
 
+    stage("reading the scene")
     folder, trust = domain.settings.path.parent, domain.trusted
     return parse_scene(domain.settings.scene, facts.class_names, facts.entity_names, folder=folder, trust=trust)
 

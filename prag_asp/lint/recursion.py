@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from prag_asp.program.checks import ever_larger
-from prag_asp.program.endless import endless_rules
+from prag_asp.program.finite.checks import ever_larger
+from prag_asp.program.finite.endless import endless_rules
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
 

@@ -19,6 +19,7 @@ from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
 from prag_asp.lint.recursion import recursion_problems
+from prag_asp.lint.size import size_problems
 from prag_asp.lint.table import name_problems, table_problems
 from prag_asp.lint.vocabulary import vocabulary_problems
 from prag_asp.program.allowed import Allowed, allowance_problems, allowed_names, not_allowed
@@ -29,9 +30,9 @@ from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, parse_table, settings_of
 from prag_asp.program.sources import HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
+from prag_asp.stage import stage
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
-
 
 LEARNED_INVARIANT = ("impossible", 2)
 """What a file of learned invariants may state."""
@@ -62,6 +63,7 @@ class _Judge:
         Raises:
             DomainError: some of it are errors.
         """
+        stage("checking the domain")
         found = list(problems)
         raise_problems(each for each in found if not each.is_warning)
         self.warnings |= dict.fromkeys(not_allowed(found, self._allowed))
@@ -80,7 +82,7 @@ def check(program: Program, given: Source) -> Checked:
     allowed = allowed_names((source for source, own in sources if own), settings)
     judge = _Judge(allowed)
     judge.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
-    judge.take(directive_problems(statements))
+    judge.take([*directive_problems(statements), *size_problems(statements)])
     judge.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
     plain = _one_free_step(program, sources)
     grounder = Grounder(plain)

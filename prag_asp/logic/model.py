@@ -18,7 +18,9 @@ from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
 from prag_asp.logic.symmetry.symmetry import interchangeable
 from prag_asp.program.sources import ADDED, Program, read_sources
+from prag_asp.stage import stage
 
+INTERCHANGEABLE = "looking for interchangeable entities"
 LOOP_FREE = ("conditions", "loop_free.lp")
 
 
@@ -61,18 +63,23 @@ class Model:
     @cached_property
     def step(self) -> NormalStep:
         """One step in normal form."""
-        return stratified_step(self.ground)
+        ground = self.ground
+        stage("preparing the step")
+        return stratified_step(ground)
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
         """Return the groups of interchangeable entities in plans of a length; most domains have the same for all."""
         if not self._without_loops.obstacles:
             return self._without_loops._groups
         unrolled = ground_plan(self.program, length, self.reads)
+        stage(INTERCHANGEABLE)
         return tuple(interchangeable(self.domain.facts, unrolled))
 
     @cached_property
     def _groups(self) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        return tuple(interchangeable(self.domain.facts, self.ground))
+        ground = self.ground
+        stage(INTERCHANGEABLE)
+        return tuple(interchangeable(self.domain.facts, ground))
 
     @cached_property
     def _without_loops(self) -> Model:

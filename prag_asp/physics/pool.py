@@ -17,6 +17,7 @@ from prag_asp.errors import QueryError, WorkerError
 from prag_asp.physics.validator import open_validator
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.scene.model import Scene
+from prag_asp.stage import stage
 from prag_asp.task import Task
 
 CHUNK = 4
@@ -137,6 +138,7 @@ class _Pool:
         Raises:
             WorkerError: workers died more than `REPLACEMENTS` times over the same chunk, or cannot be started.
         """
+        stage("checking tasks by physics")
         for chunk in waiting:
             if not chunk.handed and (worker := self._free()) is not None:
                 self._hand(chunk, worker)

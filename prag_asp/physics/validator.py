@@ -26,6 +26,7 @@ from prag_asp.physics.verdict import Budget, Detail, Verdict
 from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.model import Scene, Size
+from prag_asp.stage import stage
 from prag_asp.task import Task
 
 LISTED = 8
@@ -50,6 +51,7 @@ class Validator:
             SceneError: the task speaks about something for which the scene has no shape.
         """
         budget = budget or Budget()
+        stage("checking tasks by physics")
         physical = physical_task(task, self._scene)
         if len(physical.effects) != len(task.states):
             raise SceneError(f"the task {task} has {len(task.states)} states for {len(physical.effects)} actions")

@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterable, Sequence
 import clingo
 
 from prag_asp.errors import DomainError
-from prag_asp.program.checks import Checks
-from prag_asp.program.guards import guarded
+from prag_asp.program.finite.checks import Checks
+from prag_asp.program.finite.guards import guarded
 from prag_asp.program.sources import Program
+from prag_asp.stage import stage
 
 POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
 UNSAFE = r"'([^']+)' is unsafe"
@@ -46,6 +47,7 @@ class Grounder:
         Raises:
             DomainError: clingo cannot ground them, or an arithmetic or set operation is undefined or out of range.
         """
+        stage("grounding the domain")
         self._run(lambda: self.control.ground(list(parts), context=self._checks))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:

@@ -17,6 +17,9 @@ from prag_asp.program.tokens import blanked, open_comment
 MESSAGE = r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>(?s:.*))"
 TOKEN = r"#?[\w']+|:-|\S"
 EXPECTED = r"expecting (.*)"
+DEEPEST = 300
+"""How deep parentheses may be nested."""
+
 STAND_IN = "$"
 """A character that clingo reads in strings and comments only."""
 
@@ -36,8 +39,23 @@ def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statemen
 def _parsed(source: Source, own: bool) -> tuple[tuple[Statement, ...], Problem | None]:
     """Return the statements of a source, or its first problem."""
     statements: list[Statement] = []
-    broken = _character_problem(source) or _parse(source, own, statements) or number_problem(source)
+    broken = _character_problem(source) or _depth_problem(source)
+    broken = broken or _parse(source, own, statements) or number_problem(source)
     return (() if broken else tuple(statements)), broken
+
+
+def _depth_problem(source: Source) -> Problem | None:
+    """Return where parentheses are nested deeper than clingo, or what reads its terms, can follow."""
+    if source.text.count("(") <= DEEPEST:
+        return None
+    depth = 0
+    for number, line in enumerate(blanked(source.text).split("\n"), 1):
+        for character in line:
+            depth = max(depth + (character == "(") - (character == ")"), 0)
+            if depth > DEEPEST:
+                told = f"parentheses are nested more than {DEEPEST} deep; make the term flatter"
+                return Problem(source.path, number, told)
+    return None
 
 
 def number_problem(source: Source) -> Problem | None:

@@ -4,34 +4,42 @@ from __future__ import annotations
 
 import os
 import re
-import resource
-import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
+from typing import TypeVar
 
 from prag_asp.errors import LimitReached, QueryError
+from prag_asp.machine import memory_in_use
 
 UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
 DURATIONS = {"": 1, "s": 1, "m": 60, "min": 60, "h": 3600}
 QUANTITY = r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)"
+LEAST_CLOSING, MOST_CLOSING = 0.1, 5.0
+"""Seconds after the limit in which what was found until then is counted; otherwise a twentieth of the limit."""
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
 class Limits:
     """What a question may take: memory of the whole process in bytes, seconds; None is without limit.
 
-    `cached` says whether what took long to compute is kept in the cache folder for the next run.
+    They hold where our own code looks at them, between two pieces of work; clingo's grounder, for one, hears nothing of
+    them. `cached` says whether what took long to compute is kept in the cache folder for the next run. `since` is when
+    the seconds of all questions together began, on the monotonic clock; with None, each question has its own.
     """
 
     memory_bytes: int | None = None
     seconds: float | None = None
     cached: bool = True
+    since: float | None = None
 
     def begin(self) -> Budget:
         """Start the clock for one question."""
-        return Budget(self, monotonic())
+        return Budget(self, monotonic() if self.since is None else self.since)
 
 
 UNLIMITED = Limits()
@@ -43,24 +51,61 @@ class Budget:
 
     limits: Limits
     begun: float
+    closing: float = 0.0
 
     def spent(self, more_bytes: int = 0) -> str | None:
         """Return which limit is reached, in words, or None; `more_bytes` are about to be taken."""
         seconds, memory = self.limits.seconds, self.limits.memory_bytes
-        if seconds is not None and monotonic() - self.begun > seconds:
+        if seconds is not None and monotonic() - self.begun > seconds + self.closing:
             return f"the time limit of {seconds:g} s"
         if memory is not None and memory_in_use() + more_bytes > memory:
             return f"the memory limit of {memory / 10**6:,.0f} MB"
         return None
 
+    def left(self) -> float | None:
+        """Return the seconds that are left, or None where they are not limited."""
+        seconds = self.limits.seconds
+        return None if seconds is None else max(self.begun + seconds - monotonic(), 0.0)
+
+    def to_close(self) -> Budget:
+        """Return the time that is left, or a little more, for counting what was found: nothing would be known without.
+
+        Memory is no matter then, for counting takes little.
+        """
+        seconds = self.limits.seconds
+        if seconds is None:
+            return Budget(UNLIMITED, self.begun)
+        own = min(max(seconds / 20, LEAST_CLOSING), MOST_CLOSING)
+        late = max(monotonic() - self.begun - seconds, 0)
+        return Budget(Limits(seconds=seconds), self.begun, late + own)
+
+
+def within(limits: Limits, words: Iterator[Found], level: str, length: int) -> Iterator[Found]:
+    """Yield words, until a limit is reached.
+
+    Raises:
+        LimitReached: it is; the error has the number of words that were found.
+    """
+    budget = limits.begin()
+    for found, word in enumerate(words):
+        stopped = budget.spent()
+        if stopped:
+            raise stopped_at(stopped, found, level, length)
+        yield word
+
 
 def stopped_at(limit: str, found: int, level: str, length: int) -> LimitReached:
     """Return the error for a limit, given in words, that ended a count when `found` words were found."""
     return LimitReached(
-        f"{limit} was reached: there are at least {found} {level}s of length {length}; allow more, or ask for "
+        f"{limit} was reached: there are at least {found} {level}s of length {length}; {allow_more(limit)}, or ask for "
         "shorter ones",
         found,
     )
+
+
+def allow_more(limit: str) -> str:
+    """Return what to do about a limit, given in words: the command's option that moves it."""
+    return f"allow more (--{'time' if limit.startswith('the time') else 'memory'})"
 
 
 def cache_folder() -> Path | None:
@@ -72,16 +117,6 @@ def cache_folder() -> Path | None:
         return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "prag_asp"
     except RuntimeError:  # there is no home
         return None
-
-
-def memory_in_use() -> int:
-    """Return the memory of this process in bytes: what is resident now, or the most that ever was."""
-    try:
-        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    except (OSError, ValueError, IndexError):
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        return peak if sys.platform == "darwin" else peak * 1024
-    return pages * resource.getpagesize()
 
 
 def parse_memory(text: str) -> int:

@@ -10,7 +10,8 @@ import pytest
 
 from prag_asp.cli import terminal
 from tests.commands import PRAG, ok, run, run_apart
-from tests.processes import children, interrupt, interruptible, terminate
+from tests.processes import interrupt, interruptible, terminate
+from tests.processes import workers as at_work
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +108,7 @@ def test_workers_that_are_just_being_started_leave_an_interruption_to_their_pare
 ) -> None:
     with interruptible([*PRAG, "validate", many, "--workers", "2"], tmp_path) as process:
         until = time.monotonic() + 60
-        while len(children(process.pid)) < 2 and time.monotonic() < until:
+        while len(at_work(process.pid)) < 2 and time.monotonic() < until:
             time.sleep(0.01)
         time.sleep(delay)
         err = interrupt(process)
@@ -122,7 +123,7 @@ def test_a_validation_that_is_told_to_end_ends_as_an_interrupted_one_and_its_wor
     with interruptible([*PRAG, "validate", many, "--workers", workers], tmp_path) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "1\tfeasible\n"
-        helpers = children(process.pid)
+        helpers = at_work(process.pid)
         err = terminate(process)
     assert process.returncode == 143
     assert err.startswith(tuple("123456789")) and "budget 10 x 10" in err and err.endswith("terminated\n")

@@ -20,6 +20,7 @@ from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_plac
 from prag_asp.errors import QueryError
 from prag_asp.output import Steps, file_in, make_folder
 from prag_asp.reading import lines_of, open_text, read_bytes
+from prag_asp.stage import stage
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -165,6 +166,7 @@ class _Drawing:
         language = domain.settings.language
         headings = [sentence(action, language) if action.name in language else None for action in task.actions]
         animated = self.form in ANIMATED
+        stage("drawing pictures")
         with told_with_place(record, domain):
             shown = self._shown(record, number, scene)
             if animated:

@@ -11,6 +11,7 @@ from prag_asp.logic.formula.clauses import TRUE, Literal
 from prag_asp.logic.formula.completion import complete
 from prag_asp.logic.ground.unroll import unroll
 from prag_asp.program.sources import Program
+from prag_asp.stage import stage
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ def plan_cnf(program: Program, length: int, shown: str = "occurs") -> Cnf:
         EngineError: the program has no counterpart in clauses.
     """
     ground = unroll(program, length)
+    stage("writing clauses")
     completion = complete(ground.rules)
     literals = {symbol: completion.values.get(atom, -TRUE) for symbol, atom in ground.atoms.items()}
     words = [literal for symbol, literal in literals.items() if symbol.match(shown, 2) and abs(literal) != TRUE]

@@ -12,7 +12,7 @@ from tempfile import TemporaryFile
 from typing import IO
 
 from prag_asp.children import Children, Ended
-from prag_asp.errors import EngineError
+from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clauses import Literal
 from prag_asp.logic.formula.cnf import Cnf
 
@@ -34,7 +34,8 @@ def count_models(cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float |
     """Return the number of assignments of the shown variables that a model with the literals assumed has.
 
     Raises:
-        EngineError: Ganak is missing, cannot take the formula, fails, or has not finished after `seconds`.
+        EngineError: Ganak is missing, cannot take the formula, or fails.
+        LimitReached: it has not finished after `seconds`.
     """
     require_ganak()
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
@@ -45,9 +46,8 @@ def count_models(cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float |
             ganak.send((cnf.variables, cnf.shown, clauses))
             return int(ganak.receive(seconds))
         except TimeoutError:
-            raise EngineError(
-                f"engine sharp: no count after {seconds:g} s; allow more, or choose a smaller length"
-            ) from None
+            told = f"engine sharp: no count after {seconds:.3g} s"
+            raise LimitReached(f"{told}; allow more (--time), or choose a smaller length", 0) from None
         except Ended as ended:
             said = _last_line(complaints)
             raise EngineError(f"engine sharp: Ganak ended {ended} ({said}); choose another engine") from None

@@ -13,6 +13,7 @@ from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.model import Model
 from prag_asp.program.facts import Assignment
+from prag_asp.stage import stage
 
 OPPOSITE = {"true": "false", "false": "true"}
 TOLD = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
@@ -42,6 +43,7 @@ def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
     """
     program = reporting(model.program)
     cnf = plan_cnf(program.program, len(plan))
+    stage("looking for the conflict")
     with Solver(cnf.variables, cnf.clauses) as solver:
         search = _Search(model, tuple(plan), program, cnf, solver)
         if solver.satisfiable([*search.actions, *search.lawful(len(plan) + 1)]):

@@ -8,14 +8,18 @@ from dataclasses import dataclass, replace
 
 import clingo
 
+from prag_asp.errors import EngineError
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
-from prag_asp.program.checks import BoundReached
 from prag_asp.program.facts import Facts
+from prag_asp.program.finite.checks import BoundReached
+from prag_asp.program.finite.guards import guarded
 from prag_asp.program.grounding import Grounder, Part
-from prag_asp.program.guards import guarded
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature
+
+MOST_STEPS = 10**6
+"""Steps that are ground one by one at most: each takes a millisecond, and memory."""
 
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""
@@ -260,7 +264,16 @@ def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
 
 
 def unrolled(length: int) -> list[Part]:
-    """Return the program parts of plans of a length, after the base."""
+    """Return the program parts of plans of a length, after the base.
+
+    Raises:
+        EngineError: there are too many steps.
+    """
+    if length > MOST_STEPS:
+        raise EngineError(
+            f"length {length:,}: an engine that grounds each step takes at most {MOST_STEPS:,}; "
+            "choose a smaller length, or the engine automaton"
+        )
     steps: list[Part] = [("step", [clingo.Number(k)]) for k in range(1, length + 1)]
     return [*steps, ("check", [clingo.Number(length)])]
 

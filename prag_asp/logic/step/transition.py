@@ -21,6 +21,7 @@ from prag_asp.logic.step.normal import Body, NormalStep
 from prag_asp.logic.step.packed import Rows, bit, pack, unpack
 from prag_asp.logic.step.step_rules import StepRules
 from prag_asp.logic.step.strata import Column, Stratum, body_column, evaluate, stratify
+from prag_asp.stage import stage
 
 
 @dataclass(frozen=True)
@@ -209,6 +210,7 @@ def _reader(columns: Mapping[int, Column], size: int) -> Callable[[int], Column]
 
 def build_transition(step: NormalStep, labels: Sequence[clingo.Symbol] = ()) -> Transition:
     """Return the step function of a domain over the cone of influence of its constraints and of `labels`."""
+    stage("preparing the step")
     atoms = [step.ground.now[symbol] for symbol in labels if symbol in step.ground.now]
     cone = find_cone(step, atoms)
     return Transition(step, cone.variables, cone.constraints, tuple(labels))

@@ -20,6 +20,7 @@ from prag_asp.physics.proofs.prover import Prover
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import Graph, conflict, entailed, invariant_graph
 from prag_asp.scene.model import Scene
+from prag_asp.stage import stage
 
 Fluents = tuple[Atom, ...]
 """One fluent, or two, in the order of the domain."""
@@ -37,6 +38,7 @@ def proved(stated: Facts, scene: Scene, tell: Callable[[str], None] = lambda wor
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
     """
+    stage("proving")
     prover, graph = Prover(scene), invariant_graph(stated)
     spatial = list(_spatial(stated.fluents, scene))
     found: dict[Fluents, str | None] = {}

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers import expat
@@ -26,6 +27,9 @@ from prag_asp.wording import plural
 ZEROS = "0 0 0"
 LARGEST = 1_000_000
 """Bytes of a URDF: one rigid link has no use for more."""
+
+MOST_SOLIDS = 1000
+"""Collisions that a body may have: each takes its time in every check of every pose."""
 
 
 def read_urdf(path: Path, folder: Path) -> Shape:
@@ -66,7 +70,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
     """Return the outermost element of an XML file, and the line in which each element begins.
 
     Raises:
-        SceneError: the file cannot be read, or is not XML.
+        SceneError: the file cannot be read, is not XML, or has more collisions than a body may have.
     """
     try:
         content = read_bytes(path, within=folder, at_most=LARGEST)
@@ -74,8 +78,12 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
     builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
     lines: dict[ElementTree.Element, int] = {}
+    solids = count(1)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        if tag == "collision" and next(solids) > MOST_SOLIDS:
+            where, told = f"{path}:{parser.CurrentLineNumber}", f"more than {MOST_SOLIDS:,} collisions"
+            raise SceneError(f"{where}: {told}; give the body a simpler shape, such as one mesh or a few boxes")
         lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
 
     parser.StartElementHandler, parser.EndElementHandler = start, builder.end

@@ -12,6 +12,7 @@ from prag_asp.space.conditions.clauses import Ends, asked_end
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.formula import Conjunction
 from prag_asp.space.conditions.meaning import simplest, weakest
+from prag_asp.stage import stage
 
 
 def conditioned(domain: Domain, condition: Condition) -> Domain:
@@ -23,6 +24,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     Raises:
         QueryError: the condition speaks of something that the domain does not have.
     """
+    stage("reading the conditions")
     facts, files, asked = domain.facts, [], []
     said = (simplest(clause, facts) for clause in condition.clauses)
     clauses = [clause for clause in said if clause is not None]

@@ -16,6 +16,7 @@ from prag_asp.space.drawing.bits import Bits
 from prag_asp.space.drawing.drawers import OVER, ByWalk, ByWeight, Drawer, Over, OverGoals, OverSkeletons
 from prag_asp.space.engines.protocol import Draw, Engine, Level
 from prag_asp.space.weighing.weights import Weighed, Weights
+from prag_asp.stage import stage
 
 BATCH = 2048
 """Words that are drawn together."""
@@ -62,6 +63,7 @@ def weighed_words(
 def drawn_words(drawer: Drawer, engine: Engine, bits: Bits) -> Iterator[Draw]:
     """Yield words with their probability, without end; batches grow, so that the first comes at once."""
     first, size = 0, 1
+    stage("drawing")
     while True:
         drawn = drawer.draw(bits, first, size, tell=True)
         for word, probability in zip(drawn.letters.tolist(), drawn.probabilities, strict=True):

@@ -23,6 +23,7 @@ from prag_asp.space.automaton.automaton import Automaton, Completions, avoiding,
 from prag_asp.space.drawing.draws import weighed_words
 from prag_asp.space.engines.protocol import Engine, Level
 from prag_asp.space.weighing.weights import Weights
+from prag_asp.stage import stage
 
 ENTROPY_PLACES = 30
 """Decimal places of an entropy that are right."""
@@ -62,6 +63,7 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
         QueryError: there is nothing to draw.
     """
     weighed = weighed_words(engine, by, length, weights, plain=True)
+    stage("summing up statistics")
     letters = engine.letters
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     names = sorted(set(name_of))

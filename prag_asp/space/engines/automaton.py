@@ -15,8 +15,9 @@ from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, wo
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import Explorer, Reach
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, cache_folder
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more, cache_folder
 from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
+from prag_asp.stage import stage
 
 if TYPE_CHECKING:
     from prag_asp.space.automaton.merged import MergedRanking
@@ -95,11 +96,11 @@ class AutomatonEngine:
         """
         budget = self._limits.begin()
         reach = self._reach(length, budget)
-        # What was explored in time is counted on a clock of its own, or nothing would be known at its end.
+        stage("counting")
         if prefix or (self._limits.seconds is None and length < LONG):
             found, stopped = self._count(reach, length, prefix), reach.stopped
         else:
-            found, stopped = count_within(reach.completions, length, self._limits.begin().spent, self._tell)
+            found, stopped = count_within(reach.completions, length, budget.to_close().spent, self._tell)
         if stopped or reach.stopped:
             raise limit_reached(reach, reach.stopped or stopped, found, self._level, length)
         return found
@@ -142,6 +143,7 @@ class AutomatonEngine:
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, and keep the last ones made."""
         refuse_weights(self._level, weights, self._model, length)
+        stage("weighing")
         key = (length, weights, goals, plain)
         if self._weighed is None or self._weighed[0] != key:
             self._weighed = (key, self._weigh(length, weights, goals, plain))
@@ -173,6 +175,7 @@ class AutomatonEngine:
         if self._reached is not None and self._reached.covers(length):
             return self._reached
         begun = monotonic()
+        stage("exploring")
         found = self._explorer.reach(self._transition, length, budget)
         if found.covers(length):
             self._reached = found
@@ -186,15 +189,18 @@ class AutomatonEngine:
         Raises:
             LimitReached: a limit ended the exploration.
         """
-        reach = self._reach(length, self._limits.begin())
+        budget = self._limits.begin()
+        reach = self._reach(length, budget)
         if not reach.covers(length):
-            raise limit_reached(reach, reach.stopped, self._count(reach, length, ()), self._level, length)
+            found, _ = count_within(reach.completions, length, budget.to_close().spent)
+            raise limit_reached(reach, reach.stopped, found, self._level, length)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking:
         """Return the ranking of a length, and keep the last one made."""
         if self._ranked is None or self._ranked[0] != length:
             reach = self.explored(length)
+            stage("ranking")
             made = _merged_ranking(reach, length) or Ranking(reach.completions, length)
             self._ranked = (length, made)
         return self._ranked[1]
@@ -239,6 +245,6 @@ def limit_reached(reach: Reach, limit: str, found: int, level: Level, length: in
     states = reach.completions.automaton.states
     return LimitReached(
         f"{limit} was reached with {states:,} states explored: there are at least {found} {level}s of length "
-        f"{length}; allow more, or ask for shorter ones",
+        f"{length}; {allow_more(limit)}, or ask for shorter ones",
         found,
     )

@@ -7,14 +7,16 @@ from itertools import islice
 
 import clingo
 
+from prag_asp.children import uninterrupted
 from prag_asp.logic.ground.ground import unrolled
 from prag_asp.logic.model import Model
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters, name_in_prefix
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at, within
 from prag_asp.space.weighing.weights import Weighed, Weights
+from prag_asp.stage import stage
 
 POLL = 0.2
 """Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
@@ -41,20 +43,29 @@ class ClingoEngine:
             LimitReached: a limit ended the search; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        if self._progress:
-            self._progress(f"enumerating answer sets for length {length}")
         plans = self._plans(length)
         assumptions = plans.assume(prefix)
         if assumptions is None:
             return 0
+        if self._progress:
+            self._progress(f"enumerating answer sets for length {length}")
+        stage("enumerating answer sets")
         found, stopped = plans.count(assumptions, budget)
         if stopped:
             raise stopped_at(stopped, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily: by one search for each way to go on."""
+        """Yield the words of a length in order, lazily: by one search for each way to go on.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        return within(self._limits, self._words(length, prefix), self._level, length)
+
+    def _words(self, length: int, prefix: Letters) -> Iterator[Letters]:
         plans = self._plans(length)
+        stage("searching words")
 
         def onward(word: Letters) -> Iterator[Letters]:
             step = len(word)
@@ -143,7 +154,8 @@ class _Unrolled:
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
         self._limit(1)
-        return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
+        with uninterrupted():  # for an error in what it calls at the end, clingo ends the process
+            return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
 
     def count(self, assumptions: Sequence[int], budget: Budget) -> tuple[int, str | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.

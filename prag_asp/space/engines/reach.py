@@ -20,6 +20,7 @@ from prag_asp.space.automaton.explore import Explored, Extent, Watch, explore
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import Budget
 from prag_asp.space.weighing.weights import Weights, weigh, weighing_facts
+from prag_asp.stage import stage
 
 if TYPE_CHECKING:
     from prag_asp.logic.symmetry.merging import Merging
@@ -88,6 +89,7 @@ class Explorer:
         explored, merging = self._explored(transition, length, budget, Weights())
         names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton":
+            stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
             automaton, stopped = skeleton_automaton(explored.automaton, numbers, budget.spent)

@@ -11,8 +11,9 @@ from prag_asp.logic.model import Model
 from prag_asp.space.engines.formula import WordFormula, word_formula
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
-from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
+from prag_asp.space.limits import UNLIMITED, Limits, stopped_at, within
 from prag_asp.space.weighing.weights import Weighed, Weights
+from prag_asp.stage import stage
 
 REPORTED = 1000
 """Words between two reports of progress."""
@@ -53,8 +54,12 @@ class SatEngine:
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily: by one search for each way to go on."""
-        return self._searching(length).words(prefix)
+        """Yield the words of a length in order, lazily: by one search for each way to go on.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        return within(self._limits, self._searching(length).words(prefix), self._level, length)
 
     def begins(self, length: int, prefix: Letters) -> bool:
         """Return whether a word of a length begins with `prefix`."""
@@ -101,6 +106,7 @@ class SatEngine:
     def _searching(self, length: int) -> _Search:
         if self._search is None or self._search.formula.length != length:
             self._search = _Search(word_formula(self._model, self._level, length))
+            stage("searching words")
         return self._search
 
 

@@ -11,12 +11,13 @@ from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.engines.sat import SatEngine
 from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.weighing.weights import Weighed, Weights
+from prag_asp.stage import stage
 
 
 class SharpEngine:
     """Answers for one domain at one level by counting the models of a formula.
 
-    The limit of time is one for each count. Words are found as by the engine sat; ranks count the words under prefixes.
+    Words are found as by the engine sat; ranks count the words under prefixes.
 
     Raises:
         EngineError: the model counter is not installed; by each question, where the program has no counterpart in
@@ -29,8 +30,8 @@ class SharpEngine:
         require_ganak()
         self._progress = progress
         self._level = level
-        self._seconds = limits.seconds
-        self._sat = SatEngine(model, level)
+        self._limits = limits
+        self._sat = SatEngine(model, level, limits=limits)
         self._totals: dict[int, int] = {}
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -43,7 +44,8 @@ class SharpEngine:
             return 0
         if self._progress:
             self._progress(f"counting the models of {len(formula.cnf.clauses):,} clauses")
-        found = count_models(formula.cnf, beginning, self._seconds)
+        stage("counting models")
+        found = count_models(formula.cnf, beginning, self._limits.begin().left())
         if not prefix:
             self._totals[length] = found
         return found

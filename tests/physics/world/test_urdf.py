@@ -19,6 +19,7 @@ from prag_asp.scene.geometry import Pose
 from prag_asp.scene.load import parse_scene
 from prag_asp.scene.model import Scene
 from prag_asp.scene.read.mesh import mesh_parts
+from prag_asp.scene.read.urdf import read_urdf
 from tests.physics.random_tasks import Rules, scene_table
 from tests.physics.scenarios import stacking
 
@@ -355,3 +356,10 @@ def test_a_leaning_body_that_never_moves_is_fine(tmp_path):
         parse_scene(table, rules().classes, rules().entities, folder=tmp_path)
     fixed = {**table["fixed"], "can_1": [0.47, 0.0]}
     assert parse_scene({**table, "fixed": fixed}, rules().classes, rules().entities, folder=tmp_path).fixed["can_1"]
+
+
+def test_a_body_of_far_too_many_parts_is_refused_before_they_are_read(tmp_path: Path) -> None:
+    part = '<collision><geometry><box size="0.01 0.01 0.01"/></geometry></collision>\n'
+    (tmp_path / "huge.urdf").write_text(ONE_LINK.format(part * 100_000))
+    with pytest.raises(SceneError, match=r"huge\.urdf:1001: more than 1,000 collisions; give the body a simpler shape"):
+        read_urdf(tmp_path / "huge.urdf", tmp_path)

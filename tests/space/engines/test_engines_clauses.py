@@ -23,7 +23,7 @@ from prag_asp.space.engines import LEVELS, sharp
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.domains import domain_of
-from tests.processes import children, interrupt, interruptible, until_it_works
+from tests.processes import interrupt, interruptible, until_it_works, workers
 from tests.space.engines.test_engines import BEYOND, CARRIED, TWO
 from tests.space.test_known_counts import COUNTS
 from tests.strategies import toys
@@ -247,7 +247,7 @@ def test_an_interrupt_ends_a_count_at_once_and_leaves_no_process(engine: str, tm
     command += ["count", "tabletop", "--length", "4", "--engine", engine]
     with interruptible(command, tmp_path) as process:
         until_it_works(process)
-        mates = children(process.pid)
+        mates = workers(process.pid)
         assert process.poll() is None
         assert len(mates) == (engine == "sharp")
         begun = time.monotonic()

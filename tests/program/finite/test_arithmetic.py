@@ -6,7 +6,7 @@ import clingo
 import pytest
 from clingo.ast import AST, ASTType, parse_string
 
-from prag_asp.program.arithmetic import OPERATIONS, OutOfRange, Undefined, check_range, compute, read_expression
+from prag_asp.program.finite.arithmetic import OPERATIONS, OutOfRange, Undefined, check_range, compute, read_expression
 from prag_asp.program.syntax import below
 
 NUMBERS = (-7, -3, -2, -1, 0, 1, 2, 3, 5, 31)

@@ -15,9 +15,9 @@ from itertools import chain
 
 from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, Sign, UnaryOperator
 
-from prag_asp.program.arithmetic import OPERATIONS, divides, leaves, read_expression
-from prag_asp.program.checks import WIDEST, BoundReached, Site, too_wide
-from prag_asp.program.endless import Endless, endless_rules
+from prag_asp.program.finite.arithmetic import OPERATIONS, divides, leaves, read_expression
+from prag_asp.program.finite.checks import WIDEST, BoundReached, Site, too_wide
+from prag_asp.program.finite.endless import Endless, endless_rules
 from prag_asp.program.parse import number_problem, parse_sources
 from prag_asp.program.sources import ADDED, Program, Source, owned
 from prag_asp.program.syntax import Statement, children_of, variables

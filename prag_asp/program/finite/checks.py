@@ -10,7 +10,7 @@ import clingo
 
 from prag_asp.errors import DomainError
 from prag_asp.integers import LARGEST, fits
-from prag_asp.program.arithmetic import Expression, OutOfRange, check_range, divides
+from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_range, divides
 
 MOST_USES, DEEPEST, WIDEST = 100_000, 1_000, 1_000_000
 """How often a rule that may be endless is used within one step, how deep its terms are nested, and how many numbers an

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp.errors import DomainError
-from tests.program.grounded import ground, ground_by_clingo_alone
+from tests.program.finite.grounded import ground, ground_by_clingo_alone
 
 MOST = 2**31 - 1
 LARGE = f"q({MOST}). q(3). "

@@ -1,0 +1,259 @@
+"""How a command is asked to end before it is done, by whom, and what it says then.
+
+A command may run alone, in the process of whoever calls it, or beside a supervisor (`prag_asp.cli.supervision`). Both
+share a board, on which the command writes its limits and what it is just doing, for the supervisor to read where the
+command cannot speak any more.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from _thread import start_new_thread
+from threading import main_thread
+from time import monotonic, sleep
+from typing import TYPE_CHECKING, NoReturn
+
+from prag_asp.lifeline import above_the_standard_ones
+from prag_asp.machine import SHARE, memory_in_use, usual_memory
+from prag_asp.stage import hear
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+LONGEST = 300
+"""Characters of what a command is just doing."""
+
+STAGE, LIMITS, SIZE = 128, 64, 2048
+"""Where on the board the stage and the limits stand; its first byte says how far an end has come."""
+
+
+LATER = 0.05
+"""Seconds after which an interruption that was dropped, or could not be, comes again."""
+
+DEADLY = frozenset(["_pyclingo_solve_event_callback", "_pyclingo_logger_callback"])
+"""Functions that clingo calls, and for whose errors it ends the process."""
+
+
+class Terminated(KeyboardInterrupt):
+    """Another process has asked this one to end, which it does as after Ctrl-C."""
+
+
+class Struck(BaseException):
+    """A limit on the whole command is reached, which ends as after Ctrl-C, and says so."""
+
+
+ASKED: dict[int, type[BaseException]] = {
+    signal.SIGINT: KeyboardInterrupt,
+    signal.SIGTERM: Terminated,
+    signal.SIGALRM: Struck,
+}
+"""The signals that ask for an end, and what they raise in the command. The last comes from the supervisor alone."""
+
+
+class Board:
+    """What a command tells its supervisor, in memory that both have; each line is written by one call."""
+
+    def __init__(self) -> None:
+        self._file = above_the_standard_ones(os.memfd_create("prag-asp", os.MFD_CLOEXEC))
+        os.ftruncate(self._file, SIZE)
+
+    def tell_stage(self, words: str) -> None:
+        """Write what the command is just doing."""
+        os.pwrite(
+            self._file, " ".join(words.split())[:LONGEST].encode(errors="replace").ljust(4 * LONGEST, b"\0"), STAGE
+        )
+
+    def stage(self) -> str:
+        """Return what the command was doing last."""
+        return os.pread(self._file, 4 * LONGEST, STAGE).rstrip(b"\0").decode(errors="replace")
+
+    def tell_limits(self, seconds: float | None, memory: int | None) -> None:
+        """Write the limits that the command line gives; None stands for those that hold anyway."""
+        os.pwrite(self._file, f"{seconds or 0} {memory or 0}".encode().ljust(STAGE - LIMITS, b"\0"), LIMITS)
+
+    def limits(self) -> tuple[float | None, int | None]:
+        """Return the limits that the command line gives, as far as it has been read."""
+        seconds, _, memory = os.pread(self._file, STAGE - LIMITS, LIMITS).rstrip(b"\0").partition(b" ")
+        return float(seconds or 0) or None, int(memory or 0) or None
+
+    def tell_end(self, *, said: bool) -> None:
+        """Write that the command has heard that it is to end, or has said so itself."""
+        os.pwrite(self._file, b"s" if said else b"h", 0)
+
+    @property
+    def heard(self) -> bool:
+        """Whether the command has heard that it is to end."""
+        return os.pread(self._file, 1, 0) != b"\0"
+
+    @property
+    def said(self) -> bool:
+        """Whether the command has said itself why it ends."""
+        return os.pread(self._file, 1, 0) == b"s"
+
+
+class _Command:
+    """The command of this process: when it began, what it was told, and what it does."""
+
+    def __init__(self) -> None:
+        self.begun = monotonic()
+        self.seconds: float | None = None
+        self.memory: int | None = None
+        self.board: Board | None = None
+        self.asked: int | None = None
+        self.stage = ""
+
+
+_command = _Command()
+
+
+def begin(board: Board | None = None) -> None:
+    """Begin a command; with a board, it is told what happens, and answers SIGINT and SIGTERM once, whoever sends it.
+
+    Ctrl-C reaches all processes of a terminal, and a supervisor hands on what it hears: they are one wish.
+    """
+    global _command  # noqa: PLW0603  a process runs one command at a time
+    if board is None and _command.board is not None:
+        return
+    _command = _Command()
+    _command.board = board
+    if board is not None:
+        for number in ASKED:
+            if signal.getsignal(number) is not signal.SIG_IGN or number == signal.SIGALRM:
+                signal.signal(number, _answer)
+
+
+def _answer(number: int, frame: FrameType | None) -> None:
+    """Raise what a signal asks for, the first time; where foreign code does not survive that, a little later."""
+    if _command.asked is None and _in_callback(frame):
+        start_new_thread(send_later, (number,))
+    elif _command.asked is None:
+        _command.asked = number
+        if _command.board is not None:
+            _command.board.tell_end(said=False)
+        raise ASKED[number]
+
+
+def _in_callback(frame: FrameType | None) -> bool:
+    """Tell whether foreign code that ends the process for an error has called what a frame is part of."""
+    while frame is not None:
+        if frame.f_code.co_name in DEADLY:
+            return True
+        frame = frame.f_back
+    return False
+
+
+def send_later(number: int) -> None:
+    """Send the main thread a signal when Python has come to do something else."""
+    sleep(LATER)
+    main = main_thread().ident
+    if main is not None:
+        signal.pthread_kill(main, number)
+
+
+def answer_again() -> None:
+    """Answer the next signal too: what was raised has been dropped."""
+    _command.asked = None
+
+
+def supervised() -> bool:
+    """Tell whether a supervisor watches over this command."""
+    return _command.board is not None
+
+
+def asked_for() -> type[BaseException] | None:
+    """Return what this command was asked to end by, whatever has become of it in foreign code, or None."""
+    return None if _command.asked is None else ASKED[_command.asked]
+
+
+def limit(seconds: float | None = None, memory: int | None = None) -> None:
+    """Limit the command that has begun: to seconds since then, and to bytes of all its processes."""
+    _command.seconds, _command.memory = seconds or _command.seconds, memory or _command.memory
+    if _command.board is not None:
+        _command.board.tell_limits(_command.seconds, _command.memory)
+
+
+def limits() -> tuple[float | None, int, float]:
+    """Return the seconds and the bytes that the command may take, and when it began, on the monotonic clock."""
+    return _command.seconds, _command.memory or usual_memory(), _command.begun
+
+
+def said() -> None:
+    """Note that the command has said why it ends."""
+    if _command.board is not None:
+        _command.board.tell_end(said=True)
+
+
+def doing() -> str:
+    """Return what the command is just doing."""
+    return _command.stage
+
+
+def _hear(words: str) -> None:
+    _command.stage = words
+    if _command.board is not None:
+        _command.board.tell_stage(words)
+
+
+hear(_hear)
+
+
+def time_reached(seconds: float, stage: str, taken: int) -> str:
+    """Return the line that says that the limit of time was reached, with how much memory, and what to do."""
+    took = f", with {taken / 10**6:,.0f} MB" if taken else ""
+    return f"the time limit of {seconds:g} s was reached{_while(stage)}{took}; allow more with --time"
+
+
+def memory_reached(memory: int | None, stage: str) -> str:
+    """Return the line that says that the limit of memory was reached, the usual one or a given one, and what to do."""
+    usual = "" if memory else f" ({SHARE} % of the machine's)"
+    amount = (memory or usual_memory()) / 10**6
+    return f"the memory limit of {amount:,.0f} MB{usual} was reached{_while(stage)}; allow more with --memory"
+
+
+def struck() -> str:
+    """Return the line of the limit that a supervisor says was reached."""
+    seconds = _command.seconds
+    if seconds is not None and monotonic() - _command.begun > seconds:
+        return time_reached(seconds, _command.stage, memory_in_use())
+    return memory_reached(_command.memory, _command.stage)
+
+
+def out_of_memory() -> str:
+    """Return the line that says that the system has refused memory."""
+    return f"there is no more memory{_while(_command.stage)}; ask for less, or free some"
+
+
+def too_deep() -> str:
+    """Return the line that says that something is nested deeper than we can follow."""
+    return f"something is nested too deeply{_while(_command.stage)}; make it flatter"
+
+
+def crashed(name: str, stage: str) -> str:
+    """Return the line of a process that a signal of this name has ended, and what that most often means."""
+    reason = {
+        "SIGKILL": "most likely the machine had no memory left; give it less with --memory",
+        "SIGABRT": "most likely it got no more memory; ask for less",
+        "SIGSEGV": "most likely something is nested too deeply; make it flatter",
+    }.get(name, "native code of a library has failed")
+    return f"the command was ended by {name}{_while(stage)}: {reason}"
+
+
+def _while(stage: str) -> str:
+    return f" while {stage}" if stage else ""
+
+
+def write_line(text: str) -> None:
+    """Write a line on stderr without a buffer, wherever that leads; in a terminal, in place of what is shown there."""
+    try:
+        clear = "\r\x1b[K\x1b[?25h" if os.isatty(2) and os.environ.get("TERM") != "dumb" else ""
+        os.write(2, f"{clear}{text}\n".encode(errors="replace"))
+    except OSError:
+        return
+
+
+def leave(code: int) -> NoReturn:
+    """End this process at once."""
+    sys.stdout = sys.stderr = None
+    os._exit(code)

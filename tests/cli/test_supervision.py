@@ -1,0 +1,304 @@
+"""Limits, signals and sudden ends of a command, whatever it does: one line, a code, and nothing left behind."""
+
+from __future__ import annotations
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.commands import PRAG, run_apart
+from tests.processes import family, gone, interrupt, interruptible, terminate, until_it_works
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="there is no supervision elsewhere")
+
+LAMP = """
+class(lamp). entity(one,lamp). fluent(on). action(on;off;wave).
+precondition(on,on,false). postcondition(on,on,true). initially(on,false).
+precondition(off,on,true). postcondition(off,on,false). postcondition(wave,on,true).
+"""
+ENDLESS = f"{LAMP} small(0,1). small(Y,Z) :- small(X,Z), Y = X+Z, Z > 0."
+PRODUCT = f"{LAMP} n(1..3000). m(X,Y,Z) :- n(X), n(Y), n(Z)."
+LISTS = f"{LAMP} n(a,0). n((X,X),K+1) :- n(X,K), K < 1000000."
+
+DEAF = """
+import ctypes, signal, sys, time
+from prag_asp.cli import terminal
+from prag_asp.stage import stage
+import prag_asp.cli.commands.domains as commands
+
+def work(*arguments):
+    stage("working")
+    {work}
+
+import prag_asp.program.paths
+prag_asp.program.paths.shipped_domains = work
+from prag_asp.cli import main
+main()
+"""
+"""The command ``domains``, doing something else."""
+
+HOLDS_THE_INTERPRETER = "print('begun', flush=True); sum(range(10**12))"
+SWALLOWS = """print('begun', flush=True)
+    while True:
+        try: time.sleep(60)
+        except BaseException: pass"""
+LISTENS = "print('begun', flush=True); time.sleep(60)"
+
+
+def working(work: str, *arguments: str) -> list[str]:
+    return [sys.executable, "-c", DEAF.format(work=work), "domains", *arguments]
+
+
+def ends(work: str, *arguments: str) -> tuple[int, str]:
+    """Return with which code a command that does something ends, and what it says."""
+    done = subprocess.run(working(work, *arguments), capture_output=True, text=True, timeout=60, check=False)
+    return done.returncode, done.stderr.removeprefix("\n")
+
+
+@pytest.mark.parametrize("text", [ENDLESS, PRODUCT, LISTS])
+def test_grounding_without_end_ends_at_the_limit_of_time_with_one_line(text: str, tmp_path: Path) -> None:
+    (tmp_path / "endless.lp").write_text(text)
+    begun = time.monotonic()
+    done = run_apart("count", "endless.lp", "--length", "3", "--time", "5", cwd=tmp_path)
+    assert time.monotonic() - begun < 15
+    assert (done.returncode, done.stdout) == (3, "")
+    assert done.stderr.startswith("the time limit of 5 s was reached while grounding the domain, with ")
+    assert done.stderr.endswith("; allow more with --time\n") and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["check", "count", "sample", "export", "stats"])
+def test_memory_is_limited_in_every_command(command: str, tmp_path: Path) -> None:
+    (tmp_path / "large.lp").write_text(PRODUCT)
+    length = () if command == "check" else ("--length", "3")
+    done = run_apart(command, "large.lp", *length, "--memory", "150MB", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (3, "")
+    told = "the memory limit of 150 MB was reached while grounding the domain; allow more with --memory\n"
+    assert done.stderr == told
+
+
+def test_memory_of_all_processes_counts_and_is_never_far_above_the_limit() -> None:
+    fill = """
+    import os
+    if os.fork():
+        os.wait()
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # as our own children, it ends with the command
+    kept = []
+    while True: kept.append(b"x" * 10**6)"""
+    code, told = ends(fill, "--memory", "400MB")
+    assert (code, told) == (3, "the memory limit of 400 MB was reached while working; allow more with --memory\n")
+
+
+@pytest.mark.parametrize("engine", ["clingo", "sat"])
+@pytest.mark.parametrize("command", [("sample", "--no-physics"), ("stats",), ("enumerate", "-o", "out.txt")])
+def test_engines_that_search_obey_the_limit_of_time_in_all_they_do(
+    command: tuple[str, ...], engine: str, tmp_path: Path
+) -> None:
+    (tmp_path / "lamp.lp").write_text(LAMP)
+    done = run_apart(
+        command[0], "lamp.lp", "--length", "30", "--engine", engine, "--time", "4", *command[1:], cwd=tmp_path
+    )
+    assert done.returncode == 3
+    assert done.stderr.startswith("the time limit of 4 s was reached") and "--time" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("engine", ["clingo", "sat"])
+@pytest.mark.parametrize("command", ["sample", "stats"])
+def test_ctrl_c_ends_engines_that_search_as_it_ends_everything(command: str, engine: str, tmp_path: Path) -> None:
+    (tmp_path / "lamp.lp").write_text(LAMP)
+    with interruptible([*PRAG, command, "lamp.lp", "--length", "30", "--engine", engine], tmp_path) as process:
+        until_it_works(process, seconds=1.5)
+        assert interrupt(process).strip() == "interrupted"
+    assert process.returncode == 130
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (("count", "intervals.lp", "-n", "3"), "intervals.lp:5: this fact stands for 1,000,000,000 atoms"),
+        (("count", "product.lp", "-n", "3"), "product.lp:6: this fact stands for 10,000,000,000 atoms"),
+        (("check", "deep.lp"), "deep.lp:5: parentheses are nested more than 300 deep"),
+        (("count", "lamp.lp", "-n", "100000000", "--engine", "clingo"), "length 100,000,000: an engine that grounds"),
+        (("count", "lamp.lp", "-n", "100000000", "--engine", "sat"), "length 100,000,000: an engine that grounds"),
+        (("count", "lamp.lp", "-n", "3", "--where", "(" * 5000 + "uses one" + ")" * 5000), "condition '("),
+    ],
+)
+def test_what_is_too_large_is_told_before_any_work(command: tuple[str, ...], told: str, tmp_path: Path) -> None:
+    (tmp_path / "lamp.lp").write_text(LAMP)
+    (tmp_path / "intervals.lp").write_text(f"{LAMP}n(1..1000000000).")
+    (tmp_path / "product.lp").write_text(f"{LAMP}#const k = 100000.\nn(-k+k..k,5) :- on. n(1..k,1..k).")
+    (tmp_path / "deep.lp").write_text(f"{LAMP}n({'f(' * 20000}a{')' * 20000}).")
+    done = run_apart(*command, cwd=tmp_path)
+    assert done.returncode == 2 and done.stderr.startswith(told)
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("work", [HOLDS_THE_INTERPRETER, SWALLOWS])
+@pytest.mark.parametrize(
+    ("number", "end"), [(signal.SIGINT, (130, "interrupted\n")), (signal.SIGTERM, (143, "terminated\n"))]
+)
+def test_a_command_that_does_not_hear_is_ended_soon(
+    work: str, number: int, end: tuple[int, str], tmp_path: Path
+) -> None:
+    with interruptible(working(work), tmp_path) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        born, begun = family(process.pid), time.monotonic()
+        process.send_signal(number)
+        said = process.communicate(timeout=30)[1]
+        assert time.monotonic() - begun < 25
+        assert (process.returncode, said) == end
+        assert gone(born)
+
+
+def test_a_second_ctrl_c_does_not_ask(tmp_path: Path) -> None:
+    with interruptible(working(SWALLOWS), tmp_path) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        os.killpg(process.pid, signal.SIGINT)
+        time.sleep(0.6)
+        begun = time.monotonic()
+        assert interrupt(process) == "interrupted\n"
+        assert time.monotonic() - begun < 2 and process.returncode == 130
+
+
+@pytest.mark.parametrize("work", [HOLDS_THE_INTERPRETER, LISTENS])
+def test_a_command_ends_with_its_supervisor_even_while_foreign_code_runs(work: str, tmp_path: Path) -> None:
+    with interruptible(working(work), tmp_path) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        born = family(process.pid)
+        assert len(born) == 2
+        process.kill()
+        assert gone(born, seconds=5)
+
+
+@pytest.mark.parametrize("send", [interrupt, terminate, lambda process: _one(process, signal.SIGINT)])
+def test_a_command_hears_one_wish_once_whoever_sends_it(
+    send: Callable[[subprocess.Popen[str]], str], tmp_path: Path
+) -> None:
+    tidy = """print('begun', flush=True)
+    try: time.sleep(60)
+    finally:
+        time.sleep(0.5)
+        print('tidied', flush=True)"""
+    with interruptible(working(tidy), tmp_path) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        pipe, process.stdout = process.stdout, None
+        said = send(process)
+        assert pipe.readline() == "tidied\n"
+        pipe.close()
+    assert (process.returncode, said.strip()) in [(130, "interrupted"), (143, "terminated")]
+
+
+def _one(process: subprocess.Popen[str], number: int) -> str:
+    process.send_signal(number)
+    return process.communicate(timeout=30)[1]
+
+
+@pytest.mark.parametrize(
+    ("work", "told"),
+    [
+        (
+            "signal.raise_signal(signal.SIGSEGV)",
+            "the command was ended by SIGSEGV while working: most likely something",
+        ),
+        ("signal.raise_signal(signal.SIGABRT)", "the command was ended by SIGABRT while working: most likely it got"),
+        ("signal.raise_signal(signal.SIGKILL)", "the command was ended by SIGKILL while working: most likely the mach"),
+        ("raise MemoryError", "there is no more memory while working; "),
+    ],
+)
+def test_a_sudden_end_is_one_line_and_a_code(work: str, told: str) -> None:
+    code, said = ends(work)
+    assert code == 3 and said.startswith(told) and said.count("\n") == 1
+
+
+def test_what_is_nested_too_deeply_for_python_is_one_line() -> None:
+    code, said = ends("again = lambda: again(); again()")
+    assert (code, said) == (2, "something is nested too deeply while working; make it flatter\n")
+
+
+def test_an_interruption_that_foreign_code_turns_into_an_error_of_its_own_is_an_interruption() -> None:
+    work = """
+    try: signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt: raise RuntimeError("error in callback") from None"""
+    assert ends(work) == (130, "interrupted\n")
+
+
+def test_an_interruption_in_what_clingo_calls_comes_when_that_is_done(tmp_path: Path) -> None:
+    work = """
+    import clingo
+    control = clingo.Control(["0"])
+    control.add("base", [], "1 { a(1..3) } 1.")
+    control.ground([("base", [])])
+    control.solve(on_statistics=lambda step, all: signal.raise_signal(signal.SIGINT))
+    time.sleep(60)"""
+    assert ends(work) == (130, "interrupted\n")
+
+
+@pytest.mark.parametrize("code", [0, 1, 2, 77])
+def test_codes_and_streams_are_those_of_the_command(code: int) -> None:
+    work = f"sys.stdout.write(sys.stdin.read() + 'out'); sys.stderr.write('err'); sys.exit({code})"
+    done = subprocess.run(working(work), input="in ", capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (code, "in out", "err")
+
+
+def test_a_reader_that_goes_away_ends_the_command_without_a_word(tmp_path: Path) -> None:
+    command = " ".join(["'" + part.replace("'", "'\\''") + "'" for part in [*PRAG, "enumerate", "prag", "-n", "9"]])
+    done = subprocess.run(f"{command} | head -n 2", shell=True, capture_output=True, text=True, timeout=60, check=False)
+    assert len(done.stdout.splitlines()) == 2 and not done.stderr
+
+
+@pytest.mark.parametrize("closed", [0, 1, 2])
+def test_a_closed_stream_is_not_taken_for_something_else(closed: int, tmp_path: Path) -> None:
+    program = f"import os, sys; os.close({closed}); os.execv(sys.executable, [sys.executable, *sys.argv[1:]])"
+    done = subprocess.run(
+        [sys.executable, "-c", program, *PRAG[1:], "count", "prag", "-n", "3"],
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0 and done.stderr == b"" and done.stdout == (b"" if closed == 1 else done.stdout)
+
+
+def test_a_terminal_stops_a_command_and_lets_it_go_on(tmp_path: Path) -> None:
+    """A shell with job control starts the command, Ctrl-Z stops it, fg lets it go on, Ctrl-C ends it."""
+    work = "print('begun', flush=True); time.sleep(2); print('done', flush=True); time.sleep(60)"
+    (tmp_path / "command.py").write_text(DEAF.format(work=work))
+    shell, terminal = pty.fork()
+    if shell == 0:
+        os.chdir(tmp_path)
+        os.execvp("bash", ["bash", "--norc", "--noprofile", "-i"])
+    try:
+        _type(terminal, f"PS1='> '; {sys.executable} command.py domains; echo code $?\n", "begun\r")
+        _type(terminal, "\x1a", "Stopped")
+        _type(terminal, "fg\n", "done\r")
+        _type(terminal, "\x03", "interrupted")
+        _type(terminal, "echo still $((6 * 7))\n", "still 42")
+    finally:
+        os.kill(shell, signal.SIGKILL)
+        os.waitpid(shell, 0)
+        os.close(terminal)
+
+
+def _type(terminal: int, text: str, awaited: str) -> None:
+    """Type a text, and wait until the terminal shows another."""
+    os.write(terminal, text.encode())
+    seen, until = "", time.monotonic() + 40
+    while awaited not in seen:
+        assert time.monotonic() < until, seen
+        seen += os.read(terminal, 4096).decode(errors="replace")
+
+
+def test_every_command_has_the_limits_and_says_what_they_are_otherwise() -> None:
+    from prag_asp.cli.registry import COMMANDS
+    from tests.commands import ok
+
+    for command in COMMANDS:
+        told = " ".join(ok(command, "--help").split())
+        assert "--time TIME" in told and "[default: no limit]" in told
+        assert "--memory SIZE" in told and "[default: 80 % of the machine's]" in told
