@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     __version__: str
 
     from prag_asp.atom import Atom, parse_atom
-    from prag_asp.bounding import bounded
     from prag_asp.domain.load import Domain, load_domain, load_scene
     from prag_asp.domain.scaffold import write_new_domain
     from prag_asp.errors import (
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
         SceneError,
     )
     from prag_asp.logic.formula.explain import Explanation
+    from prag_asp.processes.bounding import bounded
     from prag_asp.program.paths import shipped_domains
     from prag_asp.scene.model import Scene
     from prag_asp.space.conditions.condition import Condition
@@ -72,7 +72,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.atom": ("Atom", "parse_atom"),
-    "prag_asp.bounding": ("bounded",),
+    "prag_asp.processes.bounding": ("bounded",),
     "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
     "prag_asp.domain.scaffold": ("write_new_domain",),
     "prag_asp.errors": (

@@ -21,21 +21,18 @@ from prag_asp.cli.registry import COMMANDS
 PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
-    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "children", "missing", "fields", "reading"]
-) | {"arrays", "stage", "machine"}
+    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "fields", "reading"]
+) | {"arrays"}
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
 
 ROOMS: Mapping[str, frozenset[str]] = {
-    "": GROUND | {"program", "scene", "domain", "logic", "space", "versions", "bounding"},
+    "": GROUND | {"program", "scene", "domain", "logic", "space", "versions"},
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
-    "lifeline": frozenset(),
-    "machine": frozenset(),
-    "stage": frozenset(),
-    "children": frozenset(["errors", "lifeline"]),
+    "processes": frozenset(["errors"]),
     "missing": frozenset(["errors"]),
     "reading": frozenset(),
     "arrays": frozenset(),
@@ -45,7 +42,6 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "integers": frozenset(),
     "atom": frozenset(["errors", "integers"]),
     "task": frozenset(["errors", "atom", "integers"]),
-    "bounding": frozenset(["errors", "children", "machine"]),
     "program": GROUND - {"task"},
     "scene": GROUND - {"task"},
     "lint": (GROUND - {"task"}) | {"program", "scene"},
@@ -55,8 +51,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "domain", "space", "physics"},
     "analysis": GROUND | {"domain", "space"},
-    "cli": GROUND
-    | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions", "lifeline"},
+    "cli": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 from prag_asp.errors import PicturesMissingError, QueryError
 from prag_asp.output import replace_file
+from prag_asp.processes.stage import stage
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.stage import stage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,9 +15,9 @@ from threading import main_thread
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, NoReturn
 
-from prag_asp.lifeline import above_the_standard_ones
-from prag_asp.machine import SHARE, memory_in_use, usual_memory
-from prag_asp.stage import hear
+from prag_asp.processes.lifeline import above_the_standard_ones
+from prag_asp.processes.machine import SHARE, memory_in_use, usual_memory
+from prag_asp.processes.stage import hear
 
 if TYPE_CHECKING:
     from types import FrameType

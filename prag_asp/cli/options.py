@@ -13,7 +13,7 @@ from prag_asp.cli import complete, ending
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.words import one_length, one_or_more_lengths
 from prag_asp.errors import QueryError
-from prag_asp.machine import SHARE
+from prag_asp.processes.machine import SHARE
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record

@@ -22,8 +22,8 @@ from time import monotonic
 from prag_asp.cli import ending
 from prag_asp.cli.ending import Board
 from prag_asp.cli.exits import Exit
-from prag_asp.lifeline import hang_on, held_line
-from prag_asp.machine import family_of, memory_of, usual_memory
+from prag_asp.processes.lifeline import hang_on, held_line
+from prag_asp.processes.machine import family_of, memory_of, usual_memory
 
 POLL = 0.05
 """Seconds between two looks at time and memory."""

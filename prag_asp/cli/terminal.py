@@ -18,7 +18,7 @@ from prag_asp.cli import ending
 from prag_asp.cli.ending import ASKED, Struck, Terminated
 from prag_asp.cli.exits import Exit, exit_of
 from prag_asp.errors import PragError, one_line, plain
-from prag_asp.stage import so_far
+from prag_asp.processes.stage import so_far
 
 if TYPE_CHECKING:
     from types import FrameType

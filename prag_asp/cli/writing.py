@@ -89,7 +89,7 @@ def _stream(output: str | None) -> Iterator[_Stream]:
 
 
 def _file(output: str, run: str | None, fits: Fits) -> Iterator[Writer]:
-    from prag_asp.children import uninterrupted
+    from prag_asp.processes.children import uninterrupted
 
     lines = Lines(output, run)
     try:

@@ -22,6 +22,7 @@ from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.size import size_problems
 from prag_asp.lint.table import name_problems, table_problems
 from prag_asp.lint.vocabulary import vocabulary_problems
+from prag_asp.processes.stage import stage
 from prag_asp.program.allowed import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.program.facts import Facts, read_facts, without
 from prag_asp.program.grounding import Grounder
@@ -30,7 +31,6 @@ from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, parse_table, settings_of
 from prag_asp.program.sources import HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
-from prag_asp.stage import stage
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 

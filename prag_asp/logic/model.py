@@ -17,8 +17,8 @@ from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
 from prag_asp.logic.symmetry.symmetry import interchangeable
+from prag_asp.processes.stage import stage
 from prag_asp.program.sources import ADDED, Program, read_sources
-from prag_asp.stage import stage
 
 INTERCHANGEABLE = "looking for interchangeable entities"
 LOOP_FREE = ("conditions", "loop_free.lp")

@@ -12,12 +12,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 
-from prag_asp.children import Child, Children, Ended, answered
 from prag_asp.errors import QueryError, WorkerError
 from prag_asp.physics.validator import open_validator
 from prag_asp.physics.verdict import Budget, Verdict
+from prag_asp.processes.children import Child, Children, Ended, answered
+from prag_asp.processes.stage import stage
 from prag_asp.scene.model import Scene
-from prag_asp.stage import stage
 from prag_asp.task import Task
 
 CHUNK = 4

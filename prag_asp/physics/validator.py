@@ -25,8 +25,8 @@ from prag_asp.physics.search.start import draw_start
 from prag_asp.physics.verdict import Budget, Detail, Verdict
 from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.processes.stage import stage
 from prag_asp.scene.model import Scene, Size
-from prag_asp.stage import stage
 from prag_asp.task import Task
 
 LISTED = 8

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Sequence
 import clingo
 
 from prag_asp.errors import DomainError
+from prag_asp.processes.stage import stage
 from prag_asp.program.finite.checks import Checks
 from prag_asp.program.finite.guards import guarded
 from prag_asp.program.sources import Program
-from prag_asp.stage import stage
 
 POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
 UNSAFE = r"'([^']+)' is unsafe"

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import TypeVar
 
 from prag_asp.errors import LimitReached, QueryError
-from prag_asp.machine import memory_in_use
+from prag_asp.processes.machine import memory_in_use
 
 UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}

@@ -30,7 +30,7 @@ LISTS = f"{LAMP} n(a,0). n((X,X),K+1) :- n(X,K), K < 1000000."
 DEAF = """
 import ctypes, signal, sys, time
 from prag_asp.cli import terminal
-from prag_asp.stage import stage
+from prag_asp.processes.stage import stage
 import prag_asp.cli.commands.domains as commands
 
 def work(*arguments):

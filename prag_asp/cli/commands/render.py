@@ -19,8 +19,8 @@ from prag_asp.cli.writing import require_writable
 from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
 from prag_asp.output import Steps, file_in, make_folder
+from prag_asp.processes.stage import stage
 from prag_asp.reading import lines_of, open_text, read_bytes
-from prag_asp.stage import stage
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ import clingo
 from prag_asp.logic.formula.clauses import TRUE, Literal
 from prag_asp.logic.formula.completion import complete
 from prag_asp.logic.ground.unroll import unroll
+from prag_asp.processes.stage import stage
 from prag_asp.program.sources import Program
-from prag_asp.stage import stage
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 from prag_asp.logic.formula.clauses import TRUE, Clauses, Literal
 from prag_asp.logic.ground.ground import Rule
-from prag_asp.program.components import components
+from prag_asp.program.finite.components import components
 
 
 @dataclass(frozen=True)

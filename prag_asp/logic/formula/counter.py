@@ -11,10 +11,10 @@ from itertools import chain
 from tempfile import TemporaryFile
 from typing import IO
 
-from prag_asp.children import Children, Ended
 from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clauses import Literal
 from prag_asp.logic.formula.cnf import Cnf
+from prag_asp.processes.children import Children, Ended
 
 LARGEST = 2**24
 """Variables that Ganak is given at most: beyond, it takes memory without bound, or aborts."""

@@ -12,8 +12,8 @@ from prag_asp.logic.formula.clauses import Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.model import Model
+from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Assignment
-from prag_asp.stage import stage
 
 OPPOSITE = {"true": "false", "false": "true"}
 TOLD = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")

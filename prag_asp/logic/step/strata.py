@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground import GroundStep
 from prag_asp.logic.step.normal import Body, NormalStep, normal_step
-from prag_asp.program.components import components
+from prag_asp.program.finite.components import components
 
 Column = NDArray[np.bool_]
 """The truth of one atom in many states: shape (number of states,)."""

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground import GroundStep, Rule
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
-from prag_asp.program.components import components
+from prag_asp.program.finite.components import components
 
 SpelledLiteral = tuple[int, int, int]
 """An atom by its number, whether it is negated (1) or not (0), and its weight."""

@@ -17,10 +17,10 @@ from prag_asp.atom import Atom, atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.proofs.prover import Prover
+from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import Graph, conflict, entailed, invariant_graph
 from prag_asp.scene.model import Scene
-from prag_asp.stage import stage
 
 Fluents = tuple[Atom, ...]
 """One fluent, or two, in the order of the domain."""

@@ -16,8 +16,8 @@ from math import inf
 import clingo
 from clingo.ast import AST, ASTType, BinaryOperator, ComparisonOperator, Sign
 
-from prag_asp.program.components import components
 from prag_asp.program.finite.arithmetic import OPERATIONS
+from prag_asp.program.finite.components import components
 from prag_asp.program.syntax import Signature, Statement, below, children_of
 
 Argument = tuple[Signature, int]

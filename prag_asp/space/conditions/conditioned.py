@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from prag_asp.domain.load import Domain
+from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.sources import ADDED, Program, Source, read_sources
 from prag_asp.space.conditions.clauses import Ends, asked_end
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.formula import Conjunction
 from prag_asp.space.conditions.meaning import simplest, weakest
-from prag_asp.stage import stage
 
 
 def conditioned(domain: Domain, condition: Condition) -> Domain:

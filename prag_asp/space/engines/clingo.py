@@ -7,16 +7,16 @@ from itertools import islice
 
 import clingo
 
-from prag_asp.children import uninterrupted
 from prag_asp.logic.ground.ground import unrolled
 from prag_asp.logic.model import Model
+from prag_asp.processes.children import uninterrupted
+from prag_asp.processes.stage import stage
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters, name_in_prefix
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at, within
 from prag_asp.space.weighing.weights import Weighed, Weights
-from prag_asp.stage import stage
 
 POLL = 0.2
 """Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
+from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.explore import Explored, Extent, Watch, explore
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import Budget
 from prag_asp.space.weighing.weights import Weights, weigh, weighing_facts
-from prag_asp.stage import stage
 
 if TYPE_CHECKING:
     from prag_asp.logic.symmetry.merging import Merging

@@ -8,12 +8,12 @@ from itertools import islice
 from prag_asp.logic.formula.clauses import TRUE
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.logic.model import Model
+from prag_asp.processes.stage import stage
 from prag_asp.space.engines.formula import WordFormula, word_formula
 from prag_asp.space.engines.listed import listed
 from prag_asp.space.engines.protocol import Letters, Level, Progress, all_letters
 from prag_asp.space.limits import UNLIMITED, Limits, stopped_at, within
 from prag_asp.space.weighing.weights import Weighed, Weights
-from prag_asp.stage import stage
 
 REPORTED = 1000
 """Words between two reports of progress."""

@@ -7,11 +7,11 @@ from itertools import takewhile
 
 from prag_asp.logic.formula.counter import count_models, require_ganak
 from prag_asp.logic.model import Model
+from prag_asp.processes.stage import stage
 from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.engines.sat import SatEngine
 from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.weighing.weights import Weighed, Weights
-from prag_asp.stage import stage
 
 
 class SharpEngine:

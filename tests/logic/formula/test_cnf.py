@@ -18,7 +18,7 @@ from prag_asp.logic.formula.solver import Solver
 from prag_asp.logic.ground.ground import Rule
 from prag_asp.logic.ground.program import whole_program
 from prag_asp.logic.model import Model
-from prag_asp.program.components import components
+from prag_asp.program.finite.components import components
 from tests.chance import examples
 from tests.domains import domain_of
 

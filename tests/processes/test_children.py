@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import children as family
-from prag_asp.children import Child, Children, Ended, There, answered, uninterrupted
+from prag_asp.processes import children as family
+from prag_asp.processes.children import Child, Children, Ended, There, answered, uninterrupted
 from tests.processes import children, gone, interruptible
 
 MODULE = "tests.answers"
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def test_a_child_answers_what_it_is_sent_in_order() -> None:
@@ -175,7 +175,7 @@ def test_what_is_put_off_is_done_afterwards_and_the_handlers_are_as_before() -> 
 PARENT = f"""
 import sys
 sys.path.insert(0, {str(ROOT)!r})
-from prag_asp.children import Children
+from prag_asp.processes.children import Children
 with Children("tests.answers") as ours:
     children = [ours.start(), ours.start()]
     for child in children:

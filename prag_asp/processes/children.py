@@ -26,7 +26,7 @@ from threading import Thread, current_thread, main_thread
 from types import FrameType, TracebackType
 from typing import Any
 
-from prag_asp.lifeline import hang_on, held_line
+from prag_asp.processes.lifeline import hang_on, held_line
 
 
 class Ended(Exception):
@@ -122,7 +122,8 @@ class Children:
                 # The path is handed over, and the folder that the user stands in, which Python would add, left out.
                 code = (
                     f"import sys; sys.path[:] = {[*map(str, sys.path)]!r}; "
-                    f"from prag_asp.children import serve; serve({theirs.fileno()}, {hanging}, {self._module!r})"
+                    "from prag_asp.processes.children import serve; "
+                    f"serve({theirs.fileno()}, {hanging}, {self._module!r})"
                 )
                 try:
                     process = subprocess.Popen(

@@ -7,8 +7,8 @@ import time
 import pytest
 
 from prag_asp import LimitReached, QueryError, bounded
-from tests.bounded_calls import crash, fill, grow, refuse, total
 from tests.processes import children
+from tests.processes.bounded_calls import crash, fill, grow, refuse, total
 
 
 def test_what_a_function_returns_comes_back() -> None:

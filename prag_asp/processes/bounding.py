@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any, TypeVar
 
-from prag_asp.children import Child, Children, Ended
 from prag_asp.errors import LimitReached, QueryError
-from prag_asp.machine import family_of, memory_of, usual_memory
+from prag_asp.processes.children import Child, Children, Ended
+from prag_asp.processes.machine import family_of, memory_of, usual_memory
 
 POLL = 0.05
 """Seconds between two looks at what the process takes."""
