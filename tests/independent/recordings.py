@@ -2,7 +2,7 @@
 
 The rule for contacts is cruder than that of the package, so that it is another one: an arm touches nothing at all, a
 finger only what is named in an action up to then or held at the beginning, and what a finger touches presses only on
-what is named in the task.
+what is named in the task or said to be somewhere in its first state.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def unwanted(shown: Any, actions: Sequence[str], known: Sequence[str]) -> Iterat
     """Yield contacts of a recording for which the actions of a task do not ask; `known` holds in its first state."""
     named = [set(_words(text)) for text in actions]
     begun = {word for fluent in known if fluent.startswith(AT_HAND) for word in _words(fluent)}
-    every = set().union(begun, *named)
+    every = {word for fluent in known for word in _words(fluent)}.union(*named)
     ends = shown.ends.tolist()
     frames: dict[int, list[tuple[str, str, float]]] = {}
     for (frame, one, two), force in zip(shown.contacts.tolist(), shown.forces.tolist(), strict=True):
