@@ -10,7 +10,7 @@ import pytest
 from tests.commands import run
 
 WAREHOUSE = Path(__file__).parents[2] / "examples" / "warehouse"
-LINE = 'crate = { kind = "box", size = [0.10, 0.10, 0.10] }'
+LINE = 'crate = { kind = "box", size = [0.10, 0.10, 0.10] }  # on purpose; lint: allow too-wide'
 
 TOO_LOW = (
     "the gripper takes nothing that is less than 11 mm high, for its fingers reach below the grip; "
@@ -32,6 +32,7 @@ def warnings(folder: Path, crate: str) -> list[str]:
     ("crate", "width"),
     [
         ('{ kind = "box", size = [0.078, 0.10, 0.02] }', "78"),
+        ('{ kind = "box", size = [0.10, 0.10, 0.10] }', "100"),
         ('{ kind = "cylinder", radius = 0.0375, height = 0.05 }', "75"),
         ('{ kind = "box", size = { low = [0.0755, 0.10, 0.05], high = [0.09, 0.12, 0.05] } }', "75.5"),
         ('{ kind = "container", size = [0.20, 0.08, 0.05] }', "80"),
@@ -148,10 +149,9 @@ def test_a_place_that_is_too_high_or_where_nothing_is_put_is_told(
         '{ kind = "box", size = [0.05, 0.05, 0.078] }',
         '{ kind = "box", size = [0.05, 0.05, 0.0111] }',
         '{ kind = "box", size = { low = [0.07, 0.07, 0.05], high = [0.079, 0.079, 0.05] } }',
-        '{ kind = "box", size = [0.081, 0.10, 0.02] }',
     ],
 )
-def test_what_can_be_grasped_or_is_proved_too_wide_is_no_warning(tmp_path: Path, crate: str) -> None:
+def test_what_can_be_grasped_is_no_warning(tmp_path: Path, crate: str) -> None:
     assert warnings(tmp_path / "it", crate) == []
 
 
@@ -169,7 +169,7 @@ def test_check_tells_each_warning_in_a_line_and_how_many_actions_are_left(tmp_pa
     done = run("check", str(tmp_path))
     assert done.returncode == 0
     assert done.stdout == f"{tmp_path.name}: ok; closed world, 0 entities, 2 fluents, 1 of 3 actions, no scene\n"
-    unused, *never = done.stderr.splitlines()
+    *never, unused = done.stderr.splitlines()
     assert unused.startswith(f"{tmp_path}/domain.lp:5: warning: ") and unused.endswith("[unused]")
     assert [line.partition(" can never occur: it needs jammed = true, but ")[0] for line in never] == [
         f"{tmp_path}/domain.lp:3: warning: force(left)",

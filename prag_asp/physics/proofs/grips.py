@@ -21,8 +21,7 @@ LIFTED = 0.85
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
     """Yield a warning for each shape of bodies that could be held, but that no gripper holds, whatever their sizes.
 
-    A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above. What is wider
-    than the gripper opens is proved and no warning; what is too low or too heavy is both.
+    A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above.
     """
     found: dict[tuple[str, int, str], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):
@@ -41,7 +40,7 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
     """Yield why a robot never holds a body, by its easiest size: a warning, the table it is about, words."""
     robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
     width = min(shape.breadth(widest=False) for shape in shapes)
-    if robot.opening - CLEARANCE < width <= robot.opening:
+    if width > robot.opening - CLEARANCE:
         limit = (robot.opening - CLEARANCE) * 1000
         opens = f"the gripper opens {robot.opening * 1000:.3g} mm; it never closes around more than {limit:.3g} mm"
         yield "too-wide", "shapes", f"{width * 1000:.3g} mm wide and {opens}, so make it narrower"
