@@ -158,6 +158,7 @@ fluent((off(X);out(X))) :- entity(X,c). implies(on(X),off(X)) :- entity(X,c). im
         "fluent(odd(X)) :- entity(X,c). exclusive(odd(X),odd(X)) :- entity(X,c). implies(odd(x1),on(x2)).",
         "fluent(odd(X)) :- entity(X,c). exclusive(odd(X),odd(X)) :- entity(X,c). exclusive(odd(x1),out(x2)).",
         "initially(on(X),true) :- entity(X,c). initially(out(x2),true).",
+        "fluent(odd(X)) :- entity(X,c). exclusive(odd(X),odd(X)) :- entity(X,c). precondition(flip(x1),odd(x1),false).",
     ],
 )
 def test_what_follows_from_the_rest_tells_no_entities_apart(more: str) -> None:

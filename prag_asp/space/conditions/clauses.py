@@ -284,11 +284,11 @@ def _counted(what: str, times: Range, counted: Iterable[object]) -> Iterator[str
 
 
 def _named_by_all(actions: Sequence[clingo.Symbol], facts: Facts) -> str:
-    """Return the entity that some actions, and no others, name, as a term; an empty text where there is none."""
-    for entity in sorted({*mentioned_entities(actions[0], facts.entities)} if actions else ()):
-        if tuple(action for action in facts.actions if any(mentioned_entities(action, [entity]))) == tuple(actions):
-            return f"({entity},)"
-    return ""
+    """Return the one entity that some actions, and no others, name, as a term; an empty text where there is none."""
+    naming = {entity: tuple(action for action in facts.actions if any(mentioned_entities(action, [entity])))
+              for entity in ({*mentioned_entities(actions[0], facts.entities)} if actions else ())}  # fmt: skip
+    found = [entity for entity, those in naming.items() if those == tuple(actions)]
+    return f"({found[0]},)" if len(found) == 1 else ""
 
 
 def _told_of(pattern: str, number: int) -> str:

@@ -86,6 +86,12 @@ def test_conditions_that_say_the_same_of_two_entities_leave_them_interchangeable
     assert space.count() == len(orbits) == len(plans) / 2 > 0 or not plans
 
 
+def test_an_entity_that_all_actions_name_is_not_the_one_that_a_condition_on_its_class_is_about() -> None:
+    text = "class(c). entity((a;b),c). action(t(a,b)). action(t(b,a))."
+    space = TaskSpace(domain_of(text), 2).where("uses c")
+    assert (space.count("plan"), space.count()) == (4, 2)
+
+
 @pytest.mark.parametrize("words", [["uses a"], ["has at least 1 p(a)", "has at least 2 p(b)"], ["ends f(a)"]])
 def test_conditions_that_say_something_of_one_entity_tell_it_apart(words: list[str]) -> None:
     space = TaskSpace(domain_of(TWO), 3).where(*words)
