@@ -60,6 +60,13 @@ def _show_usage(error: click.ClickException) -> None:
 class Command(click.Group):
     """Turns errors into one line on stderr, and an interruption into a quiet end."""
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run what the line asks for; a closed pipe ends it here, for click would choose another code."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError as error:
+            raise click.exceptions.Exit(_end(error)) from None
+
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run the command and return its exit code."""
         if hasattr(sys, "set_int_max_str_digits"):
