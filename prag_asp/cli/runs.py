@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.errors import PragError
+from prag_asp.reading import open_binary
 
 if TYPE_CHECKING:
     from prag_asp.cli.asked import Asked
@@ -51,7 +52,7 @@ def run_on_file(asked: Asked, file: str, told: Iterable[Any] = ()) -> str | None
         return None
     content = blake2b()
     firsts: dict[tuple[Any, ...], Record] = {}
-    with path.open("rb") as lines:
+    with open_binary(path) as lines:
         for line in lines:
             content.update(line)
             _take_first(line, file, firsts)

@@ -11,6 +11,7 @@ from typing import Any
 
 from prag_asp.domain.load import Domain
 from prag_asp.program.paths import PACKAGE
+from prag_asp.reading import is_inside, read_bytes
 
 MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
 """How a URDF names a mesh."""
@@ -19,7 +20,7 @@ MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
 def domain_digest(domain: Domain) -> str:
     """Return a digest of all that tasks of a domain and verdicts on them depend on, the files of its scene included."""
     settings = domain.settings
-    files = {str(path): blake2b(path.read_bytes()).hexdigest() for path in _files(settings.scene, settings.path.parent)}
+    files = {str(path): _hashed(path) for path in _files(settings.scene, settings.path.parent)}
     told = [
         domain.name,
         domain.program.text,
@@ -36,7 +37,7 @@ def domain_digest(domain: Domain) -> str:
 def code_digest(encodings: Path) -> str:
     """Return a digest of the code of this package and of a folder of encodings, which have a say in every result."""
     files = [*PACKAGE.rglob("*.py"), *encodings.rglob("*.lp")]
-    return digest(sorted((path.name, blake2b(path.read_bytes()).hexdigest()) for path in files))
+    return digest(sorted((path.name, _hashed(path)) for path in files))
 
 
 def digest(values: object) -> str:
@@ -44,15 +45,20 @@ def digest(values: object) -> str:
     return blake2b(json.dumps(values, default=str).encode(), digest_size=20).hexdigest()
 
 
+def _hashed(path: Path) -> str:
+    """Return the digest of a file."""
+    return blake2b(read_bytes(path)).hexdigest()
+
+
 def _files(table: object, folder: Path) -> Iterator[Path]:
     """Yield the files that a table of a scene names, and those that these name."""
     for text in sorted(set(_texts(table))):
         path = folder / text
-        if len(text) < 256 and "\0" not in text and path.is_file():
+        if len(text) < 256 and "\0" not in text and is_inside(path, folder) and path.is_file():
             yield path
             if path.suffix.lower() == ".urdf":
-                meshes = (path.parent / name.decode(errors="replace") for name in MESH.findall(path.read_bytes()))
-                yield from (mesh for mesh in meshes if mesh.is_file())
+                meshes = (path.parent / name.decode(errors="replace") for name in MESH.findall(read_bytes(path)))
+                yield from (mesh for mesh in meshes if is_inside(mesh, folder) and mesh.is_file())
 
 
 def _texts(value: Any) -> Iterator[str]:

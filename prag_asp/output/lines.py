@@ -18,6 +18,7 @@ from typing import Any
 
 from prag_asp.output.files import behind, replace_file, told
 from prag_asp.output.part import Part
+from prag_asp.reading import read_bytes
 
 SUFFIX = ".run"
 VERSION = 1
@@ -159,7 +160,7 @@ class Lines:
         if self._run is None:
             return None
         try:
-            checked, *told_of = json.loads(self._note.read_bytes())
+            checked, *told_of = json.loads(read_bytes(self._note))
             version, run, *values = told_of
             left = _Written(*values)
             same = (checked, version, run) == (_checked(told_of), VERSION, self._run)

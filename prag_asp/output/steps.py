@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from prag_asp.output.files import replace_file
+from prag_asp.reading import read_bytes
 
 
 class Steps:
@@ -17,7 +18,7 @@ class Steps:
         self._note, self._run = note, run
         self.done = 0
         try:
-            told = json.loads(note.read_bytes())
+            told = json.loads(read_bytes(note))
             if told["run"] == run and type(told["done"]) is int:
                 self.done = max(told["done"], 0)
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
