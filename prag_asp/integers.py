@@ -10,6 +10,9 @@ LARGEST = 2**31 - 1
 process."""
 
 SPELLED = re.compile(r"(?<![\w'@#])(?:0x[\da-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
+PLAIN_BITS = 10_000
+"""Bits of a number up to which Python writes it as fast as anything does."""
+
 LONGEST = 40
 """Digits, in any base, beyond which a number is not even read."""
 
@@ -33,3 +36,28 @@ def too_large(text: str) -> Iterator[tuple[int, str]]:
 def shortened(digits: str) -> str:
     """Return a number as messages show it."""
     return digits if len(digits) <= 24 else f"{digits[:20]}... ({len(digits)} digits)"
+
+
+def digits_of(number: int) -> str:
+    """Return the decimal digits of a number, however long: Python's own way takes time quadratic in their number.
+
+    The number is cut in halves of bits, which are put together again as decimals, whose products are fast.
+    """
+    if number.bit_length() <= PLAIN_BITS:
+        return str(number)
+    import decimal  # noqa: PLC0415 - few numbers are that long
+
+    def joined(part: int, bits: int) -> decimal.Decimal:
+        if bits <= PLAIN_BITS:
+            return decimal.Decimal(part)
+        half = bits // 2
+        if half not in powers:
+            powers[half] = decimal.Decimal(2) ** half
+        return joined(part >> half, bits - half) * powers[half] + joined(part & ((1 << half) - 1), half)
+
+    powers: dict[int, decimal.Decimal] = {}
+    with decimal.localcontext() as context:
+        context.prec, context.Emax, context.Emin = decimal.MAX_PREC, decimal.MAX_EMAX, decimal.MIN_EMIN
+        context.traps[decimal.Inexact] = True
+        found = str(joined(abs(number), number.bit_length()))
+    return f"-{found}" if number < 0 else found

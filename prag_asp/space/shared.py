@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
 from prag_asp.space.engines import Engine, Level, select
+from prag_asp.space.engines.no_words import NoWords
 from prag_asp.space.engines.protocol import Letters, Progress
 from prag_asp.space.limits import Limits
 
@@ -23,18 +24,24 @@ if TYPE_CHECKING:
 
 @dataclass
 class Shared:
-    """The logic of a domain and its engines, each made when first asked for."""
+    """The logic of a domain and its engines, each made when first asked for.
+
+    No plan is shorter than `fewest_actions`: what is asked of shorter ones is answered without an engine.
+    """
 
     model: Model
     engine: str
     progress: Progress | None
     limits: Limits
+    fewest_actions: int = 0
     _engines: dict[Level, Engine] = field(default_factory=dict)
     _counts: dict[tuple[Level, int, Letters], int] = field(default_factory=dict)
     _drawer: tuple[tuple[Any, ...], Drawer] | None = None
 
-    def engine_for(self, by: Level) -> Engine:
-        """Return the engine of a level."""
+    def engine_for(self, by: Level, length: int) -> Engine:
+        """Return the engine of a level, for a length."""
+        if length < self.fewest_actions:
+            return NoWords(self.model, by)
         if by not in self._engines:
             self._engines[by] = select(self.engine, self.model, by, self.progress, self.limits)
         return self._engines[by]
@@ -43,7 +50,7 @@ class Shared:
         """Return the number of words, and keep it."""
         key = (by, length, prefix)
         if key not in self._counts:
-            self._counts[key] = self.engine_for(by).count(length, prefix)
+            self._counts[key] = self.engine_for(by, length).count(length, prefix)
         return self._counts[key]
 
     def drawer_for(self, by: Level, length: int, weights: Weights, over: Over | None) -> Drawer:
@@ -52,7 +59,7 @@ class Shared:
 
         key = (by, length, weights, over)
         if self._drawer is None or self._drawer[0] != key:
-            made = make_drawer(self.engine_for(by), self.model.domain.facts, by, length, weights, over)
+            made = make_drawer(self.engine_for(by, length), self.model.domain.facts, by, length, weights, over)
             self._drawer = (key, made)
         return self._drawer[1]
 
@@ -69,7 +76,7 @@ class Shared:
         total = self.count(by, length)
         if count > total:
             raise QueryError(f"cannot draw {count} distinct {by}s: there are {total}")
-        engine = self.engine_for(by)
+        engine = self.engine_for(by, length)
         share = log_probability(Fraction(1, total)) if total else None
         ranks = distinct_ranks(SeededBits(seed), total, count)
         return list(self.narrator.tasks((engine.unrank(length, rank), share) for rank in ranks))

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from prag_asp.space.plans.readings import Readings
     from prag_asp.space.weighing.temperature import Temperature
 
-LISTED = 500
-"""Skeletons up to which parts of whole skeletons are made of single ones."""
+LISTED, LONGEST_LISTED = 500, 30
+"""Skeletons up to which parts of whole skeletons are made of single ones, and their length."""
 
 WORD = re.compile(r"\w+")
 """A name that regular expressions can spell."""
@@ -96,7 +96,8 @@ class TaskSpace:
 
             domain = conditioned(self.domain, space.condition)
             shared = self._shared
-            space._shared = Shared(Model(domain), shared.engine, shared.progress, shared.limits)
+            fewest = space.condition.fewest_actions
+            space._shared = Shared(Model(domain), shared.engine, shared.progress, shared.limits, fewest)
         return space
 
     @property
@@ -203,7 +204,9 @@ class TaskSpace:
 
     def _tasks_by_skeleton(self) -> dict[tuple[str, ...], int] | None:
         """Return the number of tasks of each skeleton, None where they are many or cannot be spelled."""
-        if self.count("skeleton") > LISTED or not all(map(WORD.fullmatch, self.letters("skeleton"))):
+        if self.length > LONGEST_LISTED or self.count("skeleton") > LISTED:
+            return None
+        if not all(map(WORD.fullmatch, self.letters("skeleton"))):
             return None
         return {skeleton: self.count("task", skeleton) for skeleton in self.words("skeleton")}
 
@@ -399,7 +402,7 @@ class TaskSpace:
         return parse_weights(given, self.domain.facts)
 
     def _engine(self, by: Level) -> Engine:
-        return self._shared.engine_for(_level(by))
+        return self._shared.engine_for(_level(by), self.length)
 
     def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
         if isinstance(prefix, str):

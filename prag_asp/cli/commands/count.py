@@ -13,6 +13,7 @@ from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import LimitReached, QueryError
+from prag_asp.integers import digits_of
 
 
 @click.command()
@@ -37,9 +38,9 @@ def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool) -> None:
                 say(f"{'length':>{width}}  {by}s")
             for length in lengths:
                 label = f"{length:>{width}}  " if table else ""
-                say(f"{label}{space.at(length).count(by, first)}")
+                say(f"{label}{digits_of(space.at(length).count(by, first))}")
     except LimitReached as limit:
-        say(f"{label}at least {limit.at_least}")
+        say(f"{label}at least {digits_of(limit.at_least)}")
         tell_line(str(limit))
         raise click.exceptions.Exit(Exit.LIMIT) from None
 

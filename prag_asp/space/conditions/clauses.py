@@ -55,6 +55,15 @@ class Begins:
                 yield f"fits({number},{step},{action})"
 
 
+def fewest_actions(clause: Clause) -> int:
+    """Return how many actions a plan has at least that satisfies a clause, as far as the clause itself says so."""
+    if isinstance(clause, After):
+        return clause.steps
+    if isinstance(clause, Begins):
+        return len(clause.prefix)
+    return clause.times.low if isinstance(clause, Has) else 0
+
+
 @dataclass(frozen=True)
 class Range:
     """A number from `low` to `high`; without `high`, there is no upper bound."""
@@ -193,7 +202,8 @@ class After:
 
     def asked(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
-        yield from (f"instant({step})" for step in range(1, self.steps + 1))
+        if self.steps:
+            yield f"instant(1..{self.steps})"
         for fluent, value in parse_conjunction(self.formula, map(str, facts.fluents)).items():
             yield f"after({self.steps},{fluent},{_spelled(value)})"
 

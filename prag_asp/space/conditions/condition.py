@@ -30,6 +30,13 @@ class Condition:
         lines = (line for text in words for line in text.split("\n") if line.strip())
         return cls(tuple(map(parse_clause, lines)))
 
+    @property
+    def fewest_actions(self) -> int:
+        """How many actions a plan has at least that satisfies it, as far as that is known at once."""
+        from prag_asp.space.conditions.clauses import fewest_actions
+
+        return max(map(fewest_actions, self.clauses), default=0)
+
     def __and__(self, other: Condition) -> Condition:
         return Condition((*self.clauses, *(clause for clause in other.clauses if clause not in self.clauses)))
 

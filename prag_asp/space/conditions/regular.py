@@ -16,6 +16,9 @@ from prag_asp.wording import unknown
 TOKEN = re.compile(r"\s*(?:(?P<name>[\w]+)|\{(?P<low>\d+)(?P<range>,(?P<high>\d*))?\}|(?P<sign>[.|*+?()]))")
 MOST_COPIES = 1000
 
+MOST_STATES = 20_000
+"""States that are tried for an automaton: some expressions need twice as many for each further name."""
+
 
 @dataclass(frozen=True)
 class Nothing:
@@ -81,12 +84,20 @@ def recogniser(expression: Expression, names: Iterable[str], *, inverse: bool = 
     """Return the smallest automaton of the words of `expression` over `names`, or of all other words.
 
     A minimal automaton without states that lead nowhere is unique (Myhill 1957, Nerode 1958).
+
+    Raises:
+        QueryError: it takes more than `MOST_STATES` states to make.
     """
     alphabet = sorted(names)
     numbers: dict[Expression, int] = {expression: 0}
     found = [expression]
     moves: list[dict[str, int]] = []
     for state in found:
+        if len(found) > MOST_STATES:
+            raise QueryError(
+                f"an expression needs an automaton of more than {MOST_STATES:,} states; "
+                "ask for less, such as fewer names after a part that may have any length"
+            )
         row = {}
         for name in alphabet:
             after = derivative(state, name)

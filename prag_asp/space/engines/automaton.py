@@ -14,6 +14,7 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
+from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import Explorer, Reach
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more, cache_folder
@@ -97,6 +98,10 @@ class AutomatonEngine:
         budget = self._limits.begin()
         reach = self._reach(length, budget)
         stage("counting")
+        if not prefix and not reach.stopped and reach.completions.automaton.horizon is None:
+            known = count_by_recurrence(reach.completions, length, budget.spent)
+            if known is not None:
+                return known
         if prefix or (self._limits.seconds is None and length < LONG):
             found, stopped = self._count(reach, length, prefix), reach.stopped
         else:

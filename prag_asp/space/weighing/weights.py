@@ -6,6 +6,7 @@ entity that it uses, once; an entity weighs what it and all its classes weigh to
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
@@ -19,10 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
+from prag_asp.integers import shortened
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.program.facts import Facts
 from prag_asp.program.names import refuse_ambiguous, shared_names
+from prag_asp.program.settings import MAX_EXPONENT
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.wording import unknown
 
@@ -30,6 +33,9 @@ if TYPE_CHECKING:
     from prag_asp.space.automaton.merged import MergedRanking
 
 Number = int | Fraction | Decimal | str
+
+EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
+"""A number as text; what follows an exponent of 18 digits does not matter any more."""
 
 
 @dataclass(frozen=True)
@@ -126,9 +132,21 @@ def parse_number(what: str, number: Number) -> Fraction:
     try:
         if isinstance(number, (float, bool)):
             raise ValueError
+        if _exponent(number) > MAX_EXPONENT:
+            raise QueryError(f"{what}: {shortened(str(number))} is out of range; write a number up to 1e{MAX_EXPONENT}")
         return Fraction(number)
     except (ValueError, ZeroDivisionError, TypeError, OverflowError):
         raise QueryError(f"{what}: {number!r} is no exact number; write 2, '0.5' or '1/3'") from None
+
+
+def _exponent(number: Number) -> int:
+    """Return how many digits stand before or behind the point of a number, at most, without writing them."""
+    if isinstance(number, Decimal):
+        return abs(number.adjusted()) if number.is_finite() else 0
+    if isinstance(number, str):
+        parts = [EXPONENT.fullmatch(part.strip()) for part in number.split("/")]
+        return max((len(part["digits"]) - 1 + abs(int(part["exponent"] or 0)) for part in parts if part), default=0)
+    return max(abs(number.numerator).bit_length(), number.denominator.bit_length()) * 3 // 10
 
 
 def refuse_weights(level: str, weights: Weights, model: Model, length: int) -> None:

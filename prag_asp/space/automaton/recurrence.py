@@ -1,0 +1,132 @@
+"""Counts of very long words, by the linear recurrence that they satisfy, exactly.
+
+The numbers c(0), c(1), ... of words of an automaton with s states satisfy the recurrence of its characteristic
+polynomial (Cayley and Hamilton), so their shortest recurrence has an order d of at most s, and whole coefficients, for
+the minimal polynomial of a sequence divides every monic one of it (Gauss). It is found modulo a prime (Massey,
+Shift-register synthesis and BCH decoding, 1969) and then proved over the integers: what a recurrence leaves of c is a
+sequence of the same kind, and therefore 0 everywhere once it is 0 for s terms. The n-th number then follows from x^n
+modulo the polynomial (Fiduccia, An efficient formula for linear recurrences, 1985).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from prag_asp.space.automaton.automaton import Completions
+
+SHORTEST = 2_000
+"""Lengths up to which words are counted step by step: that is as fast."""
+
+HIGHEST_ORDER = 64
+"""The order up to which a recurrence is faster than the steps."""
+
+MOST_WORK = 20_000_000
+"""Edges that may be walked, over all steps, to prove a recurrence."""
+
+PRIMES = (2**127 - 1, 2**1279 - 1)
+"""Primes (Mersenne's) that coefficients are found with; where they are too small for these, the proof fails."""
+
+
+def count_by_recurrence(
+    completions: Completions, length: int, spent: Callable[[], str | None] = lambda: None
+) -> int | None:
+    """Return the weight of all words of a length, None where that is not known to be faster than step by step.
+
+    Also None where `spent` says that a limit is reached.
+    """
+    automaton = completions.automaton
+    states = automaton.states
+    terms_needed = states + HIGHEST_ORDER
+    if not states or length < max(SHORTEST, 2 * terms_needed) or terms_needed * len(automaton.targets) > MOST_WORK:
+        return None
+    terms = _terms(completions, 2 * HIGHEST_ORDER + 2)
+    for prime in PRIMES:
+        found = shortest_recurrence(terms, prime)
+        if found is None:
+            return None
+        if len(terms) < terms_needed:
+            terms = _terms(completions, terms_needed)
+        if _holds(found, terms, states):
+            return _nth(found, terms, length, spent)
+    return None
+
+
+def _terms(completions: Completions, number: int) -> list[int]:
+    """Return the weights of all words of the lengths 0, 1, 2, ..."""
+    terms, row = [], completions.row(0)
+    for _ in range(number):
+        terms.append(int(row[0]))
+        row = completions.following(row)
+    return terms
+
+
+def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
+    """Return a[1], ..., a[d] with c(n) = a[1] c(n-1) + ... + a[d] c(n-d) modulo a prime, as small whole numbers.
+
+    None where there is none of an order that so many terms can tell.
+    """
+    current, previous = [1], [1]
+    order, shift, last = 0, 1, 1
+    for place in range(len(terms)):
+        gap = sum(each * terms[place - back] for back, each in enumerate(current)) % prime
+        if not gap:
+            shift += 1
+            continue
+        factor = gap * pow(last, -1, prime) % prime
+        longer = current + [0] * (len(previous) + shift - len(current))
+        for back, each in enumerate(previous):
+            longer[back + shift] = (longer[back + shift] - factor * each) % prime
+        if 2 * order <= place:
+            order, previous, last, shift = place + 1 - order, current, gap, 1
+        else:
+            shift += 1
+        current = longer
+    if 2 * order + 2 > len(terms):
+        return None
+    current = (current + [0] * order)[1 : order + 1]
+    return [each - prime if each > prime // 2 else each for each in (-each % prime for each in current)]
+
+
+def _holds(recurrence: Sequence[int], terms: Sequence[int], states: int) -> bool:
+    """Return whether a recurrence holds for as many terms, exactly, as there are states."""
+    order = len(recurrence)
+    return all(
+        terms[place] == sum(each * terms[place - back] for back, each in enumerate(recurrence, 1))
+        for place in range(order, order + states)
+    )
+
+
+def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, spent: Callable[[], str | None]) -> int | None:
+    """Return a term by the remainder of x^place modulo the polynomial of the recurrence."""
+    order = len(recurrence)
+    if not order:
+        return 0
+    power = [1] + [0] * (order - 1)
+    for bit in bin(place)[2:]:
+        if spent():
+            return None
+        power = _remainder(_square(power), recurrence)
+        if bit == "1":
+            power = _remainder([0, *power], recurrence)
+    return sum(each * term for each, term in zip(power, terms, strict=False))
+
+
+def _square(polynomial: Sequence[int]) -> list[int]:
+    product = [0] * (2 * len(polynomial) - 1)
+    for place, each in enumerate(polynomial):
+        if each:
+            product[2 * place] += each * each
+            for other in range(place):
+                product[place + other] += 2 * each * polynomial[other]
+    return product
+
+
+def _remainder(polynomial: list[int], recurrence: Sequence[int]) -> list[int]:
+    """Return a polynomial modulo x^d - a[1] x^(d-1) - ... - a[d]."""
+    order = len(recurrence)
+    while len(polynomial) > order:
+        highest = polynomial.pop()
+        for back, each in enumerate(recurrence, 1):
+            if each:
+                polynomial[len(polynomial) - back] += each * highest
+    return polynomial
