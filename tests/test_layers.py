@@ -28,7 +28,7 @@ GROUND = frozenset(
 OURS = re.compile(r"prag_asp(\.|$)")
 
 ROOMS: Mapping[str, frozenset[str]] = {
-    "": GROUND | {"program", "scene", "domain", "logic", "space", "versions"},
+    "": GROUND | {"program", "scene", "domain", "logic", "space", "versions", "bounding"},
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
