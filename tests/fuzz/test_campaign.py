@@ -68,6 +68,8 @@ def ran(code: int = 0, out: str = "ok\n", err: str = "", **others: object) -> Ra
         (ran(outlived=True), "check", "outlived"),
         (ran(1, "", "MemoryError\n"), "check", "memory"),
         (ran(77, "", "a.lp:3: x\n"), "check", "code 77"),
+        (ran(5, "", "a.lp:3: x\n"), "check", "code 5"),
+        (ran(64, "", "prag-asp check: x\n"), "check", ""),
     ],
 )  # fmt: skip
 def test_each_way_to_answer_badly_is_found(result: Ran, arguments: str, what: str) -> None:
