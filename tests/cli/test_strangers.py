@@ -177,7 +177,7 @@ def test_what_a_message_quotes_is_escaped_and_cut(here: Path, key: str) -> None:
     ],
 )
 def test_a_wrong_command_line_is_told_in_one_line(arguments: list[str], told: str) -> None:
-    line = one_line(run(*arguments))
+    line = one_line(run(*arguments), 64)
     assert line.startswith(told) and line.endswith("--help")
 
 
