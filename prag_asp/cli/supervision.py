@@ -28,7 +28,7 @@ from prag_asp.processes.machine import family_of, memory_of, usual_memory
 POLL = 0.05
 """Seconds between two looks at time and memory."""
 
-UNHEARD, HEARD = 1.0, 5.0
+UNHEARD, HEARD = 2.0, 5.0
 """Seconds that the command has to end once it is asked to, before and after it has heard so."""
 
 SOON = 0.3

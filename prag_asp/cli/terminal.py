@@ -34,7 +34,7 @@ PATIENCE = 2.0
 
 def say(text: object) -> None:
     """Print lines on stdout; a terminal gets no character that it would obey, but for tabs."""
-    click.echo(for_terminal(str(text)) if sys.stdout.isatty() else str(text))
+    click.echo(for_terminal(str(text)) if sys.stdout is not None and sys.stdout.isatty() else str(text))
 
 
 def tell_line(text: str) -> None:

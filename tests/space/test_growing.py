@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 
 from prag_asp import DomainError, EngineError, TaskSpace, load_domain
-from prag_asp.program import checks
+from prag_asp.program.finite import checks
 from tests.domains import domain_of
 
 BELT = """
