@@ -28,7 +28,7 @@ def main() -> None:
         line, code = (
             ("terminated", Exit.TERMINATED) if isinstance(asked, Terminated) else ("interrupted", Exit.INTERRUPTED)
         )
-        sys.stderr.write(f"\n{line}\n")
+        sys.stderr.write(f"{line}\n")
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.
     sys.exit(code)
 

@@ -25,7 +25,6 @@ precondition(off,on,true). postcondition(off,on,false). postcondition(wave,on,tr
 """
 ENDLESS = f"{LAMP} small(0,1). small(Y,Z) :- small(X,Z), Y = X+Z, Z > 0."
 PRODUCT = f"{LAMP} n(1..3000). m(X,Y,Z) :- n(X), n(Y), n(Z)."
-LISTS = f"{LAMP} n(a,0). n((X,X),K+1) :- n(X,K), K < 1000000."
 
 DEAF = """
 import ctypes, signal, sys, time
@@ -62,7 +61,7 @@ def ends(work: str, *arguments: str) -> tuple[int, str]:
     return done.returncode, done.stderr.removeprefix("\n")
 
 
-@pytest.mark.parametrize("text", [ENDLESS, PRODUCT, LISTS])
+@pytest.mark.parametrize("text", [ENDLESS, PRODUCT])
 def test_grounding_without_end_ends_at_the_limit_of_time_with_one_line(text: str, tmp_path: Path) -> None:
     (tmp_path / "endless.lp").write_text(text)
     begun = time.monotonic()
@@ -105,8 +104,9 @@ def test_engines_that_search_obey_the_limit_of_time_in_all_they_do(
         command[0], "lamp.lp", "--length", "30", "--engine", engine, "--time", "4", *command[1:], cwd=tmp_path
     )
     assert done.returncode == 3
-    assert done.stderr.startswith("the time limit of 4 s was reached") and "--time" in done.stderr
-    assert done.stderr.count("\n") == 1
+    *kept, told = done.stderr.splitlines()
+    assert told.startswith("the time limit of 4 s was reached") and "--time" in told
+    assert not kept or (len(kept) == 1 and kept[0].startswith("out.txt.part keeps "))
 
 
 @pytest.mark.parametrize("engine", ["clingo", "sat"])
