@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.output import building, make_folder, replace_file
+from prag_asp.output import building, replace_file
 from prag_asp.program.paths import shipped_domains
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -112,7 +112,6 @@ def write_new_domain(name: str, parent: Path = Path()) -> Path:
         raise DomainError(f"{folder.name}: a shipped domain has this name; choose another")
     if folder.exists():
         raise DomainError(f"{folder}: exists already; choose another name, or remove it first")
-    make_folder(folder.parent)
     texts = {"domain.lp": LOGIC, "domain.toml": SETTINGS}
     with building(folder, texts) as part:
         for file, text in texts.items():

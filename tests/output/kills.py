@@ -22,6 +22,7 @@ from tempfile import TemporaryDirectory
 
 from tests.commands import PRAG
 from tests.output.faults import content
+from tests.processes import children, computed
 
 OLD = b"% what was there before\n"
 
@@ -46,12 +47,15 @@ BEFORE = {
 
 @dataclass(frozen=True)
 class Reference:
-    """What a command leaves that nobody disturbs: its exit code, its files, when it writes first, how long it takes."""
+    """What a command leaves that nobody disturbs: its exit code, its files, when it writes first and ends.
+
+    These moments are seconds that it has computed with its children, which a busy machine stretches least.
+    """
 
     code: int
     files: Mapping[str, bytes]
     first: float
-    seconds: float
+    end: float
 
 
 def prepare(folder: Path, names: Sequence[str]) -> None:
@@ -81,17 +85,28 @@ def started(name: str, folder: Path) -> subprocess.Popen[str]:
 def undisturbed(name: str, prepared: Path, folder: Path) -> Reference:
     """Run a command to its end."""
     place(name, prepared, folder)
-    begun, first = time.monotonic(), None
+    first, latest = None, 0.0
     process = started(name, folder)
     while process.poll() is None:
+        latest = max(latest, seconds(process))
         if first is None and any(folder.rglob("*.part")):
-            first = time.monotonic() - begun
+            first = latest
         time.sleep(0.01)
-    seconds = time.monotonic() - begun
     assert process.stderr is not None
     assert process.returncode in (0, 1), process.stderr.read()
     process.stderr.close()
-    return Reference(process.returncode, content(folder), first or seconds / 2, seconds)
+    return Reference(process.returncode, content(folder), latest / 2 if first is None else first, latest)
+
+
+def seconds(process: subprocess.Popen[str]) -> float:
+    """Return for how many seconds a process and those that it has started have computed; 0 where it has ended."""
+    total, waiting = 0.0, [process.pid]
+    with suppress(FileNotFoundError, ProcessLookupError):
+        while waiting:
+            pid = waiting.pop()
+            total += computed(pid)
+            waiting += children(pid)
+    return total
 
 
 def faults(found: Mapping[str, bytes], before: Mapping[str, bytes], whole: Mapping[str, bytes]) -> list[str]:
@@ -110,8 +125,9 @@ def kill_once(name: str, prepared: Path, folder: Path, reference: Reference, cha
     before, met = content(folder), "before it wrote"
     for _ in range(chance.choice((1, 1, 2))):
         process = started(name, folder)
-        with suppress(subprocess.TimeoutExpired):
-            process.communicate(timeout=chance.uniform(0.8 * reference.first, 1.05 * reference.seconds))
+        moment = chance.uniform(0.9 * reference.first, reference.end)
+        while process.poll() is None and seconds(process) < moment:
+            time.sleep(0.002)
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.communicate()

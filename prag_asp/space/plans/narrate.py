@@ -23,6 +23,9 @@ from prag_asp.task import FrozenDict, Task
 BATCH = 2048
 """Plans that are told together; the first task of a long iteration waits for one batch at most."""
 
+BATCH_STATES = 1 << 14
+"""States that these plans pass together, about: what is remembered is forgotten between batches alone."""
+
 Known = FrozenDict[Atom, bool]
 Entities = int
 """A set of entities: bit i for the i-th."""
@@ -56,7 +59,7 @@ class Narrator:
             told = self._told([word for word, _ in batch])
             for (word, log_probability), numbers in zip(batch, told, strict=True):
                 yield self._task([self._actions[text] for text in word], numbers, log_probability)
-            size = min(2 * size, BATCH)
+            size = min(2 * size, BATCH, max(BATCH_STATES // (len(batch[0][0]) + 1), 1))
 
     def last_states(self, words: Sequence[Sequence[str]]) -> list[Known]:
         """Return what is known of the last state of each of some plans."""
