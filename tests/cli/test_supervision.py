@@ -44,9 +44,8 @@ main()
 """The command ``domains``, doing something else."""
 
 HOLDS_THE_INTERPRETER = "print('begun', flush=True); sum(range(10**12))"
-SWALLOWS = """print('begun', flush=True)
-    while True:
-        try: time.sleep(60)
+SWALLOWS = """while True:
+        try: print('begun', flush=True); time.sleep(60)
         except BaseException: pass"""
 LISTENS = "print('begun', flush=True); time.sleep(60)"
 
@@ -181,8 +180,7 @@ def test_a_command_ends_with_its_supervisor_even_while_foreign_code_runs(work: s
 def test_a_command_hears_one_wish_once_whoever_sends_it(
     send: Callable[[subprocess.Popen[str]], str], tmp_path: Path
 ) -> None:
-    tidy = """print('begun', flush=True)
-    try: time.sleep(60)
+    tidy = """try: print('begun', flush=True); time.sleep(60)
     finally:
         time.sleep(0.5)
         print('tidied', flush=True)"""

@@ -22,6 +22,7 @@ SETUP = {
     ".venv/bin/pip install '.[pictures]'",
     ".venv/bin/pip install '.[sharp]'",
     ".venv/bin/pip install -e '.[docs]' && .venv/bin/mkdocs build --strict",
+    "python -m tests.fuzz --count 10000 --seed 7",
 }
 """Commands that need a fresh machine: the tests run in what they have made already."""
 

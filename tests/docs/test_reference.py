@@ -118,6 +118,6 @@ def test_the_page_of_json_lines_names_every_field() -> None:
     domain = load_domain(ROOT / "examples" / "dishes", constants={"capacity": 4})
     line = json.loads(write_line(next(feasible(TaskSpace(domain, 1), seed=1))))
     text = page("reference/json_lines.md")
-    lines, _, _ = text.partition("## Witnesses")
+    lines, _, _ = text.partition("\n## ")
     assert re.findall(r"^\| `(\w+)` \|", lines, re.MULTILINE) == list(line)
     assert {name for name in (*line["verdict"], *line["witness"]) if f"`{name}`" not in text} == set()

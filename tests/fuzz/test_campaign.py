@@ -9,10 +9,10 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from random import Random
 
 import pytest
 
+from tests.chance import Chance
 from tests.fuzz.campaign import attempt, keep
 from tests.fuzz.isolated import Limits, Ran, run
 from tests.fuzz.judged import fault
@@ -109,9 +109,9 @@ def test_a_finding_is_made_smaller_and_kept_with_its_command(tmp_path: Path) -> 
     assert (folder / "own" / "own" / "domain.lp").exists() and "prag-asp check own" in (folder / "run.sh").read_text()
 
 
-def test_what_a_mutant_keeps_is_believed_where_nobody_else_can_write() -> None:
+def test_what_a_mutant_keeps_is_believed_where_nobody_else_can_write(chance: Chance) -> None:
     files = {f"own/{path.name}": path.read_bytes() for path in (SEEDS / "closed").iterdir()}
-    files |= {f"kept/{name}": forged(content, Random(0)) for name, content in kept(SEEDS / "closed").items()}
+    files |= {f"kept/{name}": forged(content, chance.generator(0)) for name, content in kept(SEEDS / "closed").items()}
     commands = (("check", "own"), (*COUNT, "--no-cache"), COUNT)
     ours = Mutant("cache", 0, files, commands, variables={"PRAG_ASP_CACHE": "kept"})
     finding = attempt(ours, Limits()).finding

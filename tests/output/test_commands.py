@@ -212,7 +212,7 @@ def test_a_disk_without_room_for_all_keeps_what_it_has_room_for(tmp_path: Path) 
     (tmp_path / "out.txt").write_text("old\n")
     code = (
         "import resource, sys; sys.dont_write_bytecode = True;"  # which Python would cut, and believe
-        "from prag_asp.output import lines; lines.HELD = 100;"
+        "from prag_asp.output import lines; lines.HELD = 100; lines.INTERVAL = 0.0;"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2);"
         "from prag_asp.cli import main; main()"
     )

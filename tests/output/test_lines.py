@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import json
 import os
-import random
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import pytest
 
 from prag_asp.errors import OutputError
 from prag_asp.output import Lines, lines
+from tests.chance import Chance
 from tests.output.faults import Disk, content, killed
 
 TOTAL = 12
@@ -117,19 +117,21 @@ def test_at_each_moment_of_a_kill_the_old_file_stays_and_the_run_goes_on(file: P
     assert number > 6
 
 
-def test_what_was_cut_or_changed_since_is_not_believed(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_was_cut_or_changed_since_is_not_believed(
+    file: Path, monkeypatch: pytest.MonkeyPatch, chance: Chance
+) -> None:
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)
-    chance = random.Random(5)
+    random = chance.generator(5)
     part, note = file.parent / "file.part", file.parent / "file.run"
-    for _ in range(150):
+    for _ in range(chance.examples(150)):
         with pytest.raises(KeyboardInterrupt):
-            work(file, upto=chance.randint(2, 9))
-        victim = chance.choice([part, note])
+            work(file, upto=random.randint(2, 9))
+        victim = random.choice([part, note])
         damaged = bytearray(victim.read_bytes())
-        if chance.random() < 0.5:
-            del damaged[chance.randrange(len(damaged)) :]
+        if random.random() < 0.5:
+            del damaged[random.randrange(len(damaged)) :]
         else:
-            damaged[chance.randrange(len(damaged))] ^= 1 << chance.randrange(8)
+            damaged[random.randrange(len(damaged))] ^= 1 << random.randrange(8)
         victim.write_bytes(damaged)
         work(file)
         assert content(file.parent) == {"file": TEXT}

@@ -79,10 +79,9 @@ def bearable(scene: Scene, entity: str, robot: str) -> float:
 def slips(scene: Scene, entity: str, robot: str) -> str | None:
     """Return in words that a body slips out of a gripper that lifts it, None where it need not."""
     heavy, most = weight(scene, entity), bearable(scene, entity, robot)
-    if heavy <= SLIPS * most:
-        return None
-    gripper = _called(scene, robot)
-    return f"{words(entity)} weighs {heavy:.3g} kg, and {gripper} lifts {most:.3g} kg by its friction"
+    if heavy > SLIPS * most:
+        return f"{words(entity)} weighs {heavy:.3g} kg, and {_called(scene, robot)} lifts {most:.3g} kg by its friction"
+    return None
 
 
 def _at_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
