@@ -129,15 +129,25 @@ class _Supervisor:
             except ProcessLookupError:
                 continue
         os.waitpid(self._command, 0)
+        return self._as_asked()
+
+    def _as_asked(self) -> int:
+        """Return the code for what the command was asked to end by, and say so where it has not."""
+        assert self._asked is not None
         _, code, line = self._asked
         if not self._board.said:
             ending.write_line(line)
         return code
 
     def _code_of(self, ended: int) -> int:
-        """Return the code of a command that has ended by itself, and say how where a signal has ended it."""
+        """Return the code of a command that has ended by itself, and say how where a signal has ended it.
+
+        Foreign code that is asked to end may end the process instead: that is no crash.
+        """
         if ended >= 0:
             return ended
+        if self._asked is not None:
+            return self._as_asked()
         if -ended in (signal.SIGINT, signal.SIGTERM):
             interrupted = -ended == signal.SIGINT
             ending.write_line("interrupted" if interrupted else "terminated")

@@ -166,6 +166,16 @@ def test_a_second_ctrl_c_does_not_ask(tmp_path: Path) -> None:
         assert time.monotonic() - begun < 2 and process.returncode == 130
 
 
+def test_foreign_code_that_ends_the_process_when_it_is_asked_to_end_is_no_crash(tmp_path: Path) -> None:
+    work = """
+    try: print('begun', flush=True); time.sleep(60)
+    except KeyboardInterrupt: signal.raise_signal(signal.SIGABRT)"""
+    with interruptible(working(work), tmp_path) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        assert interrupt(process) == "interrupted\n"
+    assert process.returncode == 130
+
+
 @pytest.mark.parametrize("work", [HOLDS_THE_INTERPRETER, LISTENS])
 def test_a_command_ends_with_its_supervisor_even_while_foreign_code_runs(work: str, tmp_path: Path) -> None:
     with interruptible(working(work), tmp_path) as process:
