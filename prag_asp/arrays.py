@@ -8,6 +8,7 @@ no more is unpacked than was said.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from sys import maxunicode
 from typing import TYPE_CHECKING, Any, BinaryIO
 from zipfile import ZipFile, ZipInfo
 
@@ -88,4 +89,10 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
         if len(content) != size:
             raise BadArchive(f"{name} was cut off")
     array = np.frombuffer(content, kind) if kind.itemsize else np.zeros(count, kind)
+    if kind.kind == "U" and kind.itemsize:
+        codes = array.view(np.dtype(np.uint32).newbyteorder(kind.byteorder))
+        if (
+            (codes > maxunicode) | ((codes >= 0xD800) & (codes < 0xE000))
+        ).any():  # NumPy makes texts of them that crash
+            raise BadArchive(f"{name} has characters that there are not")
     return array.reshape(shape, order="F" if by_columns else "C")

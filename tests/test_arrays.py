@@ -75,6 +75,19 @@ def test_a_header_that_promises_another_size_is_refused(content: bytes) -> None:
         read_arrays(archive(("a.npy", content)), ["a"], LARGEST)
 
 
+@pytest.mark.parametrize("kind", ["<U1", ">U1"])
+@pytest.mark.parametrize(
+    ("code", "is_one"), [(0x10FFFF, True), (0x110000, False), (0x72000000, False), (0xD800, False)]
+)
+def test_a_character_that_there_is_not_is_refused(kind: str, code: int, is_one: bool) -> None:
+    content = archive(("a.npy", member(kind, (1,), code.to_bytes(4, "little" if kind[0] == "<" else "big"))))
+    if is_one:
+        assert read_arrays(content, ["a"], LARGEST)["a"].tolist() == [chr(code)]
+    else:
+        with pytest.raises(BadArchive, match="a has characters that there are not"):
+            read_arrays(content, ["a"], LARGEST)
+
+
 def test_a_directory_that_promises_less_than_there_is_does_not_get_more_unpacked() -> None:
     content = archive(("a.npy", member("<f8", (10**5,), bytes(8 * 10**5)))).getvalue()
     true, said = (len(member("<f8", (10**5,), b"")) + size for size in (8 * 10**5, 8))
