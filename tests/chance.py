@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from hypothesis import HealthCheck, settings
 from hypothesis.database import ExampleDatabase, ReadOnlyDatabase
+from hypothesis.internal.conjecture import providers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -77,8 +78,17 @@ def freshen(base: int, found: Path = FOUND) -> None:
 
 def _settings() -> settings:
     """Return what holds in every run: no test fails because the machine is busy."""
+    _draw_no_constants_of_modules()
     # Where the variable CI is set, hypothesis would draw the same whatever the seed.
     return settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=False)
+
+
+def _draw_no_constants_of_modules() -> None:
+    """Have hypothesis not try the constants of the modules that happen to be there.
+
+    Which these are depends on the tests that ran before in the same process.
+    """
+    providers.is_local_module_file = lambda file: False
 
 
 class Found(ExampleDatabase):

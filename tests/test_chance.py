@@ -112,6 +112,19 @@ def test_what_a_fresh_run_finds_is_tried_first_by_every_later_one_and_stays(tmp_
     assert [*(tmp_path / "found").rglob("*.*")] == [found] and found.read_text() == content
 
 
+def test_what_is_drawn_does_not_depend_on_the_modules_that_are_there(tmp_path: Path) -> None:
+    (tmp_path / "constants.py").write_text(f"NUMBERS = {[*range(123_456, 124_456)]}\n")
+    body = "[open('drawn.txt', 'a').write(f'{number} ') for number in numbers]"
+    test = RARE.format(body=body).replace("st.integers(0, 20)", "st.lists(st.integers(0, 10**9))")
+    test = test.replace("(number)", "(numbers)").replace("examples(1)", "examples(300)")
+    found = []
+    for module in ("", "import constants\n"):
+        assert run(tmp_path, module + test).returncode == 0
+        found.append((tmp_path / "drawn.txt").read_text())
+        (tmp_path / "drawn.txt").unlink()
+    assert found[0] == found[1]
+
+
 def test_every_random_test_takes_its_seeds_and_its_number_of_examples_from_one_place() -> None:
     makers = {"Random", "default_rng", "SeededBits", "PCG64", "RandomState"}
     for path in (ROOT / "tests").rglob("test_*.py"):

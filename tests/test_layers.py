@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -108,7 +109,7 @@ def imports(package: Path) -> Iterator[tuple[str, str]]:
         return given
 
     for module, path in files.items():
-        for given in imported(ast.parse(path.read_text()), texts=not homes[module]):
+        for given in imported(path.read_text(), texts=not homes[module]):
             yield module, found(given)
 
 
@@ -117,9 +118,11 @@ def name_of(path: Path, package: Path) -> str:
     return ".".join(path.relative_to(package).with_suffix("").parts).removesuffix("__init__").removesuffix(".")
 
 
-def imported(tree: ast.Module, *, texts: bool) -> Iterator[str]:
-    """Yield the dotted names below ``prag_asp`` that a module imports, by statements or (with `texts`) as texts."""
-    for node in ast.walk(tree):
+@cache  # the copies of the package with one more line in a module have all others in common
+def imported(module: str, *, texts: bool) -> list[str]:
+    """Return the dotted names below ``prag_asp`` that a module imports, by statements or (with `texts`) as texts."""
+    found = []
+    for node in ast.walk(ast.parse(module)):
         given: list[str] = []
         if isinstance(node, ast.ImportFrom):
             assert not node.level, "an import is relative"
@@ -128,12 +131,18 @@ def imported(tree: ast.Module, *, texts: bool) -> Iterator[str]:
             given = [alias.name for alias in node.names]
         elif texts and isinstance(node, ast.Constant) and re.fullmatch(r"prag_asp(\.\w+)+", str(node.value)):
             given = [str(node.value)]
-        yield from (each.removeprefix("prag_asp").removeprefix(".") for each in given if OURS.match(each))
+        found += [each.removeprefix("prag_asp").removeprefix(".") for each in given if OURS.match(each)]
+    return found
 
 
 def faces(path: Path) -> dict[str, str]:
     """Return where the names live that a face hands on; a module that is no face hands on none."""
-    for node in ast.parse(path.read_text()).body:
+    return _homes(path.read_text())
+
+
+@cache
+def _homes(module: str) -> dict[str, str]:
+    for node in ast.parse(module).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_HOMES":
             homes: dict[str, tuple[str, ...]] = ast.literal_eval(node.value)
             return {name: home.removeprefix("prag_asp.") for home, names in homes.items() for name in names}

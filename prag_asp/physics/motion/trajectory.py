@@ -37,6 +37,9 @@ ROUNDING = 0.1
 GRAIN = 0.02
 """Radians between the places where the speed along a path is chosen."""
 
+STILL = 1e-12
+"""Radians up to which a piece of a path does not move: sums of angles are not more exact."""
+
 SLOWDOWNS = 30
 TOLERANCE = 1e-6
 
@@ -111,12 +114,12 @@ def _cells(points: Angles, limits: Limits) -> _Cells | None:
     """Return the cells of a path, None where it does not move."""
     pieces = np.diff(points, axis=0)
     lengths = np.abs(pieces).max(axis=1)
-    moving = lengths > 0.0
+    moving = lengths > STILL
     if not moving.any():
         return None
     corners = np.concatenate([[0.0], np.cumsum(lengths)])
     directions = pieces[moving] / lengths[moving, None]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         speeds = (limits.speeds / np.abs(directions)).min(axis=1)
         rates = (limits.accelerations / np.abs(directions)).min(axis=1)
         turns = np.abs(np.diff(directions, axis=0))

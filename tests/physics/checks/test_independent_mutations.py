@@ -15,6 +15,7 @@ from prag_asp.physics import Budget, open_validator
 from prag_asp.scene.model import Mount
 from tests.independent.check import problems
 from tests.independent.frames import frame
+from tests.independent.tolerances import STRIDE
 from tests.independent.world import world_of
 from tests.physics.scenarios import HANDOVER
 
@@ -242,6 +243,12 @@ def test_an_arm_in_the_other_one_is_found(two_arms):
     assert "state 0: the arm is in that of left" in found and "state 0: the arm is in that of right" in found
 
 
+def _apart(before, after):
+    """Tell whether two waypoints turn one way with a leap between them: some ways are shorter than a stride."""
+    turned = np.abs(np.subtract(after["joints"], before["joints"])).max()
+    return before["name"] == after["name"] == "transit" and turned > 1.3 * STRIDE
+
+
 @pytest.mark.parametrize(("name", "length"), [("kitchen", 2), ("two_arms", 3)])
 def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, length, chance):
     world, (record,) = _records(name, {length: 1}, "transit")
@@ -253,7 +260,8 @@ def test_ways_pass_and_a_dropped_waypoint_or_a_body_in_the_way_is_found(name, le
         for i, each in enumerate(motion[:-2])
         if each["name"] == motion[i + 1]["name"] == "transit"
     ]
-    for k, i in rng.sample(places, 2):
+    long = [(k, i) for k, i in places if i and _apart(motions[k][i - 1], motions[k][i + 1])]
+    for k, i in rng.sample(long, 2):
         changed, _, copied = _changed(record)
         del copied[k][i]
         assert any("the way leaps" in text for text in _found(world, changed, True)), (k, i)

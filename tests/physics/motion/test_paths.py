@@ -81,6 +81,17 @@ def test_a_timed_path_stays_within_the_box_of_its_points(path):
     assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
 
 
+@pytest.mark.parametrize("tiny", [5e-324, 2e-308, 1e-300, 1e-160, 1e-30, 1e-13, 1e-11])
+def test_a_turn_too_small_for_numbers_is_none(tiny):
+    start, near, far = (0.0,) * 7, (*(0.0,) * 6, tiny), (0.0, 1.0, *(0.0,) * 4, tiny)
+    limits = limits_of(PANDA)
+    for path in ([start, near], [start, near, far], [start, far], [far, start, near]):
+        rows = timed(path, TIME_STEP, limits)
+        assert np.isfinite(rows).all() and rows[-1] == pytest.approx(path[-1], abs=1e-9)
+        speeds, accelerations = _motion(path, rows)
+        assert (speeds <= PANDA.speeds).all() and (accelerations <= PANDA.accelerations).all()
+
+
 @given(points=st.lists(st.tuples(*[angles] * 7), min_size=3, max_size=4), loaded=st.booleans(), robot=robots)
 def test_blended_ways_keep_to_the_limits_and_pass_the_corners_nearby(points, loaded, robot):
     limits = limits_of(robot, loaded)
