@@ -15,8 +15,7 @@ from tests.bare import LINUX, ROOT, bare_python, required
 ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak")
 LOGIC = (
     "tests/dataset/test_jsonl.py", "tests/program", "tests/lint", "tests/domain", "tests/logic", "tests/test_task.py",
-    "tests/space/engines/test_engines.py", "tests/space/test_kitchen_counts.py", "tests/space/test_limits.py",
-    "tests/space/parts",
+    "tests/space/engines/test_engines.py", "tests/space/test_limits.py",
 )  # fmt: skip
 CHEAP = ("-m", "not slow and not hypothesis", "-k", "not sharp")
 """Tests of logic that take less than a minute together; random input would find the same with PyBullet as without.
@@ -48,7 +47,7 @@ def test_the_environment_lacks_what_it_is_to_lack(python: Path) -> None:
 def test_the_suite_of_logic_passes(python: Path) -> None:
     done = run(python, "-m", "pytest", "-q", "-x", *CHEAP, "-o", "addopts=", "-p", "no:cacheprovider", *LOGIC)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert int(done.stdout.split(" passed")[0].split()[-1]) > 390
+    assert int(done.stdout.split(" passed")[0].split()[-1]) > 380
 
 
 @pytest.mark.parametrize("name", ["tabletop", "kitchen", "two_arms", "blocks"])

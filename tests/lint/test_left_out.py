@@ -183,6 +183,7 @@ def test_encodings_that_do_not_know_what_is_left_out_keep_it(tmp_path: Path) -> 
     assert TaskSpace(domain, 3).count() == 1
 
 
+@pytest.mark.slow
 def test_thousands_of_actions_of_which_half_never_occur_are_checked_in_seconds(tmp_path: Path) -> None:
     places = 45
     far = {(a, b) for a in range(places) for b in range(places) if a == b or (a * 7 + b * 3) % 2}

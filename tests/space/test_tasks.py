@@ -89,7 +89,7 @@ def orbit(plan: Plan, groups: Iterable[tuple[str, ...]]) -> frozenset[Plan]:
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(schemas())
 def test_tasks_are_the_orbits_of_plans_in_both_engines(schema: Schema) -> None:
     domain = domain_of(schema.text())

@@ -26,7 +26,7 @@ def why(domain: str, *plan: str, rules: tuple[str, ...] = ()) -> Explanation | N
     return explain(Model(load_domain(domain, rules=rules)), list(map(clingo.parse_term, plan)))
 
 
-@settings(max_examples=examples(120), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(50), suppress_health_check=list(HealthCheck))
 @given(st.booleans().flatmap(lambda closed: toys(closed=closed)), st.data())
 def test_the_step_and_the_conflict_are_those_of_the_definition(toy: Toy, data: st.DataObject) -> None:
     number = st.integers(0, len(toy.actions) - 1)

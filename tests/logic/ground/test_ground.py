@@ -32,6 +32,7 @@ def test_a_counter_without_a_bound_is_told_with_its_line_and_left_to_clingo() ->
     assert next(iter(auto)).states
 
 
+@pytest.mark.slow
 def test_a_counter_with_a_bound_is_carried_as_far_as_that() -> None:
     model = Model(domain_of(counter(", N < 150", 150)))
     assert not model.ground.obstacles

@@ -22,21 +22,21 @@ ENGINES = ("automaton", "clingo")
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data)
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(toys(closed=True), st.data())
 def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data)
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_one_last_state_satisfies_all_that_is_asked_of_it(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data, data.draw(st.lists(ends(toy), min_size=1, max_size=3)))

@@ -70,7 +70,7 @@ def test_figures_are_those_of_all_words_for_each_kind_of_weight(kind: str, by: s
     assert space.total_weight(weights=KINDS[kind], by=by) == sum(weighed.values())  # type: ignore[arg-type]
 
 
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.dictionaries(st.sampled_from(["a", "b", "a>b", "b>b"]), st.fractions(0, 9), max_size=3))
 def test_figures_are_exact_on_random_domains(toy: Toy, weights: dict[str, Number]) -> None:
     names = {action.name for action in toy.actions}
