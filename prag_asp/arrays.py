@@ -91,8 +91,7 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     array = np.frombuffer(content, kind) if kind.itemsize else np.zeros(count, kind)
     if kind.kind == "U" and kind.itemsize:
         codes = array.view(np.dtype(np.uint32).newbyteorder(kind.byteorder))
-        if (
-            (codes > maxunicode) | ((codes >= 0xD800) & (codes < 0xE000))
-        ).any():  # NumPy makes texts of them that crash
+        halves = (codes >= 0xD800) & (codes < 0xE000)
+        if (halves | (codes > maxunicode)).any():  # NumPy makes texts of them that crash
             raise BadArchive(f"{name} has characters that there are not")
     return array.reshape(shape, order="F" if by_columns else "C")

@@ -78,13 +78,13 @@ class _Supervisor:
         """Wait until the command has ended, one way or another, and return the code for it."""
         while True:
             came = signal.sigtimedwait({*self._watched, signal.SIGCHLD}, POLL)
-            wished = came is not None and came.si_signo in self._watched
-            if came is not None and wished:  # first: the command may have ended by it already
-                self._hand_on(came.si_signo)
+            wish = None if came is None or came.si_signo == signal.SIGCHLD else came.si_signo
+            if wish is not None:  # first: the command may have ended by it already
+                self._hand_on(wish)
             ended, status = os.waitpid(self._command, os.WNOHANG)
             if ended:
                 return self._code_of(os.waitstatus_to_exitcode(status))
-            if not wished:
+            if wish is None:
                 self._look()
             if self._asked is not None:
                 patience = HEARD if self._board.heard else UNHEARD

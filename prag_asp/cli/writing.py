@@ -40,11 +40,8 @@ class _Stream:
     lines, state = 0, None
 
     def __init__(self, stream: Any, name: str) -> None:
-        self._stream, self._name, self._shown = (
-            stream,
-            name,
-            stream is not None and stream is sys.stdout and stream.isatty(),
-        )
+        self._stream, self._name = stream, name
+        self._shown = stream is not None and stream is sys.stdout and stream.isatty()
 
     def write(self, line: str | None, state: Any = None) -> None:
         """Write a line."""

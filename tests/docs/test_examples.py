@@ -24,7 +24,7 @@ SETUP = {
     ".venv/bin/pip install -e '.[docs]' && .venv/bin/mkdocs build --strict",
     "python -m tests.fuzz --count 10000 --seed 7",
 }
-"""Commands that need a fresh machine: the tests run in what they have made already."""
+"""Commands that need a fresh machine, in what the tests run already, or hours."""
 
 
 def name_of(page: Path) -> str:

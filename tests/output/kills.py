@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 
 from tests.commands import PRAG
 from tests.output.faults import content
-from tests.processes import children, computed
+from tests.processes import computed, family
 
 OLD = b"% what was there before\n"
 
@@ -100,13 +100,7 @@ def undisturbed(name: str, prepared: Path, folder: Path) -> Reference:
 
 def seconds(process: subprocess.Popen[str]) -> float:
     """Return for how many seconds a process and those that it has started have computed; 0 where it has ended."""
-    total, waiting = 0.0, [process.pid]
-    with suppress(FileNotFoundError, ProcessLookupError):
-        while waiting:
-            pid = waiting.pop()
-            total += computed(pid)
-            waiting += children(pid)
-    return total
+    return sum(map(computed, family(process.pid)))
 
 
 def faults(found: Mapping[str, bytes], before: Mapping[str, bytes], whole: Mapping[str, bytes]) -> list[str]:

@@ -81,7 +81,7 @@ def family(of: int) -> list[int]:
     """Return a process and all that were started by it or by one that it has started."""
     found = [of]
     for process in found:
-        with suppress(FileNotFoundError):
+        with suppress(FileNotFoundError, ProcessLookupError):
             found += children(process)
     return found
 
