@@ -179,7 +179,7 @@ class _Recorder(clingo.Observer):
         self.obstacles: list[str] = []
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        if body or choice or not head or self.part != "base":
+        if body or choice or len(head) != 1 or self.part != "base":
             self.rules.setdefault(self.part, []).append(Rule(tuple(head), tuple(body), choice))
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]) -> None:

@@ -32,6 +32,13 @@ def test_a_counter_without_a_bound_is_told_with_its_line_and_left_to_clingo() ->
     assert next(iter(auto)).states
 
 
+def test_a_disjunction_in_the_base_is_a_choice_that_is_left_to_clingo() -> None:
+    domain = domain_of(TWO + "x ; y.\n#program step(t).\n:- occurs(a,t), x. :- occurs(b,t), y.")
+    with pytest.raises(EngineError, match="the base part makes a choice"):
+        TaskSpace(domain, 3, engine="automaton").count("plan")
+    assert TaskSpace(domain, 3).count("plan") == TaskSpace(domain, 3, engine="clingo").count("plan") == 2
+
+
 @pytest.mark.slow
 def test_a_counter_with_a_bound_is_carried_as_far_as_that() -> None:
     model = Model(domain_of(counter(", N < 150", 150)))
