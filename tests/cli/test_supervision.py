@@ -23,7 +23,6 @@ class(lamp). entity(one,lamp). fluent(on). action(on;off;wave).
 precondition(on,on,false). postcondition(on,on,true). initially(on,false).
 precondition(off,on,true). postcondition(off,on,false). postcondition(wave,on,true).
 """
-ENDLESS = f"{LAMP} small(0,1). small(Y,Z) :- small(X,Z), Y = X+Z, Z > 0."
 PRODUCT = f"{LAMP} n(1..3000). m(X,Y,Z) :- n(X), n(Y), n(Z)."
 
 DEAF = """
@@ -60,11 +59,10 @@ def ends(work: str, *arguments: str) -> tuple[int, str]:
     return done.returncode, done.stderr.removeprefix("\n")
 
 
-@pytest.mark.parametrize("text", [ENDLESS, PRODUCT])
-def test_grounding_without_end_ends_at_the_limit_of_time_with_one_line(text: str, tmp_path: Path) -> None:
-    (tmp_path / "endless.lp").write_text(text)
+def test_a_grounding_of_hours_ends_at_the_limit_of_time_with_one_line(tmp_path: Path) -> None:
+    (tmp_path / "large.lp").write_text(PRODUCT)
     begun = time.monotonic()
-    done = run_apart("count", "endless.lp", "--length", "3", "--time", "5", cwd=tmp_path)
+    done = run_apart("count", "large.lp", "--length", "3", "--time", "5", cwd=tmp_path)
     assert time.monotonic() - begun < 15
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr.startswith("the time limit of 5 s was reached while grounding the domain, with ")

@@ -124,6 +124,7 @@ ENDLESS = {
     "n(0). n(Y) :- n(X), Y = X+1.": "makes ever larger terms of n and never ends",
     "n(a). n((X,X)) :- n(X).": "makes ever larger terms of n and never ends",
     "n(0). n(X-1) :- n(X), m(Y), Y != 3. m(1).": r"made terms of n from one another 2,000 times",
+    "small(0,1). small(Y,Z) :- small(X,Z), Y = X+Z, Z > 0.": r"made terms of small from one another 2,000 times",
     "n(a). m(f(X)) :- n(X). n(X) :- m(X).": "makes terms of m nested more than 1,000 deep",
     "n(a). n(f(X)) :- n(X), not m(X). m(b).": "makes terms of n nested more than 1,000 deep",
     "n(a). {n(f(X)) : n(X)}.": "makes terms of n nested more than 1,000 deep",
