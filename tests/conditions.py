@@ -58,7 +58,7 @@ def satisfied(toy: Toy, plan: Plan, clauses: list[Clause]) -> bool:
 
 @st.composite
 def clauses(draw: st.DrawFn, toy: Toy) -> Clause:
-    kinds = [begins, has, uses, some_use, matches, part_of_run, ends]
+    kinds = [begins, has, uses, some_use, matches, part_of_run, ends, achieves]
     clause: Clause = draw(draw(st.sampled_from(kinds))(toy))
     return clause
 
@@ -191,17 +191,25 @@ def either(pair: tuple[Formula, Formula]) -> Formula:
 
 @st.composite
 def ends(draw: st.DrawFn, toy: Toy) -> Clause:
+    words, test = draw(formulas(toy))
+    return Clause(f"ends {words}", lambda toy, plan, states: test(states[-1]))
+
+
+@st.composite
+def achieves(draw: st.DrawFn, toy: Toy) -> Clause:
+    words, test = draw(formulas(toy))
+    return Clause(f"achieves {words}", lambda toy, plan, states: test(states[-1]) and not test(states[0]))
+
+
+def formulas(toy: Toy) -> st.SearchStrategy[Formula]:
     number = st.integers(0, toy.fluents - 1)
     leaf: st.SearchStrategy[Formula] = number.map(lambda f: (f"f{f}", lambda state: state[f]))
-    words, test = draw(
-        st.recursive(
-            leaf,
-            lambda part: st.one_of(
-                part.map(lambda p: (f"not ({p[0]})", lambda state: not p[1](state))),
-                st.tuples(part, part).map(both),
-                st.tuples(part, part).map(either),
-            ),
-            max_leaves=5,
-        )
+    return st.recursive(
+        leaf,
+        lambda part: st.one_of(
+            part.map(lambda p: (f"not ({p[0]})", lambda state: not p[1](state))),
+            st.tuples(part, part).map(both),
+            st.tuples(part, part).map(either),
+        ),
+        max_leaves=5,
     )
-    return Clause(f"ends {words}", lambda toy, plan, states: test(states[-1]))

@@ -16,10 +16,10 @@ Reasons = Mapping[FluentValue, FluentValue]
 """Which value each one was found to follow from."""
 
 
-def invariant_graph(facts: Facts) -> Graph:
-    """Return what each value entails by one invariant."""
+def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
+    """Return what each value entails by one invariant, or, if asked for, by what is `impossible` as well."""
     graph: dict[FluentValue, list[FluentValue]] = {}
-    for first, second in facts.exclusive:
+    for first, second in (*facts.exclusive, *(facts.impossible if impossible else ())):
         graph.setdefault((first, True), []).append((second, False))
         graph.setdefault((second, True), []).append((first, False))
     for first, second in facts.implies:

@@ -27,12 +27,16 @@ LONGEST = 3
 
 @dataclass(frozen=True)
 class Clause:
-    """A condition: its words, and what they mean for a plan, or for the state after some steps, the last one by -1."""
+    """A condition: its words, and what they mean for a plan, or for the state after some steps, the last one by -1.
+
+    What it `achieves`, the first state does not satisfy.
+    """
 
     words: str
     plan: Callable[[Plan], bool] | None = None
     step: int | None = None
     state: Callable[[dict[str, bool]], bool] | None = None
+    achieves: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,9 @@ class Case:
             plan
             for plan, states in runs.items()
             if all(clause.plan(plan) for clause in self.clauses if clause.plan)
-            and any(self._told_to_hold(run) and self.ending(self.named(run[-1])) for run in states)
+            and any(
+                self._told_to_hold(run) and self.ending(self.named(run[-1])) and self._lacks(run[0]) for run in states
+            )
             and (not self._asks_what_is_told or self._told_apart(known[plan]))
         }
 
@@ -108,6 +114,10 @@ class Case:
             for clause in self.clauses
             if clause.state and clause.step is not None
         )
+
+    def _lacks(self, state: State) -> bool:
+        """Return whether a first state satisfies nothing that is to be achieved."""
+        return not any(clause.state(self.named(state)) for clause in self.clauses if clause.state and clause.achieves)
 
     @property
     def _asks_what_is_told(self) -> bool:
@@ -161,6 +171,7 @@ class Case:
             "invariants": self._allowed,
             "impossible": list(filter(self.toy.allowed, self._allowed)),
             "start": [state for state in self._having(self.toy.initially) if self._asked(0, state)],
+            "lacking": list(filter(self._lacks, self._having(self.toy.initially))),
             "ending": [state for state in self._every if self.ending(self.named(state))],
             "last": [state for state in self._having(self.toy.goal) if self._asked(-1, state)],
         }
@@ -190,7 +201,7 @@ class Case:
         }
         never_after = {tuple(renamed_action[self.actions[i]] for i in pair) for pair in self.toy.never_after}
         conditions = {self._meaning(i, clause, renamed_action, told) for i, clause in enumerate(self.clauses)} - {None}
-        whole = [told[what] for what in ("invariants", "impossible", "start", "ending", "last")]
+        whole = [told[what] for what in ("invariants", "impossible", "start", "lacking", "ending", "last")]
         return whole, actions, never_after, conditions
 
     def _meaning(self, place: int, clause: Clause, renamed_action: Names, told: dict[object, States]) -> object:

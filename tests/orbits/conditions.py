@@ -11,7 +11,8 @@ from tests.orbits.case import Clause, Plan
 
 
 def draw_clauses(chance: random.Random, actions: Plan, fluents: Plan, entities: dict[str, str]) -> tuple[Clause, ...]:
-    kinds = [begins, has, lacks, pairs, uses, avoids, matches, part, starts, after, ends, ends, nontrivial, loop_free]
+    kinds = [begins, has, lacks, pairs, uses, avoids, matches, part, starts, after, ends, ends, achieves,
+             nontrivial, loop_free]  # fmt: skip
     drawn = chance.choices(kinds, k=chance.choice([0, 1, 1, 1, 2, 2]))
     chosen = [draw(chance, actions, fluents, entities) for draw in drawn]
     if any(" or " in clause.words for clause in chosen):  # what the last state chooses is not told of it
@@ -118,6 +119,11 @@ def after(chance: random.Random, actions: Plan, fluents: Plan, *_: object) -> Cl
 def ends(chance: random.Random, actions: Plan, fluents: Plan, *_: object) -> Clause:
     words, test = formula(chance, fluents, chance.randint(0, 2))
     return Clause(f"ends {words}", None, -1, test)
+
+
+def achieves(chance: random.Random, actions: Plan, fluents: Plan, *_: object) -> Clause:
+    words, test = formula(chance, fluents, chance.randint(0, 2))
+    return Clause(f"achieves {words}", None, -1, test, achieves=True)
 
 
 def formula(chance: random.Random, fluents: Plan, depth: int) -> tuple[str, Callable[[dict[str, bool]], bool]]:

@@ -61,6 +61,8 @@ def fewest_actions(clause: Clause) -> int:
         return clause.steps
     if isinstance(clause, Begins):
         return len(clause.prefix)
+    if isinstance(clause, Achieves):
+        return 1
     return clause.times.low if isinstance(clause, Has) else 0
 
 
@@ -228,6 +230,19 @@ class Ends:
 
 
 @dataclass(frozen=True)
+class Achieves(Ends):
+    """The last state satisfies a formula, of which the first is not known to satisfy it.
+
+    Several ask for one first state, which may satisfy none of their formulas.
+    """
+
+    file: ClassVar[str] = "achieves"
+
+    def __str__(self) -> str:
+        return f"achieves {self.formula}"
+
+
+@dataclass(frozen=True)
 class Nontrivial:
     """What is known of the last state differs from what is known of the first."""
 
@@ -262,6 +277,14 @@ def asked_end(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterat
         yield f"either({number},{which})"
         for fluent, value in conjunction.items():
             yield f"either({number},{which},{fluent},{_spelled(value)})"
+
+
+def asked_start(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
+    """Yield what ``achieves.lp`` is asked where one of some conjunctions must not be known of the first state."""
+    for which, conjunction in enumerate(conjunctions):
+        yield f"known({which})"
+        for fluent, value in conjunction.items():
+            yield f"known({which},{fluent},{_spelled(value)})"
 
 
 def asked_language(number: int, machine: Recogniser) -> Iterator[str]:

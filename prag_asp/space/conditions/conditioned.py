@@ -9,10 +9,10 @@ from prag_asp.domain.load import Domain
 from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.sources import ADDED, Program, Source, read_sources
-from prag_asp.space.conditions.clauses import Ends, asked_end
+from prag_asp.space.conditions.clauses import Achieves, Ends, asked_end, asked_start
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.formula import Conjunction
-from prag_asp.space.conditions.meaning import simplest, weakest
+from prag_asp.space.conditions.meaning import known_where, simplest, weakest
 
 
 def conditioned(domain: Domain, condition: Condition) -> Domain:
@@ -30,6 +30,12 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     clauses = [clause for clause in said if clause is not None]
     goal, conjunctions = _last_state([clause for clause in clauses if isinstance(clause, Ends)], facts)
     asked += [f"goal({fluent},{value})." for fluent, value in goal]
+    achieved = [clause for clause in clauses if isinstance(clause, Achieves)]
+    if achieved:
+        files.append(Achieves.file)
+        asked += [f"asked({term})." for term in asked_start(_first_state(achieved, facts))]
+    if achieved and conjunctions is None:
+        conjunctions = [{}]
     if conjunctions is not None:
         files.append(Ends.file)
         asked += [f"asked({term})." for term in asked_end(0, conjunctions)]
@@ -58,6 +64,11 @@ def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequenc
     together = Ends(", ".join(f"({formula})" for formula in choices)).conjunctions(facts)
     found = weakest(together, (*facts.goal, *goal), facts)
     return tuple(goal), None if found == [{}] else found
+
+
+def _first_state(achieved: Sequence[Achieves], facts: Facts) -> Sequence[Conjunction]:
+    """Return the conjunctions one of which is known of a state where it is known to satisfy one of some formulas."""
+    return known_where([each for clause in achieved for each in clause.conjunctions(facts)], facts)
 
 
 def _goal(conjunction: Conjunction, facts: Facts) -> Assignment:

@@ -9,6 +9,7 @@ from prag_asp.atom import split_terms
 from prag_asp.errors import QueryError
 from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.space.conditions.clauses import (
+    Achieves,
     After,
     Begins,
     Clause,
@@ -111,6 +112,7 @@ KEYWORDS: dict[str, Callable[[str], Clause]] = {
     "starts": lambda rest: After(0, rest),
     "after": _after,
     "ends": Ends,
+    "achieves": Achieves,
     "part": _part,
     "nontrivial": lambda _: Nontrivial(),
     "loop-free": lambda _: LoopFree(),
@@ -127,6 +129,7 @@ EXAMPLES = {
     "starts": "starts open(panda), not holding(panda,can_1)",
     "after": "after 2: holding(panda,can_1)",
     "ends": "ends holding(panda,can_1) or not open(panda)",
+    "achieves": "achieves holding(panda,can_1)",
     "part": "part 0-79 of 100 by seed 7",
     "nontrivial": "nontrivial",
     "loop-free": "loop-free",

@@ -12,7 +12,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import clingo
 
-from prag_asp.program.facts import Facts
+from prag_asp.errors import QueryError
+from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.invariants import FluentValue, Graph, conflict, entailed, invariant_graph
 from prag_asp.space.conditions.clauses import Clause, Has, Names, Range, Uses
 from prag_asp.space.conditions.formula import Conjunction
@@ -46,16 +47,34 @@ def simplest(clause: Clause, facts: Facts) -> Clause | None:
     return clause
 
 
-def weakest(
-    conjunctions: Sequence[Conjunction], goal: Iterable[tuple[clingo.Symbol, str]], facts: Facts
-) -> Sequence[Conjunction]:
+def weakest(conjunctions: Sequence[Conjunction], goal: Assignment, facts: Facts) -> Sequence[Conjunction]:
     """Return the conjunctions that say of a state which satisfies `goal` what some conjunctions say, in one form.
 
     None are left where no state satisfies them; an empty one where every state does.
     """
-    graph = invariant_graph(facts)
+    found = _weakest(conjunctions, goal, facts, invariant_graph(facts))
+    return conjunctions if found is None else found
+
+
+def known_where(conjunctions: Sequence[Conjunction], facts: Facts) -> Sequence[Conjunction]:
+    """Return conjunctions: one is known of a first state wherever it is known that some given one holds there.
+
+    What is impossible is known not to be.
+
+    Raises:
+        QueryError: there are too many of them.
+    """
+    found = _weakest(conjunctions, facts.initially, facts, invariant_graph(facts, impossible=True))
+    if found is None:
+        raise QueryError(f"'achieves' has more than {MOST_TERMS} cases; ask for fewer things at once")
+    return found
+
+
+def _weakest(
+    conjunctions: Sequence[Conjunction], given: Assignment, facts: Facts, graph: Graph
+) -> Sequence[Conjunction] | None:
     names = {str(fluent): fluent for fluent in facts.fluents}
-    sure = entailed(((fluent, value == "true") for fluent, value in goal), graph)
+    sure = entailed(((fluent, value == "true") for fluent, value in given), graph)
     if conflict(sure):
         return conjunctions
     terms: list[Values] = []
@@ -66,7 +85,7 @@ def weakest(
     violated = _violations({fluent for term in terms for fluent, _ in term}, graph)
     implicants = _prime_implicants([*terms, *violated])
     if implicants is None:
-        return conjunctions
+        return None
     possible = (each for each in implicants if _holds_in_some_state(each, sure, graph))
     closed = {frozenset(entailed(each, graph)) - set(sure) for each in possible}
     least = [each for each in closed if not any(other < each for other in closed)]

@@ -57,6 +57,7 @@ WORDS = [
     "avoids a",
     "begins look",
     "ends seen(a)",
+    "achieves seen(a)",
     "starts at(a,left)",
     "nontrivial",
     "loop-free",

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from prag_asp import Condition, QueryError, TaskSpace, load_domain
 from tests.brute_force import Action, Toy, agrees, term
 from tests.chance import Chance, examples
-from tests.conditions import Clause, clauses, ends, entities, runs, satisfied
+from tests.conditions import Clause, achieves, clauses, ends, entities, runs, satisfied
 from tests.domains import domain_of
 from tests.spaces import with_engine
 from tests.strategies import toys
@@ -38,8 +38,8 @@ def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy, data: st
 @pytest.mark.slow
 @settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
-def test_one_last_state_satisfies_all_that_is_asked_of_it(toy: Toy, data: st.DataObject) -> None:
-    check_agreement(toy, data, data.draw(st.lists(ends(toy), min_size=1, max_size=3)))
+def test_one_first_and_one_last_state_satisfy_all_that_is_asked_of_them(toy: Toy, data: st.DataObject) -> None:
+    check_agreement(toy, data, data.draw(st.lists(st.one_of(ends(toy), achieves(toy)), min_size=1, max_size=3)))
 
 
 def check_agreement(toy: Toy, data: st.DataObject, asked: list[Clause] | None = None) -> None:
@@ -165,6 +165,41 @@ def test_what_is_impossible_is_so_in_every_choice_of_an_end(engine: str) -> None
     space = TaskSpace(domain_of(text, "at_most"), 2, engine=engine)
     for formula, plans in (("a", 0), ("a or b", 0), ("(a and d) or (a and not d)", 0), ("a or d", 4), ("a or c", 4)):
         assert space.where(f"ends {formula}").count("plan") == plans, formula
+
+
+@pytest.mark.parametrize("engine", (*ENGINES, "sat"))
+def test_what_is_achieved_is_not_so_from_the_start(engine: str) -> None:
+    text = """
+        fluent((f;g)). action((hide;set;wait)). implies(f,g). goal(f,true).
+        postcondition(hide,f,unknown). postcondition(set,g,true). postcondition(set,f,true).
+    """
+    space = TaskSpace(domain_of(text, "at_most"), 2, engine=engine)
+    # After `hide`, f holds if it does at the end, so g does, which was not changed: it held at the start.
+    words = {" ".join(word) for word in space.where("achieves g").words("plan")}
+    assert words == {"hide set", "set hide", "set set", "set wait", "wait set"}
+    assert space.where("achieves f and g").count("plan") == space.where("achieves f").count("plan") == 8
+    assert space.where("achieves f or not f").count("plan") == space.where("achieves g and not g").count("plan") == 0
+    assert space.at(0).where("achieves f").count("plan") == 0
+
+
+@pytest.mark.parametrize("engine", (*ENGINES, "sat"))
+def test_nothing_impossible_is_missing_at_the_start(engine: str) -> None:
+    text = "fluent((f;g)). action((a;b)). postcondition(a,f,true). postcondition(b,g,true). impossible(f,g)."
+    space = TaskSpace(domain_of(text, "at_most"), 2, engine=engine)
+    for formula, plans in (("not f or not g", 0), ("f or g", 2), ("f", 1)):
+        assert space.where(f"achieves {formula}").count("plan") == plans, formula
+
+
+def test_few_of_the_tasks_that_end_so_make_it_so() -> None:
+    space = TaskSpace(load_domain("tabletop"), 4)
+    assert [space.where(f"{word} inside(can_1,bin_1)").count() for word in ("ends", "achieves")] == [80620, 2306]
+
+
+def test_what_has_too_many_cases_to_be_told_at_the_start_is_refused() -> None:
+    domain = domain_of("fluent(f(0..19)). action(a).", "at_most")
+    cases = " and ".join(f"(f({i}) or f({i + 1}))" for i in range(0, 20, 2))
+    with pytest.raises(QueryError, match="more than 400 cases"):
+        TaskSpace(domain, 1).where(f"achieves {cases}").count()
 
 
 def test_entities_that_a_condition_tells_apart_are_not_interchangeable() -> None:
