@@ -34,8 +34,11 @@ class Refused(OSError):
 
 
 def is_inside(path: str | Path, folder: str | Path) -> bool:
-    """Tell whether a path leads into a folder, or to it, once all links are followed."""
-    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+    """Tell whether a path leads into a folder, or to it, once all links are followed.
+
+    One with a null character leads nowhere.
+    """
+    return "\0" not in str(path) and Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
 
 
 def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: int = LARGEST_TEXT) -> bytes:

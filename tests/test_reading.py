@@ -47,6 +47,12 @@ def test_a_pipe_that_is_open_already_is_read_as_a_shell_hands_it_over() -> None:
     os.close(ours)
 
 
+def test_a_name_with_a_null_character_leads_nowhere(tmp_path: Path) -> None:
+    assert not is_inside(tmp_path / "null\0", tmp_path)
+    with pytest.raises(Refused, match="a character that no path has"):
+        read_bytes(tmp_path / "null\0", within=tmp_path)
+
+
 @pytest.mark.parametrize("name", ["../outside", "link", "links/outside", "/etc/passwd"])
 def test_what_leads_out_of_its_folder_is_not_read(tmp_path: Path, name: str) -> None:
     folder = tmp_path / "own"

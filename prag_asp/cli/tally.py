@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import one_line
+from prag_asp.errors import PragError, one_line
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -22,8 +24,22 @@ def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
     return f"{plural(tally.seen, *what)}, {tally.passed} passed{share}"
 
 
-def show_tally(tally: Tally, line: str) -> None:
-    """Print a line and, where an attempt or a task failed, the table of causes on stderr."""
+@contextmanager
+def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
+    """Show a tally on stderr at the end, also where a run is broken off; a mistake is told alone."""
+    mistaken = False
+    try:
+        yield
+    except PragError:
+        mistaken = True
+        raise
+    finally:
+        if not mistaken:
+            _show(tally, line())
+
+
+def _show(tally: Tally, line: str) -> None:
+    """Print a line and, where an attempt or a task failed, the table of causes."""
     from rich.console import Console
 
     if not tally.seen:

@@ -55,6 +55,15 @@ def test_invalid_tasks_among_others_keep_their_places(tmp_path: Path) -> None:
         assert [line.split("\t")[0] for line in lines] == [str(number) for number in range(1, 13)]
 
 
+def test_a_line_that_is_no_task_is_told_alone_however_many_were_checked_before(tmp_path: Path) -> None:
+    file = tmp_path / "tasks.jsonl"
+    task = ok("sample", "prag", "-n", "1", "--count", "1", "--no-physics", "--format", "jsonl", cwd=tmp_path)
+    file.write_text(f"{task}{{\n")
+    done = run("validate", str(file), "--budget", "1x1")
+    assert (done.returncode, len(done.stdout.splitlines())) == (2, 1)
+    assert done.stderr.startswith(f"{file}:2: not a task: it is not JSON") and done.stderr.count("\n") == 1
+
+
 def test_a_file_of_a_domain_that_is_a_folder_is_checked_from_anywhere(tmp_path: Path) -> None:
     home, elsewhere = tmp_path / "home", tmp_path / "elsewhere"
     home.mkdir()

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from prag_asp.cli.registry import COMMANDS
 from tests.fuzz.isolated import Limits, Ran, command, run
 from tests.fuzz.judged import fault
 from tests.fuzz.mutant import Command, Mutant, secrets_changed
@@ -18,6 +19,8 @@ from tests.fuzz.mutant import Command, Mutant, secrets_changed
 LEVEL = {"PRAG_ASP_CACHE": "", "PYTHONHASHSEED": "0", "COLUMNS": "200"}
 """The variables of every command."""
 
+TIME = "10s"
+"""The limit of time of every command: what is asked for may take years, but its end may not."""
 
 SPECIFIC = {"traceback": 2, "signal": 2, "lines": 12, "placeless": 12}
 """How many words of what is wrong tell one cause from another."""
@@ -87,7 +90,7 @@ def _attempt(mutant: Mutant, folder: Path, limits: Limits) -> Tried:
     accepted = False
     for number, arguments in enumerate(mutant.commands, 1):
         variables = {**LEVEL, "HOME": str(folder), "TMPDIR": str(folder), **mutant.variables}
-        ran = run(command(arguments), own, limits, mutant.given, variables)
+        ran = run(command(limited(arguments)), own, limits, mutant.given, variables)
         seconds += ran.seconds
         # What is accepted has nothing wrong in its files any more: a question may be, and an engine may not express it.
         what = fault(ran, arguments, mutant if number == 1 else replace(mutant, placed=False))
@@ -105,6 +108,13 @@ def _attempt(mutant: Mutant, folder: Path, limits: Limits) -> Tried:
             if not accepted:
                 break
     return Tried(mutant, number, accepted, seconds, None)
+
+
+def limited(arguments: Command) -> Command:
+    """Return a command line with a limit of time, within which the command has to end, whatever it was asked for."""
+    if not arguments or arguments[0] not in COMMANDS:
+        return arguments
+    return (arguments[0], "--time", TIME, *arguments[1:])
 
 
 def _make_removable(folder: Path) -> None:

@@ -109,11 +109,20 @@ class Case:
 
     def _told_to_hold(self, run: Run) -> bool:
         """Return whether a run satisfies what a plan learns from: the goal, and states on the way."""
-        return agrees(run[-1], self.toy.goal) and all(
+        return agrees(run[-1], self.toy.goal) and self._asked(-1, run[-1]) and self._passes_what_is_asked(run)
+
+    def _passes_what_is_asked(self, run: Run) -> bool:
+        return all(
             clause.step < len(run) and clause.state(self.named(run[clause.step]))
             for clause in self.clauses
-            if clause.state and clause.step is not None
+            if clause.state and clause.step not in (None, -1)
         )
+
+    def _agrees_with_what_is_told(self, run: Run) -> bool:
+        """Return whether a run satisfies what is told of its states: of the last, what all that are asked for share."""
+        last = zip(*self._said["last"], strict=True)
+        told = {i: values[0] for i, values in enumerate(last) if len(set(values)) == 1}
+        return agrees(run[-1], told) and self._passes_what_is_asked(run)
 
     def _lacks(self, state: State) -> bool:
         """Return whether a first state satisfies nothing that is to be achieved."""
@@ -126,7 +135,7 @@ class Case:
     def _told_apart(self, runs: list[Run]) -> bool:
         """Return whether the states of a plan differ as nontrivial and loop-free say, as far as they are known."""
         words = {clause.words for clause in self.clauses}
-        at_each_step = zip(*filter(self._told_to_hold, runs), strict=True)
+        at_each_step = zip(*filter(self._agrees_with_what_is_told, runs), strict=True)
         values = ([set(value) for value in zip(*at, strict=True)] for at in at_each_step)
         states = [tuple(value.pop() if len(value) == 1 else None for value in each) for each in values]
         distinct = len(set(states)) == len(states)

@@ -109,7 +109,7 @@ def _feasible(
     Raises:
         NotFound: they are fewer than wanted.
     """
-    from prag_asp.cli.tally import show_tally, tally_line
+    from prag_asp.cli.tally import tallied, tally_line
     from prag_asp.dataset.filtering import draws_looked_at
     from prag_asp.dataset.recordings import claim, remove_after
     from prag_asp.dataset.tally import Tally
@@ -120,24 +120,21 @@ def _feasible(
     def told() -> str:
         return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
 
-    try:
+    if folder is not None:
+        claim(folder, run)
+    with tallied(tally, told), writer(output, run, lambda _, state: _fits(state, drawing, folder)) as out:
+        tally.go_on(out.state)
+        looked_at = draws_looked_at(
+            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **checking.arguments(), **drawing.how
+        )
+        with closing(looked_at):
+            for record in looked_at if tally.passed < wanted else ():
+                out.write(line(record) if record is not None else None, tally.state())
+                tell(told(), tally.passed, wanted)
+                if tally.passed == wanted:
+                    break
         if folder is not None:
-            claim(folder, run)
-        with writer(output, run, lambda _, state: _fits(state, drawing, folder)) as out:
-            tally.go_on(out.state)
-            looked_at = draws_looked_at(
-                drawing.space, seed=drawing.seed, draws=limit, tally=tally, **checking.arguments(), **drawing.how
-            )
-            with closing(looked_at):
-                for record in looked_at if tally.passed < wanted else ():
-                    out.write(line(record) if record is not None else None, tally.state())
-                    tell(told(), tally.passed, wanted)
-                    if tally.passed == wanted:
-                        break
-            if folder is not None:
-                remove_after(folder, tally.passed)
-    finally:
-        show_tally(tally, told())
+            remove_after(folder, tally.passed)
     if tally.passed < wanted:
         found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)

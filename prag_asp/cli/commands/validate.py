@@ -46,7 +46,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
         total = _tasks_in(stream)
         if total == 0:
             raise QueryError(f"{file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
-        from prag_asp.cli.tally import show_tally, tally_line
+        from prag_asp.cli.tally import tallied, tally_line
         from prag_asp.dataset import Tally, read_lines, recheck
         from prag_asp.dataset.recordings import claim, recorded
 
@@ -58,25 +58,25 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             tally.go_on(state)
             return checking.demonstrate is None or recorded(checking.demonstrate, tally.seen) == tally.passed
 
+        def told() -> str:
+            return tally_line(tally, ("task", "tasks"), limits)
+
         run = run_on_file(asked, file) if output or checking.demonstrate else None
         if checking.demonstrate is not None:
             claim(checking.demonstrate, run)
-        try:
-            with writer(output, run, fits) as out:
-                tally.go_on(out.state)
-                outcomes = recheck(
-                    read_lines(lines_of(stream), file), where=asked.conditions(), seed=seed, witness_only=witness_only,
-                    load=lambda record, folder: asked.of(record, folder).domain(), folder=Path(file).parent,
-                    done=tally.seen, **checking.arguments(),
-                )  # fmt: skip
-                with closing(outcomes):
-                    for outcome in outcomes:
-                        tally.count(outcome.status, outcome.reason, outcome.causes)
-                        line = f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip()
-                        out.write(line, tally.state())
-                        tell(tally_line(tally, ("task", "tasks"), limits), tally.seen, total)
-        finally:
-            show_tally(tally, tally_line(tally, ("task", "tasks"), limits))
+        with tallied(tally, told), writer(output, run, fits) as out:
+            tally.go_on(out.state)
+            outcomes = recheck(
+                read_lines(lines_of(stream), file), where=asked.conditions(), seed=seed, witness_only=witness_only,
+                load=lambda record, folder: asked.of(record, folder).domain(), folder=Path(file).parent,
+                done=tally.seen, **checking.arguments(),
+            )  # fmt: skip
+            with closing(outcomes):
+                for outcome in outcomes:
+                    tally.count(outcome.status, outcome.reason, outcome.causes)
+                    line = f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip()
+                    out.write(line, tally.state())
+                    tell(told(), tally.seen, total)
     if tally.passed < tally.seen:
         raise click.exceptions.Exit(Exit.NOT_FOUND)
 

@@ -89,11 +89,13 @@ class Checks:
         """Return the upper end of an interval.
 
         Raises:
-            BoundReached: the interval has too many numbers.
+            BoundReached: the interval has too many numbers, or an end that is none.
         """
-        both = low.type == high.type == clingo.SymbolType.Number
-        if both and high.number - low.number >= WIDEST:
-            raise self.sites[number.number].error(too_wide(self.sites[number.number].told, low.number, high.number))
+        site = self.sites[number.number]
+        if not low.type == high.type == clingo.SymbolType.Number:
+            raise site.error(f"interval undefined: {site.told} from {low} to {high}; guard the operation")
+        if high.number - low.number >= WIDEST:
+            raise site.error(too_wide(site.told, low.number, high.number))
         return high
 
     def summed(self, number: clingo.Symbol, group: clingo.Symbol, element: clingo.Symbol) -> clingo.Symbol:

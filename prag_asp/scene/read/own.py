@@ -20,7 +20,7 @@ from typing import Any
 
 from prag_asp.reading import is_inside
 from prag_asp.scene.model import IGNORED, Bounds, Own
-from prag_asp.scene.read.report import Report
+from prag_asp.scene.read.report import Report, is_number
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
 from prag_asp.wording import did_you_mean
 
@@ -179,4 +179,4 @@ class _OwnReader:
 
 def _is_length(value: object) -> bool:
     """Tell whether a TOML value is a number, which may be infinite."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number(value) or (isinstance(value, float) and math.isinf(value))

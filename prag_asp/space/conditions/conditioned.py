@@ -12,7 +12,7 @@ from prag_asp.program.sources import ADDED, Program, Source, read_sources
 from prag_asp.space.conditions.clauses import Achieves, Ends, asked_end, asked_start
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.formula import Conjunction
-from prag_asp.space.conditions.meaning import known_where, simplest, weakest
+from prag_asp.space.conditions.meaning import known_where, shared, simplest, weakest
 
 
 def conditioned(domain: Domain, condition: Condition) -> Domain:
@@ -54,7 +54,8 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
     """Return what is asked of the last state: a goal, and conjunctions one of which it satisfies as well, if any are.
 
-    All choices that the last state has are one, for one state has to satisfy them all.
+    All choices that the last state has are one, for one state has to satisfy them all. What is so with each of them is
+    part of the goal.
     """
     asked = [(clause, clause.conjunctions(facts)) for clause in ends]
     goal = [value for _, found in asked if len(found) == 1 for value in _goal(found[0], facts)]
@@ -63,7 +64,8 @@ def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequenc
         return tuple(goal), None
     together = Ends(", ".join(f"({formula})" for formula in choices)).conjunctions(facts)
     found = weakest(together, (*facts.goal, *goal), facts)
-    return tuple(goal), None if found == [{}] else found
+    goal += _goal(shared(found, facts), facts)
+    return tuple(goal), None if len(found) == 1 else found
 
 
 def _first_state(achieved: Sequence[Achieves], facts: Facts) -> Sequence[Conjunction]:

@@ -56,6 +56,14 @@ def weakest(conjunctions: Sequence[Conjunction], goal: Assignment, facts: Facts)
     return conjunctions if found is None else found
 
 
+def shared(conjunctions: Sequence[Conjunction], facts: Facts) -> Conjunction:
+    """Return what holds in every state that satisfies one of some conjunctions, as far as each of them entails it."""
+    graph = invariant_graph(facts)
+    names = {str(fluent): fluent for fluent in facts.fluents}
+    closed = [{*entailed(((names[fluent], value) for fluent, value in each.items()), graph)} for each in conjunctions]
+    return {str(fluent): value for fluent, value in sorted(set.intersection(*closed))} if closed else {}
+
+
 def known_where(conjunctions: Sequence[Conjunction], facts: Facts) -> Sequence[Conjunction]:
     """Return conjunctions: one is known of a first state wherever it is known that some given one holds there.
 

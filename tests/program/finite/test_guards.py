@@ -84,6 +84,19 @@ def test_the_line_is_that_of_the_operation_where_a_rule_has_several() -> None:
         ground("q(0..1). é_free :- q(1).\n".replace("é_", "") + "p(4-X,Y)\n:- q(X),\n Y = 4/X.")
 
 
+@pytest.mark.parametrize(
+    ("rule", "told"),
+    [
+        ("p(1..X) :- q(X).", r"1\.\.X from 1 to a"),
+        ("p(X..3) :- q(X).", r"X\.\.3 from a to 3"),
+        ("p(Y) :- r(X), Y = inf..X-1.", r"inf\.\.\(X-1\) from inf to 6"),
+    ],
+)
+def test_an_interval_with_an_end_that_is_no_number_is_told_where_it_stands(rule: str, told: str) -> None:
+    with pytest.raises(DomainError, match=rf"^domain\.lp:2: interval undefined: {told}; guard the operation$"):
+        ground(f"q(a). r(7).\n{rule}")
+
+
 IN_RANGE = [
     LARGE + "p(X+1) :- q(X), X < 9.",
     LARGE + "p(X-1,X/2,X\\7,-X,|X|,X&1,X?1,X^1) :- q(X).",

@@ -167,6 +167,17 @@ def test_what_is_impossible_is_so_in_every_choice_of_an_end(engine: str) -> None
         assert space.where(f"ends {formula}").count("plan") == plans, formula
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_every_case_of_a_formula_says_is_known_however_it_is_written(engine: str) -> None:
+    text = "fluent((f;g;h)). action((a;b)). postcondition(a,f,unknown). implies(g,h)."
+    space = TaskSpace(domain_of(text, "at_most"), 2, engine=engine)
+    plain, cases = space.where("ends f"), space.where("ends (f and g) or (f and not g)")
+    assert plain[0].goal == cases[0].goal
+    assert plain.where("nontrivial").count() == cases.where("nontrivial").count() == 3
+    told = space.where("ends (f and g) or (f and h)")
+    assert {str(fluent): value for fluent, value in told[0].goal.items()} == {"f": True, "h": True}
+
+
 @pytest.mark.parametrize("engine", (*ENGINES, "sat"))
 def test_what_is_achieved_is_not_so_from_the_start(engine: str) -> None:
     text = """
