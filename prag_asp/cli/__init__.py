@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ __all__ = ["cli", "main"]
 
 def main() -> None:
     """Run the command and exit; while it is being loaded, an interruption ends it as quietly as later."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # our matrices are small, and each thread takes memory
     try:
         from prag_asp.cli.supervision import supervise
 
@@ -29,6 +31,12 @@ def main() -> None:
             ("terminated", Exit.TERMINATED) if isinstance(asked, Terminated) else ("interrupted", Exit.INTERRUPTED)
         )
         sys.stderr.write(f"{line}\n")
+    except MemoryError:
+        from prag_asp.cli.ending import out_of_memory, write_line
+        from prag_asp.cli.exits import Exit
+
+        write_line(out_of_memory())
+        code = Exit.LIMIT
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.
     sys.exit(code)
 

@@ -37,6 +37,9 @@ SOON = 0.3
 LEAST_GRACE, MOST_GRACE = 1.0, 10.0
 """Seconds after its limit that a command has of its own to tell what it has found; otherwise a tenth of the limit."""
 
+LEAST_ADDRESSES = 200_000_000
+"""Bytes of addresses that clingo and NumPy take before anything is done with them."""
+
 TOO_MUCH = 1.1
 """Times the limit of memory from which the command is not asked any more."""
 
@@ -45,6 +48,7 @@ def supervise() -> None:
     """Go on in a new process, and watch over it in this one, which ends when that does and with the same code."""
     if sys.platform != "linux" or active_count() > 1:
         return
+    _require_addresses()
     watched = {each for each in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(each) is not signal.SIG_IGN}
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:
@@ -62,6 +66,17 @@ def supervise() -> None:
     hang_on(hanging)
     ending.begin(board)
     signal.pthread_sigmask(signal.SIG_SETMASK, usual)
+
+
+def _require_addresses() -> None:
+    """End this process where the system allows it less memory than the libraries take, which would not say so."""
+    import resource
+
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if allowed != resource.RLIM_INFINITY and allowed < LEAST_ADDRESSES:
+        amounts = f"{allowed / 10**6:,.0f} MB of addresses (ulimit -v); allow {LEAST_ADDRESSES / 10**6:,.0f} MB"
+        ending.write_line(f"the system allows only {amounts} or more")
+        ending.leave(Exit.LIMIT)
 
 
 class _Supervisor:

@@ -57,6 +57,10 @@ def _show_usage(error: click.ClickException) -> None:
     tell_line(f"{context.command_path}: {told}; see {context.command_path} --help")
 
 
+NO_MEMORY = (MemoryError, SystemError)
+"""What is raised where the system refuses memory; the second by native code that does not say why it failed."""
+
+
 class Command(click.Group):
     """Turns errors into one line on stderr, and an interruption into a quiet end."""
 
@@ -81,7 +85,7 @@ class Command(click.Group):
         except click.ClickException as error:
             _show_usage(error)
             return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
-        except (click.Abort, KeyboardInterrupt, Struck, PragError, OSError, MemoryError, RecursionError) as error:
+        except (click.Abort, KeyboardInterrupt, Struck, PragError, OSError, RecursionError, *NO_MEMORY) as error:
             return _end(error)
         except Exception as error:
             if _interruption(error) is None:
@@ -120,9 +124,12 @@ def _end(error: BaseException) -> int:
     interruption = _interruption(error)
     if interruption is not None:
         return _end_asked(interruption)
-    if isinstance(error, (MemoryError, RecursionError)):
-        tell_line(ending.out_of_memory() if isinstance(error, MemoryError) else ending.too_deep())
-        return Exit.LIMIT if isinstance(error, MemoryError) else Exit.BAD_INPUT
+    if isinstance(error, NO_MEMORY):
+        tell_line(ending.out_of_memory())
+        return Exit.LIMIT
+    if isinstance(error, RecursionError):
+        tell_line(ending.too_deep())
+        return Exit.BAD_INPUT
     if isinstance(error, OSError):
         tell_line(f"{error.filename or 'stdout'}: {error.strerror or error}")
         return Exit.BAD_INPUT if error.filename else Exit.OUTPUT
