@@ -12,7 +12,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
 from prag_asp.program.facts import Facts
-from prag_asp.program.finite.checks import BoundReached
+from prag_asp.program.finite.checks import BoundReached, measured
 from prag_asp.program.finite.guards import guarded
 from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.sources import Program
@@ -24,8 +24,9 @@ MOST_STEPS = 10**6
 STEP = 1_000_000_000
 """The number of the step that is grounded: one that no domain uses for anything else."""
 
-FEW_STEPS, MOST_ATOMS = 30, 1_000_000
-"""Where a predicate that carries something along is held to go on without end: after so many steps, or atoms."""
+FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
+"""Where a predicate that carries something along is held to go on without end: after so many steps, or atoms, or where
+one of its atoms is made of so many symbols: a step may double them."""
 CONTRACT = {("holds", 3), ("occurs", 2)}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
@@ -137,12 +138,16 @@ def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) 
     atoms = grounder.control.symbolic_atoms
     _declare(grounder, seeds | _initial(grounder, reads), [])
     most, steps = _most_steps(program, reads), 0
+    sizes: dict[clingo.Symbol, int] = {}
     while True:
         more = max(steps, 1)
         grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
         steps += more
         last = clingo.Number(STEP + steps - 1)
         found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
+        large = next((symbol for symbol in found if measured(symbol, sizes, _size) > MOST_SYMBOLS), None)
+        if large is not None:
+            return _signature(timeless(large))
         seeds |= {timeless(symbol) for symbol in found if symbol.arguments[-1] != last}
         new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds
         if not new:
@@ -150,6 +155,10 @@ def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) 
         seeds |= new
         if steps > most or len(atoms) > MOST_ATOMS:
             return _signature(min(new))
+
+
+def _size(inner: Iterable[int]) -> int:
+    return 1 + sum(inner)
 
 
 def timeless(symbol: clingo.Symbol) -> clingo.Symbol:

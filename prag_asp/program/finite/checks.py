@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -124,23 +124,28 @@ class Checks:
             raise site.error(ever_larger(site.told))
         if uses > MOST_USES:
             raise site.error(f"this rule made terms of {site.told} from one another {MOST_USES:,} times; {BOUND}")
-        if any(self._depth(value) > DEEPEST for value in values):
+        if any(measured(value, self._depths, _depth) > DEEPEST for value in values):
             raise site.error(f"this rule makes terms of {site.told} nested more than {DEEPEST:,} deep; {BOUND}")
         return clingo.Number(0)
 
-    def _depth(self, symbol: clingo.Symbol) -> int:
-        """Return how deep a term is nested; the terms in it were mostly seen before."""
-        waiting = [symbol]
-        while waiting:
-            each = waiting[-1]
-            inner = each.arguments if each.type == clingo.SymbolType.Function else ()
-            unseen = [term for term in inner if term not in self._depths]
-            if unseen:
-                waiting += unseen
-            else:
-                self._depths[each] = max((self._depths[term] + 1 for term in inner), default=0)
-                waiting.pop()
-        return self._depths[symbol]
+
+def measured(symbol: clingo.Symbol, known: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
+    """Return a figure of a term, which is found `of` those of its parts; `known` keeps each that was found."""
+    waiting = [] if symbol in known else [symbol]
+    while waiting:
+        each = waiting[-1]
+        inner = each.arguments if each.type == clingo.SymbolType.Function else ()
+        unseen = [term for term in inner if term not in known]
+        if unseen:
+            waiting += unseen
+        else:
+            known[each] = of(known[term] for term in inner)
+            waiting.pop()
+    return known[symbol]
+
+
+def _depth(inner: Iterable[int]) -> int:
+    return max((each + 1 for each in inner), default=0)
 
 
 def ever_larger(name: str) -> str:

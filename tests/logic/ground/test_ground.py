@@ -39,6 +39,14 @@ def test_a_disjunction_in_the_base_is_a_choice_that_is_left_to_clingo() -> None:
     assert TaskSpace(domain, 3).count("plan") == TaskSpace(domain, 3, engine="clingo").count("plan") == 2
 
 
+def test_what_a_step_doubles_is_told_before_it_fills_the_memory() -> None:
+    doubled = "\n#program base.\nn(z,0).\n#program step(t).\nn((X,X),t) :- n(X,t-1), occurs(a,t).\n"
+    domain = domain_of(f"{TWO}{doubled}n(X,t) :- n(X,t-1), occurs(b,t).")
+    with pytest.raises(EngineError, match=r"^domain\.lp:5: n/2 takes new values at every step without end"):
+        TaskSpace(domain, 3, engine="automaton").count("plan")
+    assert [TaskSpace(domain, length).count("plan") for length in (3, 10)] == [8, 1024]
+
+
 @pytest.mark.slow
 def test_a_counter_with_a_bound_is_carried_as_far_as_that() -> None:
     model = Model(domain_of(counter(", N < 150", 150)))
