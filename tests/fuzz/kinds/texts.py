@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -225,7 +226,9 @@ def _exchanged_at(value: Any, path: tuple[Any, ...], chance: Random) -> Any:
         case 3:
             copy[key] = [copy[key]] if chance.random() < 0.5 else {"x": copy[key]}
         case 4 if isinstance(copy[key], (int, float)) and not isinstance(copy[key], bool):
-            copy[key] = chance.choice([-copy[key], copy[key] * 1.1, copy[key] * 1e6, int(copy[key]), str(copy[key])])
+            number = copy[key]
+            whole = number if isinstance(number, float) and not math.isfinite(number) else int(number)
+            copy[key] = chance.choice([-number, number * 1.1, number * 1e6, whole, str(number)])
         case 5 if isinstance(copy[key], str):
             copy[key] = changed(copy[key], chance, CHARACTERS, 1)
         case _:
