@@ -97,7 +97,7 @@ def _change(arrays: dict[str, Any], chance: Random) -> None:
         case 5:
             arrays[name] = (
                 array.astype(chance.choice(["U3", "S5", "f8", "i8", "c16", "?", "M8[s]"]), casting="unsafe")
-                if array.dtype.kind != "U"
+                if array.dtype.kind in "fiub"
                 else np.arange(array.size).reshape(array.shape)
             )
         case 6:
