@@ -228,7 +228,8 @@ def _exchanged_at(value: Any, path: tuple[Any, ...], chance: Random) -> Any:
         case 4 if isinstance(copy[key], (int, float)) and not isinstance(copy[key], bool):
             number = copy[key]
             whole = number if isinstance(number, float) and not math.isfinite(number) else int(number)
-            copy[key] = chance.choice([-number, number * 1.1, number * 1e6, whole, str(number)])
+            more = number * 11 // 10 if isinstance(number, int) else number * 1.1
+            copy[key] = chance.choice([-number, more, number * 10**6, whole, str(number)])
         case 5 if isinstance(copy[key], str):
             copy[key] = changed(copy[key], chance, CHARACTERS, 1)
         case _:
