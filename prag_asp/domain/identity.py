@@ -27,7 +27,7 @@ def domain_digest(domain: Domain) -> str:
         dict(domain.constants),
         domain.trusted,
         {key: str(weight) for key, weight in settings.weights.items()},
-        dict(settings.language),
+        dict(settings.grammar),
         settings.scene,
         files,
     ]
