@@ -53,7 +53,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics"},
     "analysis": GROUND | {"domain", "space"},
-    "cli": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
+    "cli": GROUND
+    | {"program", "scene", "grammar", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

@@ -7,7 +7,7 @@ from itertools import combinations
 from typing import Any, NamedTuple
 
 from prag_asp.errors import QueryError
-from prag_asp.grammar.read import PARTS, GrammarReader, Signature, languages
+from prag_asp.grammar.read import PARTS, GrammarReader, Signature, tables
 from prag_asp.grammar.template import Template, agrees, parse_template
 from prag_asp.grammar.words import shipped_languages, shipped_table
 from prag_asp.program.facts import Facts
@@ -27,8 +27,8 @@ class Fault(NamedTuple):
 
 def grammar_problems(settings: Settings, facts: Facts) -> Iterator[Fault]:
     """Yield what is wrong with the languages of a domain."""
-    for code in languages(settings):
-        faults = list(_shape_problems(code, settings.grammar[code]))
+    for code, table in tables(settings).items():
+        faults = list(_shape_problems(code, table))
         yield from faults
         if faults:
             continue

@@ -241,8 +241,13 @@ class GrammarReader:
 
 
 def languages(settings: Settings) -> tuple[str, ...]:
-    """Return the codes of the languages that a domain has tables for."""
-    return tuple(code for code, table in settings.grammar.items() if isinstance(table, Mapping))
+    """Return the codes of the languages that a domain speaks: English, and those that it has tables for."""
+    return tuple(dict.fromkeys([FIRST, *tables(settings)]))
+
+
+def tables(settings: Settings) -> Mapping[str, Mapping[str, Any]]:
+    """Return the tables of a domain's languages by their codes."""
+    return {code: table for code, table in settings.grammar.items() if isinstance(table, Mapping)}
 
 
 def listed(given: object) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from prag_asp.dataset.language.looks import looks_of
 from prag_asp.dataset.language.phrases import Phrases
 from prag_asp.dataset.language.view import Crowd, Start, View
 from prag_asp.errors import QueryError
-from prag_asp.grammar.read import FIRST, GrammarReader, languages
+from prag_asp.grammar.read import GrammarReader, languages
 from prag_asp.grammar.words import shipped_languages
 from prag_asp.wording import did_you_mean, listed
 
@@ -73,7 +73,7 @@ def _reader(domain: Domain, language: str) -> GrammarReader:
     Raises:
         QueryError: there are no words of the language, or the domain has no sentences in it.
     """
-    known = {FIRST, *languages(domain.settings)}
+    known = languages(domain.settings)
     if language not in known:
         if language not in shipped_languages():
             raise QueryError(f"{domain.name} does not speak {language!r}; it speaks {listed(known)}")
