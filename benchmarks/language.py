@@ -18,14 +18,14 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from prag_asp import Domain, PragError, Task, TaskSpace, load_domain, shipped_domains
 from prag_asp.dataset import Instructions, Teller, teller_of
 from prag_asp.dataset.language import start_of
 from prag_asp.grammar.read import languages
 
+ROOT = Path(__file__).parents[1]
 LENGTHS = (3, 4, 5, 6)
 
 
@@ -50,7 +50,8 @@ def main() -> None:
         named = sum(bool(each.named) for each in told)
         right = f"{100 * (1 - len({fault.split(':')[0] for fault in faults}) / len(tasks)):.6g} %"
         cost = ((middle - begin) / len(tasks), (end - middle) / len(tasks))
-        table.add_row(domain.name, language, str(len(tasks)), right, str(named), *(f"{1e3 * each:.2f}" for each in cost))
+        costs = [f"{1e3 * each:.2f}" for each in cost]
+        table.add_row(domain.name, language, str(len(tasks)), right, str(named), *costs)
     Console(width=120).print(table)
     for text in wrong[:50]:
         Console().print(text, soft_wrap=True, highlight=False)
@@ -58,7 +59,8 @@ def main() -> None:
 
 
 def _domains() -> list[Domain]:
-    return [load_domain(each) for each in (*shipped_domains(), *sorted(each.parent for each in (ROOT / "examples").glob("*/domain.lp")))]
+    examples = sorted(each.parent for each in (ROOT / "examples").glob("*/domain.lp"))
+    return [load_domain(each) for each in (*shipped_domains(), *examples)]
 
 
 def _drawn(domain: Domain, number: int, seed: int) -> Iterator[Task]:
@@ -81,12 +83,12 @@ def _faults(reader: Teller, task: Task, told: Instructions) -> Iterator[str]:
             yield f"{task}: {level}: {text} read as {reading}"
     for number, (action, text) in enumerate(zip(task.actions, told.subgoals, strict=True)):
         try:
-            right = reader.read(start_of(task, number), text).actions == (action,)
+            read = reader.read(start_of(task, number), text).actions
         except PragError as error:
-            right = False
-            text += f" {error}"
-        if not right:
-            yield f"{task}: subgoal {number + 1}: {text}"
+            yield f"{task}: subgoal {number + 1}: {text} {error}"
+            continue
+        if read != (action,):
+            yield f"{task}: subgoal {number + 1}: {text} read as {read}"
 
 
 if __name__ == "__main__":

@@ -123,12 +123,44 @@ class GrammarReader:
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
             return {}
-        found = {}
+        found, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
         for (name, arity), places in self.action_arguments.items():
-            told = [f"{{{index}}}" for index, known in enumerate(places) if len(known) > 1]
-            text = str(defaults["action"]).format(name=plain(name), all=_joined(told, defaults["all"])).strip()
+            told = [index for index, known in enumerate(places) if len(known) > 1]
+            led = {index: way for index, way in ways.get((name, arity), {}).items() if index in told[1:]}
+            every = _joined([f"{{{index}}}" for index in told if index not in led], defaults["all"])
+            text = str(defaults["action"]).format(name=plain(name), all=every).strip()
+            text += "".join(str(defaults[way]).replace("{0}", f"{{{index}}}") for index, way in sorted(led.items()))
             found[name, arity] = parse_template(text, self.words.cases, arity)
         return found
+
+    def _ways(self) -> Mapping[Signature, Mapping[int, str]]:
+        """Return which arguments an action leads ``from`` and ``to``.
+
+        Each of its actions makes a fluent of two arguments false, or true, of which this is the second one, and the
+        first one is another argument that is no robot.
+        """
+        found: dict[Signature, dict[int, str]] = {}
+        robots = self._robots()
+        for action in self.states.declared_actions:
+            signature = action.name, len(action.arguments)
+            known = list(map(str, action.arguments))
+            here: dict[int, str] = {}
+            for fluent, value in self.states.postconditions.get(action, ()):
+                pair = list(map(str, fluent.arguments))
+                if len(pair) == 2 and value != "unknown" and pair[0] not in robots and set(pair) <= set(known):
+                    where = len(known) - 1 - known[::-1].index(pair[1])
+                    if known.index(pair[0]) < where:
+                        here[where] = "to" if value == "true" else here.get(where, "from")
+            both = found.setdefault(signature, here)
+            found[signature] = {index: way for index, way in both.items() if here.get(index) == way}
+        return found
+
+    def _robots(self) -> frozenset[str]:
+        """Return the entities that are robots in the scene."""
+        shapes = _below(self.settings.scene, "shapes")
+        kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
+        members = {str(entity) for entity, name in self.states.memberships if str(name) in kinds}
+        return frozenset(members | kinds)
 
     def facts(self) -> dict[Signature, FactForms]:
         """Return how each fluent is told: by the language's table, by the predicate that it means, or by its name."""

@@ -46,9 +46,12 @@ class Phrases:
         case = case or self.words.cases[0]
         if what.relation is None:
             return self.plain(what, case)
-        where = self._where(view.crowd, what.relation)
         gender = self.gender(value)
+        modifier = next(self._modifiers(what.relation, gender))
+        where = self._where(view.crowd, what.relation, modifier)
         forms = [each for each in self._modified if not each.genders or gender in each.genders]
+        if modifier.template.genders:  # it is a clause with a verb
+            variant = 0
         return forms[min(variant, len(forms) - 1)].fill([self.plain(what._replace(relation=None), case), where])
 
     def value(self, value: str) -> str:
@@ -76,18 +79,20 @@ class Phrases:
             parts[part] = self.words.adjective(f"{part}s", term, gender, case) if term else ""
         return " ".join(parts[part] for part in self.words.table["phrase"] if parts[part])
 
-    def _where(self, crowd: Crowd, relation: Relation) -> str:
+    def _where(self, crowd: Crowd, relation: Relation, modifier: Modifier) -> str:
         """Return what a relation says of its subject; the other things are meant without a relation themselves."""
-        modifier = next(self._modifiers(relation))
         words = []
         for value, slot in zip(modifier.arguments(relation), modifier.template.slots, strict=True):
             best = crowd.best(value) if value in self.looks.nouns else None
             words.append(self.plain(best, slot.case or self.words.cases[0]) if best else self.value(value))
         return modifier.template.fill(words)
 
-    def _modifiers(self, relation: Relation) -> Iterator[Modifier]:
-        """Yield what says a relation, and nothing else."""
+    def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
+        """Yield what says a relation of something of a gender, and nothing else."""
         for modifier in self.clauses.modifiers.get((relation.name, len(relation.others) + 1), ()):
+            genders = modifier.template.genders
+            if gender and genders and gender not in genders:
+                continue
             if modifier.subject == relation.subject and len(modifier.meant(modifier.arguments(relation))) == 1:
                 yield modifier
 

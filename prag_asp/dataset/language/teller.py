@@ -60,21 +60,23 @@ class Teller:
         Raises:
             QueryError: the task is not one of this domain, or an action has no sentence that means nothing else.
         """
-        dice = Dice(f"{seed} {task}")
+        vague, default, exact, each = (
+            Dice(f"{seed} {level} {task}") for level in ("vague", "default", "exact", "each")
+        )
         view = self.tongue.view(start_of(task))
         named: dict[str, None] = {}
         subgoals = []
         for number, action in enumerate(task.actions):
             here = self.tongue.view(start_of(task, number))
-            clause, _ = self._clause(here, action, True, None, dice)
+            clause, _ = self._clause(here, action, True, None, each)
             subgoals.append(capital(self._frame("subgoal").format(action=clause)))
             self._note(here, [action], named)
         goal = self.goal(task)
         self._note(view, [*task.actions, *goal], named)
         return Instructions(
-            self._vague(view, goal, dice),
-            self._default(view, task.actions, dice),
-            self._exact(view, task, dice),
+            self._vague(view, goal, vague),
+            self._default(view, task.actions, default),
+            self._exact(view, task, exact),
             tuple(subgoals),
             tuple(sorted(named)),
         )
@@ -171,7 +173,7 @@ class Teller:
         """
         clauses = self.tongue.clauses.actions if of_actions else self.tongue.clauses.facts
         known = [each for each in clauses.get((atom.name, len(atom.arguments)), ()) if each.value == value]
-        for clause, variant in self._ways(known, atom, dice):
+        for clause, variant in self._ways(known, atom, dice, of_actions):
             text = self._written(view, clause, atom, topic, variant)
             heard = self.reader.clause(view, text, topic, of_actions=of_actions)
             if len(heard) == 1:
@@ -184,11 +186,16 @@ class Teller:
             f"under [language.{self.tongue.language}.{where}]"
         )
 
-    def _ways(self, clauses: Sequence[Clause], atom: Atom, dice: Dice) -> Iterator[tuple[Clause, int]]:
+    def _ways(
+        self, clauses: Sequence[Clause], atom: Atom, dice: Dice, of_actions: bool
+    ) -> Iterator[tuple[Clause, int]]:
         """Yield the sentences that tell it and the ways to say relations in them, from one that the dice pick on."""
         gender = self._gender
         usable = [each for each in clauses if not each.template.genders or gender(each, atom) in each.template.genders]
         given = [each for each in usable if not each.spare and each.tells(atom, self.tongue.looks.robots)]
+        if not of_actions:  # with one robot nobody says which
+            fewest = min((len(each.template.slots) for each in given), default=0)
+            given = [each for each in given if len(each.template.slots) == fewest]
         first = dice.number(len(given)) if given else 0
         ordered = [*given[first:], *given[:first], *(each for each in usable if each.spare)]
         for variant in VARIANTS:

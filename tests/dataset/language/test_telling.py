@@ -10,6 +10,7 @@ import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain, shipped_domains
 from prag_asp.dataset.language import Instructions, Teller, start_of, teller_of
+from prag_asp.grammar.read import GrammarReader
 from tests.chance import Chance
 from tests.dataset.language.twins import shipped, space_of, task_of, teller, twins
 
@@ -53,16 +54,11 @@ def test_the_levels_say_what_they_are_for() -> None:
     told = teller("tabletop").instructions(task_of("tabletop", *STACKED), seed=0)
     assert told == Instructions(
         vague="See to it that the gripper holds the red cube and that the can is in the bin.",
-        default="Your task: grab the can from the table, then insert it into the bin. "
-        "Then take the red cube from the table.",
-        exact="First, grab the can from the table, so that the gripper holds it. "
+        default="Take the can from the table. After that, put it into the bin. Then grab the red cube from the table.",
+        exact="First, pick the can up from the table, so that the gripper holds it. "
         "Second, insert the can into the bin, so that it is in the bin. "
-        "Third, grab the red cube from the table, so that the gripper holds it.",
-        subgoals=(
-            "Pick the can up from the table.",
-            "Insert the can into the bin.",
-            "Grab the red cube from the table.",
-        ),
+        "Third, pick the red cube up from the table, so that the gripper holds it.",
+        subgoals=("Pick the can up from the table.", "Put the can into the bin.", "Take the red cube from the table."),
     )
 
 
@@ -131,3 +127,26 @@ def test_any_domain_speaks_english_by_the_names_that_it_has() -> None:
     told = teller.instructions(task)
     assert told.subgoals == ("Switch on lamp attic.", "Wire.", "Wait.")
     assert "that wired holds of lamp attic and lamp hall" in told.vague and told.named == ("attic", "hall")
+
+
+def test_what_an_action_brings_about_leads_from_and_to_in_the_sentences_that_any_domain_has() -> None:
+    said = {}
+    for name in ("hanoi", "blocks", "tabletop", "two_arms"):
+        domain = shipped(name)
+        for (action, _), template in GrammarReader(domain.settings, domain.facts, "en").plain().items():
+            said[name, action] = template.fill([f"<{slot.argument}>" for slot in template.slots])
+    assert said["hanoi", "move"] == "move <0> from <1> to <2>" and said["blocks", "unstack"] == "unstack <0> from <1>"
+    assert said["tabletop", "pick"] == "pick <1> from <2>" and said["tabletop", "insert"] == "insert <1> to <2>"
+    assert said["two_arms", "give"] == "give <0>, <1> and <2>"
+
+
+def test_where_there_is_one_robot_nobody_says_which(tmp_path: Path) -> None:
+    space = space_of("kitchen", 7)
+    fetch = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"
+    task = space[
+        space.index([*fetch.split(), "drop(panda,apple_1)", "withdraw(panda,apple_1)", "close(panda,drawer_1)"])
+    ]
+    for seed in range(6):
+        assert "the robot" not in teller("kitchen").instructions(task, seed=seed).exact
+    space = space_of("two_arms", 6)
+    assert all("arm" in text for text in teller("two_arms").instructions(space[0]).subgoals)
