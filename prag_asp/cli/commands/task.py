@@ -85,7 +85,7 @@ def _told_to_somebody(found: Task, space: TaskSpace, language: str, seed: int) -
     from prag_asp.dataset.language import teller_of
 
     told = teller_of(space.domain, language).instructions(found, seed)
-    lines = [f"{level:<9}{getattr(told, level)}" for level in LEVELS]
+    lines = [f"{level:<9}{getattr(told, level)}".rstrip() for level in LEVELS]
     lines += [f"{number:>5}    {sentence}" for number, sentence in enumerate(told.subgoals, 1)]
     if told.named:
         lines.append(f"named    {', '.join(told.named)}: nothing that can be seen tells them from others")

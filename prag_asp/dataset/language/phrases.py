@@ -166,9 +166,14 @@ class Phrases:
                         yield self._known[inner[:at]], inner[at + len(between) :]
                     at = inner.find(between, at + 1)
 
-    def is_known(self, text: str) -> bool:
-        """Tell whether a text is a phrase without a relation, whatever it fits."""
-        return text in self._known
+    def fitting(self, view: View, text: str) -> list[str] | None:
+        """Return the entities that a phrase without a relation may mean, None where a text is no such phrase."""
+        if text not in self._known:
+            return None
+        crowd = view.crowd
+        return [
+            each for each in crowd.entities if any(crowd.fits(what, each) is not False for what in self._known[text])
+        ]
 
     def _relations(self, crowd: Crowd, text: str) -> Iterator[Relation]:
         """Yield the relations that a text can stand for."""

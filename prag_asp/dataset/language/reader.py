@@ -213,15 +213,39 @@ class Reader:
                     raise QueryError(f"{action} does not make {fluent} {str(value).lower()}; mend the instruction")
 
     def _why(self, view: View, text: str) -> str:
-        """Return what is wrong with a text that means nothing."""
+        """Return what is wrong with a text that means nothing: a thing that it names, or a sentence."""
+        known = f"of {self.tongue.domain.name} in {self.tongue.words.name}"
+        frames = sorted((*self._vague, *self._default), key=lambda frame: -sum(map(len, frame.texts)))
+        first = self.tongue.words.number(1)
+        for frame in (*(self._exact if text.casefold().startswith(first.casefold()) else ()), *frames):
+            for inner in frame.find(text):
+                for part in self._parts(inner[1] if frame in self._exact else inner[0]):
+                    told = self._unclear(view, part)
+                    if told:
+                        return told
+                    if not any(self.clause(view, part, None, of_actions=each) for each in (True, False)):
+                        return f"{shortened(part)!r} is no sentence {known}; write one as sample does"
+        return f"{shortened(text)!r} is no instruction {known}; write one as sample does"
+
+    def _unclear(self, view: View, part: str) -> str | None:
+        """Return which thing of a sentence is not clear, None where that is not what is wrong with it."""
         for clause in (*self._actions, *self._facts):
-            for part in _parts(text, self.tongue):
-                for words in clause.template.find(part):
-                    for word in words:
-                        if not self.phrase(view, word, None)[0] and self.tongue.phrases.is_known(word):
-                            return f"{word!r} fits no thing, or it may fit several; say its colour or where it is"
-        name = self.tongue.words.name
-        return f"{shortened(text)!r} is no instruction of {self.tongue.domain.name} in {name}; write one as sample does"
+            for words in clause.template.find(part[:1].lower() + part[1:]):
+                for word in words:
+                    things = self.tongue.phrases.fitting(view, word)
+                    if things is not None and not self.phrase(view, word, None)[0]:
+                        if not things:
+                            return f"{word!r} fits nothing that there is; name another thing"
+                        return f"{word!r} may be {' or '.join(things)}; say its colour, its size or where it is"
+        return None
+
+    def _parts(self, text: str) -> list[str]:
+        """Return the sentences between the joints of a text."""
+        joints = {joint for kind in ("sentences", "facts") for joint in self.tongue.words.joints(kind)}
+        texts = [text]
+        for joint in sorted(joints, key=len, reverse=True):
+            texts = [part for each in texts for part in each.split(joint)]
+        return texts
 
 
 def read_instruction(domain: Domain | Reader, start: Start | Task, text: str, language: str = "en") -> Reading:
@@ -259,16 +283,6 @@ def _frame(text: str) -> Template:
     for index, (_, name) in enumerate(places):
         text = text.replace(name, f"{{{index}}}")
     return parse_template(text, (), 4)
-
-
-def _parts(text: str, tongue: Tongue) -> Iterator[str]:
-    """Yield the parts of a text between joints, roughly: to tell what is wrong with it."""
-    texts = [text.rstrip(".")]
-    for kind in ("sentences", "facts"):
-        for joint in sorted(tongue.words.joints(kind), key=len, reverse=True):
-            texts = [part for each in texts for part in each.split(joint)]
-    for each in texts:
-        yield each[:1].lower() + each[1:]
 
 
 def _key(facts: Mapping[Atom, bool]) -> object:

@@ -41,11 +41,23 @@ def test_other_words_for_the_same_are_read(teller: Teller, task: Task, text: str
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("Grab the cube from the table.", "'the cube' fits no thing, or it may fit several; say its colour or where"),
-        ("Grab the purple cube from the table.", "'the purple cube' fits no thing"),
-        ("Grab the pink cube from the table.", "is no instruction of tabletop in English"),
-        ("Grab the moon.", "'Grab the moon.' is no instruction of tabletop in English; write one as sample does"),
-        ("Grab it from the table.", "is no instruction"),
+        (
+            "Grab the cube from the table.",
+            "^'the cube' may be cube_1 or cube_2; say its colour, its size or where it is$",
+        ),
+        ("Grab the purple cube from the table.", "^'the purple cube' fits nothing that there is; name another thing$"),
+        (
+            "Please grab the can from the table, then insert the cube into the tray.",
+            "^'the cube' may be cube_1 or cube_2",
+        ),
+        ("Make sure that the cube is in the tray.", "^'the cube' may be cube_1 or cube_2"),
+        ("First, grab the cube from the table.", "^'the cube' may be cube_1 or cube_2"),
+        (
+            "Grab the pink cube from the table.",
+            "^'Grab the pink cube from the table' is no sentence of tabletop in English",
+        ),
+        ("Grab the can from the table, then dance.", "^'dance' is no sentence of tabletop in English; write one as"),
+        ("Grab it from the table.", "^'Grab it from the table' is no sentence"),
         ("Grab the red cube from the table", "is no instruction"),
         ("First, grab the red cube from the table, so that the robot does not hold it.", "does not make holding"),
         ("x" * 200_000, "at most 100,000 characters"),
