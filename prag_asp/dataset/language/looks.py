@@ -22,23 +22,23 @@ if TYPE_CHECKING:
 Lab = tuple[float, float, float]
 
 BASIC: Mapping[str, tuple[str, ...]] = {
-    "red": ("#d7263d", "#c00000", "#e4572e", "#ff3020"),
-    "orange": ("#ff8c1a", "#f07020"),
-    "yellow": ("#f2c500", "#f2b134", "#ffe060"),
-    "green": ("#3a9d5d", "#7fb800", "#208030", "#60d060"),
-    "turquoise": ("#4bb3b8", "#20c0b0"),
-    "blue": ("#2e86ab", "#2050c0", "#60a0e0", "#102060"),
-    "purple": ("#8e5bb5", "#602080", "#b090e0"),
-    "pink": ("#d64577", "#f090b0", "#ff60a0"),
-    "brown": ("#a0714f", "#704020", "#b08457"),
-    "beige": ("#e8dcc0", "#d9c7a5", "#c8b48c"),
-    "white": ("#ffffff", "#f2f2f2", "#e8e2d6"),
-    "grey": ("#808080", "#b0b0b0", "#b9c4cc", "#7d93a5", "#d9d4c7", "#505860"),
+    "red": ("#d02020", "#a00000", "#ff3020", "#e05030"),
+    "orange": ("#ffa500", "#ff8c1a", "#f07020", "#f06030"),
+    "yellow": ("#f0d000", "#f5b830", "#ffe060"),
+    "green": ("#2a8a3a", "#70b818", "#105020", "#70d070", "#3a9d6d", "#8a9a50"),
+    "turquoise": ("#40b8b8", "#20c0a0"),
+    "blue": ("#2080b0", "#2040c0", "#60a0e0", "#80c8f0", "#102060"),
+    "purple": ("#8040a0", "#502070", "#b090e0"),
+    "pink": ("#e05090", "#f090b0", "#ff60a0"),
+    "brown": ("#8a5a38", "#60381c", "#a87848"),
+    "beige": ("#e8dcc0", "#d8c4a0"),
+    "white": ("#ffffff", "#f4f4f4"),
+    "grey": ("#808080", "#b0b0b0", "#505050", "#cccccc"),
     "black": ("#000000", "#202020"),
 }
 """The basic colour terms of English (Berlin and Kay 1969, with turquoise and beige), by what they are said of."""
 
-DOUBT = 10.0
+DOUBT = 12.0
 """How much farther than the nearest a colour term may be, in CIELAB, for someone to say it all the same."""
 
 LARGER = 1.25

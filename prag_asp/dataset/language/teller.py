@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 Option = TypeVar("Option")
+START_FACTS, CAPTION_FACTS = 4, 2
+"""How many facts are told under a picture of the first state, and under the others."""
+
 VARIANTS = (0, 1)
 """Ways to say a relation, the shorter one first."""
 
@@ -80,6 +83,29 @@ class Teller:
             tuple(subgoals),
             tuple(sorted(named)),
         )
+
+    def captions(self, task: Task) -> list[tuple[str, str]]:
+        """Return a heading and a caption for a picture of each state, the first included, by the first sentence of all.
+
+        The heading is the action that leads there, the caption what that made so; of the first state it is what is
+        known of what the actions name.
+        """
+        handled = {argument for action in task.actions for argument in action.arguments} - self.tongue.looks.seen
+        known = {fluent: True for fluent, value in task.initial.items() if value}
+        told = [fluent for fluent in worth_telling(known, self.tongue) if not handled.isdisjoint(fluent.arguments)]
+        view = self.tongue.view(start_of(task))
+        captions = [(self._frame("start"), self._caption(view, dict.fromkeys(told[:START_FACTS], True), None))]
+        for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
+            before = self.tongue.view(start_of(task, number - 1))
+            heading, topic = self._clause(before, action, True, None, None)
+            made = dict(list(worth_telling(subgoal, self.tongue).items())[:CAPTION_FACTS])
+            moved = topic is not None and before.describe(topic).relation is not None
+            captions.append((f"{number}. {heading}", self._caption(before, made, topic if moved else None)))
+        return captions
+
+    def _caption(self, view: View, facts: State, topic: str | None) -> str:
+        told = [text for fluent, value in facts.items() for text in self._told(view, fluent, value, topic, None)]
+        return ", ".join(told)
 
     def read(self, start: Start | Task, text: str) -> Reading:
         """Return what an instruction asks for that is given at the start of a task, or in any other state.
@@ -156,7 +182,7 @@ class Teller:
             text += joint + clause
         return text
 
-    def _told(self, view: View, fluent: Atom, value: bool, topic: str | None, dice: Dice) -> list[str]:
+    def _told(self, view: View, fluent: Atom, value: bool, topic: str | None, dice: Dice | None) -> list[str]:
         """Return a fact in words, nothing where the language has no words for it that mean nothing else."""
         try:
             return [self._clause(view, fluent, value, topic, dice, of_actions=False)[0]]
@@ -164,7 +190,7 @@ class Teller:
             return []
 
     def _clause(
-        self, view: View, atom: Atom, value: bool, topic: str | None, dice: Dice, *, of_actions: bool = True
+        self, view: View, atom: Atom, value: bool, topic: str | None, dice: Dice | None, *, of_actions: bool = True
     ) -> tuple[str, str | None]:
         """Return a sentence that means an action, or a fluent and its value, and nothing else; and what it is about.
 
@@ -187,16 +213,19 @@ class Teller:
         )
 
     def _ways(
-        self, clauses: Sequence[Clause], atom: Atom, dice: Dice, of_actions: bool
+        self, clauses: Sequence[Clause], atom: Atom, dice: Dice | None, of_actions: bool
     ) -> Iterator[tuple[Clause, int]]:
-        """Yield the sentences that tell it and the ways to say relations in them, from one that the dice pick on."""
+        """Yield the sentences that tell it and the ways to say relations in them, from one that the dice pick on.
+
+        Without dice it is the first one.
+        """
         gender = self._gender
         usable = [each for each in clauses if not each.template.genders or gender(each, atom) in each.template.genders]
         given = [each for each in usable if not each.spare and each.tells(atom, self.tongue.looks.robots)]
         if not of_actions:  # with one robot nobody says which
             fewest = min((len(each.template.slots) for each in given), default=0)
             given = [each for each in given if len(each.template.slots) == fewest]
-        first = dice.number(len(given)) if given else 0
+        first = dice.number(len(given)) if given and dice else 0
         ordered = [*given[first:], *given[:first], *(each for each in usable if each.spare)]
         for variant in VARIANTS:
             for clause in ordered:

@@ -10,6 +10,7 @@ from prag_asp import Domain, Scene, TaskSpace, load_scene
 from prag_asp.dataset.language import start_of, teller_of
 from prag_asp.dataset.language.looks import color_terms
 from prag_asp.dataset.language.view import Description
+from prag_asp.scene.read.looks import PALETTE
 from prag_asp.task import State
 from tests.chance import Chance
 from tests.dataset.language.twins import SETTINGS, shipped, space_of, twins
@@ -69,8 +70,22 @@ def test_what_nothing_tells_apart_goes_by_its_name_and_is_told_to_do_so(tmp_path
 
 
 def test_colours_that_pass_for_each_other_tell_nothing_apart(tmp_path: Path) -> None:
-    assert color_terms("#e8e2d6")["white"] and color_terms("#e8e2d6")["beige"] is False
+    assert color_terms("#e8e2d6")["beige"] and color_terms("#e8e2d6")["white"] is False
     domain = twins(tmp_path, SETTINGS.replace('ball_1 = "#d7263d"', 'ball_1 = "#e8e2d6"').replace("#2e86ab", "#e6dfd0"))
     space = TaskSpace(domain, 1)
     told = teller_of(domain).instructions(space[space.index(["pick(panda,ball_1,tray_1)"])])
     assert told.named == ("ball_1",)
+
+
+def test_the_colours_of_a_scene_that_gives_none_have_different_names() -> None:
+    terms = [next(term for term, sure in color_terms(color).items() if sure) for color in PALETTE]
+    assert terms == ["red", "blue", "yellow", "green", "purple", "pink", "turquoise", "brown"]
+
+
+@pytest.mark.parametrize(
+    ("color", "term"),
+    [("#ff0000", "red"), ("#ffa500", "orange"), ("#ffd700", "yellow"), ("#808000", "green"), ("#87ceeb", "blue"),
+     ("#ee82ee", "purple"), ("#ffc0cb", "pink"), ("#d2b48c", "beige"), ("#c0c0c0", "grey"), ("#000000", "black")],
+)  # fmt: skip
+def test_colours_are_called_what_people_call_them(color: str, term: str) -> None:
+    assert color_terms(color)[term]

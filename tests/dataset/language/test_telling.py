@@ -150,3 +150,13 @@ def test_where_there_is_one_robot_nobody_says_which(tmp_path: Path) -> None:
         assert "the robot" not in teller("kitchen").instructions(task, seed=seed).exact
     space = space_of("two_arms", 6)
     assert all("arm" in text for text in teller("two_arms").instructions(space[0]).subgoals)
+
+
+def test_pictures_have_captions_in_the_same_words() -> None:
+    captions = teller("tabletop").captions(task_of("tabletop", *STACKED))
+    assert captions == [
+        ("start", "the can is on the table, the red cube is on the table"),
+        ("1. pick the can up from the table", "the gripper holds the can"),
+        ("2. put the can into the bin", "the can is in the bin"),
+        ("3. pick the red cube up from the table", "the gripper holds the red cube"),
+    ]
