@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 from prag_asp.errors import QueryError
 from prag_asp.grammar.read import PARTS, GrammarReader, Signature, tables
 from prag_asp.grammar.template import Template, agrees, parse_template
-from prag_asp.grammar.words import shipped_languages, shipped_table
+from prag_asp.grammar.whole import form_problems, kind_problems
+from prag_asp.grammar.words import shipped_languages
 from prag_asp.program.facts import Facts
 from prag_asp.program.settings import Settings
 from prag_asp.wording import did_you_mean, listed
@@ -37,6 +38,10 @@ def grammar_problems(settings: Settings, facts: Facts) -> Iterator[Fault]:
         except QueryError as error:
             yield Fault((code,), str(error))
             continue
+        wrong = [Fault((code, "words", name), text) for name, text in form_problems(reader.words)]
+        yield from wrong
+        if wrong:
+            continue
         found = list(_Judge(reader, code).problems())
         yield from found
         if not any(not each.warning for each in found):
@@ -52,31 +57,11 @@ def _shape_problems(code: str, table: Mapping[str, Any]) -> Iterator[Fault]:
         elif not isinstance(value, Mapping):
             yield Fault((code, part), f"{part} is no table; write [language.{code}.{part}] with a name = ... below it")
     words = table.get("words", {})
-    known = {**shipped_table("en"), "numbers": []}
-    for name, value in words.items() if isinstance(words, Mapping) else ():
-        if name not in known:
-            yield Fault((code, "words", name), f"no language has words called {name}; {did_you_mean(name, known)}")
-        elif not _is_like(value, known[name]):
-            kind = (
-                "a table"
-                if isinstance(known[name], Mapping)
-                else "a list"
-                if isinstance(known[name], list)
-                else "a text"
-            )
-            yield Fault((code, "words", name), f"{name} needs {kind} as in English; see the guide on languages")
+    for name, text in kind_problems(words) if isinstance(words, Mapping) else ():
+        yield Fault((code, "words", name), text)
     if code not in shipped_languages() and not words:
         has = f"those that have words are {listed(shipped_languages())}"
         yield Fault((code,), f"no words of the language {code}; {did_you_mean(code, shipped_languages(), has)}")
-
-
-def _is_like(value: object, known: object) -> bool:
-    """Tell whether a value of a table of words has the kind of the same one in English."""
-    if isinstance(known, Mapping):
-        return isinstance(value, Mapping) and bool(value)
-    if isinstance(known, list):
-        return isinstance(value, list) and all(isinstance(each, str) for each in value) and bool(value)
-    return isinstance(value, str)
 
 
 class _Judge:
@@ -87,7 +72,6 @@ class _Judge:
 
     def problems(self) -> Iterator[Fault]:
         """Yield what is wrong with what is there."""
-        yield from self._form_problems()
         yield from self._action_problems()
         yield from self._fact_problems()
         yield from self._noun_problems()
@@ -106,30 +90,6 @@ class _Judge:
 
     def _fault(self, part: str, name: str, text: str, warning: str = "") -> Fault:
         return Fault((self.code, part, name), text, warning)
-
-    def _form_problems(self) -> Iterator[Fault]:
-        """Yield the forms that the words of a language lack."""
-        words = self.reader.words
-        for word in ("the", "it", "is", "is_not"):
-            for gender in words.genders:
-                lacking = [case for case in words.cases if not words.agreeing(word, gender, case)]
-                if lacking and not (word == "the" and "the" not in words.table["phrase"]):
-                    yield self._fault("words", word, f"the word {word} has no form for {gender} {lacking[0]}; add it")
-        forms = words.table.get("forms", {})
-        for gender in words.genders:
-            if any(case not in forms.get(gender, {}) for case in words.cases):
-                yield self._fault("words", "forms", f"adjectives have no form for {gender}; add it to forms")
-                return
-        for kind in ("colors", "sizes", "places"):
-            for name in words.table.get(kind, {}):
-                try:
-                    forms = [
-                        words.adjective(kind, name, gender, case) for gender in words.genders for case in words.cases
-                    ]
-                except (KeyError, TypeError):
-                    forms = [""]
-                if not all(forms):
-                    yield self._fault("words", kind, f"{name} lacks a form that [forms] names; add it")
 
     def _action_problems(self) -> Iterator[Fault]:
         arities = _arities(self.reader.action_arguments)

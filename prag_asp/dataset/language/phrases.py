@@ -166,6 +166,13 @@ class Phrases:
                         yield self._known[inner[:at]], inner[at + len(between) :]
                     at = inner.find(between, at + 1)
 
+    def vocabulary(self) -> list[str]:
+        """Return all texts that a phrase can be made of."""
+        where = [
+            text for each in self.clauses.modifiers.values() for modifier in each for text in modifier.template.texts
+        ]
+        return [*self._known, *self._values, *where]
+
     def fitting(self, view: View, text: str) -> list[str] | None:
         """Return the entities that a phrase without a relation may mean, None where a text is no such phrase."""
         if text not in self._known:

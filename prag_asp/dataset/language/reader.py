@@ -6,7 +6,8 @@ state. A phrase that fits no thing, or may fit two, is refused, and so is a sent
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
 LONGEST = 100_000
 """Characters of an instruction that is read."""
+
+LONGEST_SENTENCE = 1_000
+"""Characters of one sentence of it."""
 
 MOST = 64
 """Readings of a text that are looked at; where there are more, none of them is the only one."""
@@ -60,7 +64,15 @@ class Reader:
         self._vague = tuple(map(_frame, frames["vague"]))
         self._default = tuple(map(_frame, (*frames["default"], frames["subgoal"])))
         self._exact = tuple(map(_frame, frames["exact"]))
+        self._joints = {kind: _alternatives(tongue.words.joints(kind)) for kind in ("sentences", "facts")}
+        self._reach = {kind: self._breaks_within(joint) for kind, joint in self._joints.items()}
         self._heard: dict[tuple[object, str, str | None, bool], frozenset[Said]] = {}
+
+    def _breaks_within(self, joint: re.Pattern[str]) -> int:
+        """Return how many joints are looked at for the end of a sentence: more than two where sentences have them."""
+        texts = [text for clause in (*self._actions, *self._facts) for text in clause.template.texts]
+        texts += self.tongue.phrases.vocabulary()
+        return 6 if any(joint.search(f" {text} ") for text in texts) else 2
 
     def read(self, start: Start, text: str) -> Reading:
         """Return what an instruction asks for that is given in a state.
@@ -134,25 +146,26 @@ class Reader:
 
         Facts of one list are all about the same: "it" means the same in each of them.
         """
-        for end, begin in self._breaks(text, kind):
-            head, rest = text[:end], text[begin:]
-            for said in self.clause(view, head, topic, of_actions=kind == "sentences"):
-                if not rest:
-                    yield (said,)
+        begun: dict[int, list[_Path]] = {0: [_Path(None, topic, None)]}
+        breaks = self._breaks(text, kind)
+        for place in range(len(breaks) + 1):
+            begin = breaks[place - 1][1] if place else 0
+            paths = begun.pop(begin, [])
+            for end, after in (*breaks[place : place + self._reach[kind] - 1], (len(text), len(text))) if paths else ():
+                if end - begin > LONGEST_SENTENCE or end <= begin:
                     continue
-                for others in self._list(view, rest, kind, said.topic if kind == "sentences" else topic):
-                    yield (said, *others)
+                for path in paths:
+                    for said in self.clause(view, text[begin:end], path.topic, of_actions=kind == "sentences"):
+                        found = begun.setdefault(after, [])
+                        if len(found) <= MOST:
+                            found.append(_Path(said, said.topic if kind == "sentences" else topic, path))
+        yield from (path.sentences() for path in begun.get(len(text), ()))
 
-    def _breaks(self, text: str, kind: str) -> Iterator[tuple[int, int]]:
-        """Yield where the first sentence of a list can end and the next one begin; last the end of the text."""
-        found = set[tuple[int, int]]()
-        for joint in self.tongue.words.joints(kind):
-            at = text.find(joint, 1)
-            while at >= 0:
-                found.add((at, at + len(joint)))
-                at = text.find(joint, at + 1)
-        yield from sorted(each for each in found if each[1] < len(text))
-        yield len(text), len(text)
+    def _breaks(self, text: str, kind: str) -> list[tuple[int, int]]:
+        """Return where a sentence of a list can end and the next one begin."""
+        return [
+            found.span() for found in self._joints[kind].finditer(text) if found.start() > 0 and found.end() < len(text)
+        ]
 
     def clause(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> frozenset[Said]:
         """Return what a sentence can say in a state, where "it" would mean `topic`."""
@@ -240,12 +253,25 @@ class Reader:
         return None
 
     def _parts(self, text: str) -> list[str]:
-        """Return the sentences between the joints of a text."""
-        joints = {joint for kind in ("sentences", "facts") for joint in self.tongue.words.joints(kind)}
-        texts = [text]
-        for joint in sorted(joints, key=len, reverse=True):
-            texts = [part for each in texts for part in each.split(joint)]
-        return texts
+        """Return the sentences between the joints of a text, no longer than any sentence is."""
+        parts = [each for part in self._joints["sentences"].split(text) for each in self._joints["facts"].split(part)]
+        return [part[:LONGEST_SENTENCE] for part in parts]
+
+
+class _Path(NamedTuple):
+    """A sentence of a list, what "it" means after it, and the sentences before."""
+
+    said: Said | None
+    topic: str | None
+    before: _Path | None
+
+    def sentences(self) -> tuple[Said, ...]:
+        """Return the sentences from the first one to this."""
+        found, path = list[Said](), self
+        while path.said is not None and path.before is not None:
+            found.append(path.said)
+            path = path.before
+        return tuple(reversed(found))
 
 
 def read_instruction(domain: Domain | Reader, start: Start | Task, text: str, language: str = "en") -> Reading:
@@ -274,6 +300,11 @@ def capital(text: str) -> str:
 def shortened(text: str, most: int = 60) -> str:
     """Return a text in a length that fits into a message."""
     return text if len(text) <= most else f"{text[:most]}..."
+
+
+def _alternatives(texts: Iterable[str]) -> re.Pattern[str]:
+    """Return a pattern of some texts, the longest first."""
+    return re.compile("|".join(map(re.escape, sorted(texts, key=len, reverse=True))))
 
 
 def _frame(text: str) -> Template:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from prag_asp import QueryError, Task, parse_atom
+from prag_asp import QueryError, Task, TaskSpace, parse_atom
 from prag_asp.dataset.language import Start, Teller, read_instruction
 from prag_asp.task import FrozenDict
 from tests.dataset.language.twins import shipped, task_of
@@ -82,3 +82,21 @@ def test_a_state_of_something_unknown_is_refused(teller: Teller, task: Task) -> 
     other = Task(task.domain, task.actions, strange, task.initial, task.states, task.subgoals, task.goal)
     with pytest.raises(QueryError, match="tabletop has no entity cube_7; did you mean cube_"):
         teller.read(other, "Grab the red cube from the table.")
+
+
+def test_a_plan_of_hundreds_of_actions_is_read() -> None:
+    space = TaskSpace(shipped("hanoi"), 700)
+    (task,) = space.sample(1, seed=5)
+    told = teller_of("hanoi").instructions(task)
+    assert teller_of("hanoi").read(task, told.default).actions == task.actions
+    assert teller_of("hanoi").read(task, told.exact).actions == task.actions
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["the " * 20_000, "Place " + "the can to the left of " * 4_000, "grab the can, then " * 5_000, "First, " * 10_000,
+     "Make sure that " + "the can is in the tray and that " * 3_000],
+)  # fmt: skip
+def test_endless_texts_are_refused_at_once(teller: Teller, task: Task, text: str) -> None:
+    with pytest.raises(QueryError, match=r"no sentence|no instruction"):
+        teller.read(task, text)
