@@ -38,7 +38,7 @@ def kind_problems(own: Mapping[str, Any]) -> Iterator[Wrong]:
         elif not _is_like(value, known[name]):
             like = known[name]
             kind = "a table" if isinstance(like, Mapping) else "a list of texts" if isinstance(like, list) else "a text"
-            yield name, f"{name} needs {kind}, as in the table of English"
+            yield name, f"{name} needs {kind}; write it as in the table of English"
 
 
 def _is_like(value: object, known: object) -> bool:
@@ -65,7 +65,7 @@ def form_problems(words: Words) -> Iterator[Wrong]:
             if found is None or not set(found) <= set(names) or needed not in found:
                 yield key, f"{key} has {{{needed}}}, and no other braces than {listed(names)}; got {text!r}"
     if any(_braces(text) and (_braces(text) or ())[:1] != ("phrase",) for text in table["modified"]):
-        yield "modified", "modified begins with {phrase}, and then says where"
+        yield "modified", "modified says where before the {phrase}; begin with it"
     yield from _text_problems(table)
     yield from _agreement_problems(words)
 
