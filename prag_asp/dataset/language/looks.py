@@ -75,8 +75,8 @@ class Looks:
         return tuple(term for term in dict.fromkeys(sure) if term in self.sayable)
 
 
-def looks_of(domain: Domain, grammar: Grammar) -> Looks:
-    """Return how the entities of a domain look, in the words of a language."""
+def looks_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | None = None) -> Looks:
+    """Return how the entities of a domain look, in a language; some `colors` are other than the scene's."""
     entities = domain.facts.entity_names
     parents = domain.facts.class_names
     nouns = {
@@ -89,12 +89,13 @@ def looks_of(domain: Domain, grammar: Grammar) -> Looks:
     if not domain.settings.scene:
         return Looks(nouns, names)
     scene = load_scene(domain)
+    shown = {**dict(_colors(scene)), **(colors or {})}
     bodies = {entity: shape for entity, shape in scene.shapes.items() if entity in entities and shape.traits.body}
     still = {entity for entity, shape in scene.shapes.items() if entity in scene.fixed or not shape.traits.body}
     return Looks(
         nouns,
         names,
-        colors={entity: color_terms(color) for entity, color in _colors(scene) if entity in entities},
+        colors={entity: color_terms(color) for entity, color in shown.items() if entity in entities},
         sizes={entity: _extent(shape) for entity, shape in bodies.items() if entity not in scene.ranges},
         places={entity: _place(scene, entity) for entity in scene.fixed if entity in entities},
         seen=frozenset(still & set(entities)),

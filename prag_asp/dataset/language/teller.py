@@ -5,6 +5,7 @@ Each sentence is read back before it is given: one that could mean anything else
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -25,6 +26,7 @@ Option = TypeVar("Option")
 START_FACTS, CAPTION_FACTS = 4, 2
 """How many facts are told under a picture of the first state, and under the others."""
 
+COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 VARIANTS = (0, 1)
 """Ways to say a relation, the shorter one first."""
 
@@ -48,13 +50,13 @@ class Instructions:
 class Teller:
     """Tells tasks of a domain in one language, and reads what it is told."""
 
-    def __init__(self, domain: Domain, language: str = "en") -> None:
-        """Read the language's part of a domain.
+    def __init__(self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None) -> None:
+        """Read the language's part of a domain; pictures show some entities in other `colors` than the scene's.
 
         Raises:
             QueryError: the domain does not speak the language.
         """
-        self.tongue = Tongue(domain, language)
+        self.tongue = Tongue(domain, language, colors)
         self.reader = Reader(self.tongue)
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
@@ -247,14 +249,19 @@ class Teller:
         return clause.template.fill(words)
 
 
-def teller_of(domain: Domain, language: str = "en") -> Teller:
+def teller_of(domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None) -> Teller:
     """Return what tells tasks of a domain in a language.
 
+    Where pictures show entities in other colours than the scene's, `colors` has those (``#rrggbb``), by their names.
+
     Raises:
-        QueryError: the domain does not speak the language.
+        QueryError: the domain does not speak the language, or a colour is none.
         SceneError: something is wrong with the scene.
     """
-    return Teller(domain, language)
+    for entity, color in (colors or {}).items():
+        if entity not in domain.facts.entity_names or not COLOR.fullmatch(color):
+            raise QueryError(f"{entity} = {color!r} is no colour of an entity; write one of {domain.name} and #rrggbb")
+    return Teller(domain, language, colors)
 
 
 def worth_telling(facts: State, tongue: Tongue) -> Mapping[Atom, bool]:

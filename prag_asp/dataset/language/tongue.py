@@ -26,8 +26,8 @@ KEPT = 256
 class Tongue:
     """Writes and reads noun phrases and sentences of a domain in one language."""
 
-    def __init__(self, domain: Domain, language: str) -> None:
-        """Read the language's part of a domain.
+    def __init__(self, domain: Domain, language: str, colors: Mapping[str, str] | None = None) -> None:
+        """Read the language's part of a domain; pictures show some entities in other `colors` than the scene's.
 
         Raises:
             QueryError: the domain does not speak the language, or not enough of it.
@@ -36,7 +36,7 @@ class Tongue:
         reader = _reader(domain, language)
         self.domain, self.language, self.words = domain, language, reader.words
         self.grammar = reader.grammar()
-        self.looks = looks_of(domain, self.grammar)
+        self.looks = looks_of(domain, self.grammar, colors)
         self.clauses = Clauses(self.grammar, domain.facts)
         self.phrases = Phrases(self.grammar, self.looks, self.clauses)
         self._entities = frozenset(domain.facts.entity_names)

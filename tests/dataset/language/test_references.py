@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import Domain, Scene, TaskSpace, load_scene
+from prag_asp import Domain, QueryError, Scene, TaskSpace, load_scene
 from prag_asp.dataset.language import start_of, teller_of
 from prag_asp.dataset.language.looks import color_terms
 from prag_asp.dataset.language.view import Description
 from prag_asp.scene.read.looks import PALETTE
 from prag_asp.task import State
 from tests.chance import Chance
-from tests.dataset.language.twins import SETTINGS, shipped, space_of, twins
+from tests.dataset.language.twins import SETTINGS, shipped, space_of, task_of, twins
 
 
 def may_fit(what: Description, thing: str, domain: Domain, scene: Scene, state: State) -> bool:
@@ -89,3 +89,14 @@ def test_the_colours_of_a_scene_that_gives_none_have_different_names() -> None:
 )  # fmt: skip
 def test_colours_are_called_what_people_call_them(color: str, term: str) -> None:
     assert color_terms(color)[term]
+
+
+def test_things_go_by_the_colours_that_a_picture_shows_them_in() -> None:
+    plan = "pick(panda,cube_1,table_1) insert(panda,cube_1,bin_1) pick(panda,cube_1,bin_1) insert(panda,cube_1,bin_1)"
+    task = task_of("tabletop", *plan.split())
+    painted = teller_of(shipped("tabletop"), colors={"cube_1": "#20a040"})
+    assert "the green cube" in painted.instructions(task).default
+    alike = teller_of(shipped("tabletop"), colors={"cube_1": "#2e86ab"})
+    assert alike.instructions(task).named == ("cube_1",)
+    with pytest.raises(QueryError, match="cube_9 = '#20a040' is no colour of an entity; write one of tabletop"):
+        teller_of(shipped("tabletop"), colors={"cube_9": "#20a040"})

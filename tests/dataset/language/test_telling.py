@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import doctest
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import prag_asp.dataset.language
 from prag_asp import QueryError, Task, TaskSpace, load_domain, shipped_domains
 from prag_asp.dataset.language import Instructions, Teller, start_of, teller_of
 from prag_asp.grammar.read import GrammarReader
@@ -160,3 +162,7 @@ def test_pictures_have_captions_in_the_same_words() -> None:
         ("2. put the can into the bin", "the can is in the bin"),
         ("3. pick the red cube up from the table", "the gripper holds the red cube"),
     ]
+
+
+def test_the_example_of_the_room_is_right() -> None:
+    assert doctest.testmod(prag_asp.dataset.language) == (0, 4)
