@@ -83,6 +83,14 @@ def engines(context: click.Context, typed: str) -> Iterable[str]:
 
 
 @_offers
+def languages(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer the languages that the domain speaks."""
+    from prag_asp.grammar.read import languages as spoken
+
+    return spoken(_domain(context).settings)
+
+
+@_offers
 def plan(context: click.Context, typed: str) -> Iterable[str]:
     """Offer one more action after those typed."""
     return _after(typed, map(str, _domain(context).facts.actions))

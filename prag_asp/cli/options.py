@@ -16,7 +16,6 @@ from prag_asp.errors import QueryError
 from prag_asp.processes.machine import SHARE
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget
 
@@ -131,14 +130,6 @@ output = click.option(
     "-o", "--output", metavar="FILE", shell_complete=complete.files,
     help="Write to FILE in place of stdout, whole or not at all.",
 )  # fmt: skip
-form = click.option(
-    "--format",
-    "form",
-    type=click.Choice(["text", "sentences", "jsonl"]),
-    default="text",
-    show_default=True,
-    help="Actions; sentences by the domain's [language]; or all that is known of a task.",
-)
 seed = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same bytes.")
 BUDGET, TIER = "10x10", "kinematics"
 CHECKS = (
@@ -214,15 +205,15 @@ class Checking:
 
 def checks(function: Function) -> Function:
     """Give a command the options of physics, as one value `checking`."""
-    return _bundled(function, "checking", Checking, CHECKS)
+    return bundled(function, "checking", Checking, CHECKS)
 
 
 def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Function], Function]:
     """Give a command these options, as one value `asked`."""
-    return lambda function: _bundled(function, "asked", Asked, options)
+    return lambda function: bundled(function, "asked", Asked, options)
 
 
-def _bundled(function: Function, name: str, kind: Any, options: Sequence[Callable[[Function], Function]]) -> Function:
+def bundled(function: Function, name: str, kind: Any, options: Sequence[Callable[[Function], Function]]) -> Function:
     """Return a command with options whose values it gets as one value of a dataclass."""
 
     @wraps(function)
@@ -269,7 +260,7 @@ class Weighing:
 
 def weighs(function: Function) -> Function:
     """Give a command the options of weights, as one value `weighing`."""
-    return _bundled(function, "weighing", Weighing, WEIGHING)
+    return bundled(function, "weighing", Weighing, WEIGHING)
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
@@ -285,16 +276,3 @@ def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
             raise QueryError(f"--weight {option}: write KEY=WEIGHT, such as grasp=2 or 'grasp>move=0.5'")
         found[key.strip()] = weight.strip()
     return found
-
-
-def line_form(form: str, domain: Domain) -> Callable[[Record], str]:
-    """Return how a record is written as one line."""
-    from prag_asp.dataset.jsonl import write_line
-    from prag_asp.dataset.language import instruction
-
-    forms: dict[str, Callable[[Record], str]] = {
-        "text": lambda record: str(record.task),
-        "sentences": lambda record: instruction(record.task, domain.settings.language),
-        "jsonl": write_line,
-    }
-    return forms[form]

@@ -16,29 +16,38 @@ from prag_asp.lazy import names_from
 if TYPE_CHECKING:
     from prag_asp.dataset.filtering import feasible
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
-    from prag_asp.dataset.language import instruction
+    from prag_asp.dataset.language.plain import instruction
+    from prag_asp.dataset.language.reader import Reading, read_instruction
+    from prag_asp.dataset.language.teller import Instructions, Teller, teller_of
     from prag_asp.dataset.learning import Learned, learn
     from prag_asp.dataset.rechecking import Outcome, recheck
     from prag_asp.dataset.tally import Tally
 
 __all__ = [
+    "Instructions",
     "Learned",
     "Outcome",
+    "Reading",
     "Record",
     "Tally",
+    "Teller",
     "feasible",
     "instruction",
     "learn",
+    "read_instruction",
     "read_lines",
     "read_tasks",
     "recheck",
+    "teller_of",
     "write_line",
 ]
 
 _HOMES = {
     "prag_asp.dataset.filtering": ("feasible",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
-    "prag_asp.dataset.language": ("instruction",),
+    "prag_asp.dataset.language.plain": ("instruction",),
+    "prag_asp.dataset.language.reader": ("Reading", "read_instruction"),
+    "prag_asp.dataset.language.teller": ("Instructions", "Teller", "teller_of"),
     "prag_asp.dataset.learning": ("Learned", "learn"),
     "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
     "prag_asp.dataset.tally": ("Tally",),

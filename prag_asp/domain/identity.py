@@ -27,7 +27,7 @@ def domain_digest(domain: Domain) -> str:
         dict(domain.constants),
         domain.trusted,
         {key: str(weight) for key, weight in settings.weights.items()},
-        dict(settings.language),
+        dict(settings.grammar),
         settings.scene,
         files,
     ]
@@ -36,7 +36,7 @@ def domain_digest(domain: Domain) -> str:
 
 def code_digest(encodings: Path) -> str:
     """Return a digest of the code of this package and of a folder of encodings, which have a say in every result."""
-    files = [*PACKAGE.rglob("*.py"), *encodings.rglob("*.lp")]
+    files = [*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml"), *encodings.rglob("*.lp")]
     return digest(sorted((path.name, _hashed(path)) for path in files))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from string import Formatter
 from typing import Any
 
@@ -41,7 +41,8 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
                 f"the weight of {key} is {_shown(value)}; make it a number from 0 to 1e{MAX_EXPONENT}",
             )
     for key, value in _entries(table, "language"):
-        if not isinstance(value, str):
+        several = isinstance(value, list) and bool(value) and all(isinstance(each, str) for each in value)
+        if not (several or isinstance(value, str | Mapping)):
             yield Problem(
                 path,
                 settings.line_of("language", key),
@@ -91,15 +92,25 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     arities: dict[str, int] = {}
     for term in (*facts.fluents, *facts.declared_actions):
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
-    for name, sentence in settings.language.items():
+    for name in settings.language:
         if name not in arities:
             hint = did_you_mean(name, arities, "give the name of an action or a fluent")
             text = f"sentence of {name}: no action or fluent has that name; {hint}"
             yield _problem(settings, "language", name, text, "" if is_misspelt(name, arities) else "no-effect")
-        elif not _is_template(sentence, arities[name]):
+        elif not all(_is_template(sentence, arities[name]) for sentence in _sentences(settings.grammar[name])):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
             text = f"sentence of {name} has braces that name no argument; use {places}"
             yield _problem(settings, "language", name, text)
+    if any(isinstance(each, Mapping) for each in settings.grammar.values()):
+        from prag_asp.grammar.problems import grammar_problems  # noqa: PLC0415 - many domains have no language
+
+        for fault in grammar_problems(settings, facts):
+            line = settings.line_of("language", *fault.keys)
+            yield Problem(settings.path, line, f"language {fault.keys[0]}: {fault.text}", fault.warning)
+
+
+def _sentences(given: object) -> Sequence[str]:
+    return given if isinstance(given, list) else [str(given)]
 
 
 def _problem(settings: Settings, table: str, key: str, text: str, name: str = "") -> Problem:
@@ -110,9 +121,10 @@ def _is_template(sentence: str, arity: int) -> bool:
     """Return whether each pair of braces holds the index of an argument."""
     try:
         fields = [name for _, name, _, _ in Formatter().parse(sentence) if name is not None]
+        known = all(name.isdecimal() and int(name) < arity for name in fields)
+        return known and bool(sentence.format(*[""] * arity) or True)
     except ValueError:
         return False
-    return all(name.isdecimal() and int(name) < arity for name in fields)
 
 
 def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:

@@ -32,8 +32,8 @@ class Settings:
     """The tables of a domain.toml; `path` is the file, even where there is none, and `text` what it holds.
 
     `weights` belong to names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), single
-    actions, classes and entities; `language` maps names of actions and fluents to sentences; `scene` is the
-    table as physics reads it.
+    actions, classes and entities; `language` maps names of actions and fluents to sentences, the first where there are
+    several; `grammar` is that whole table, the languages below it included; `scene` is the table as physics reads it.
     """
 
     path: Path
@@ -41,6 +41,7 @@ class Settings:
     description: str = ""
     weights: Mapping[str, Fraction] = field(default_factory=dict)
     language: Mapping[str, str] = field(default_factory=dict)
+    grammar: Mapping[str, Any] = field(default_factory=dict)
     scene: Mapping[str, Any] = field(default_factory=dict)
     text: str = field(default="", repr=False, compare=False)
 
@@ -80,13 +81,14 @@ def parse_table(source: Source) -> dict[str, Any]:
 def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
     """Return the settings that the table of a file spells, without what has a wrong type: the linter reports it."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
-    language = {key: value for key, value in _table(table, "language").items() if isinstance(value, str)}
+    grammar = _table(table, "language")
     return Settings(
         source.path,
         title=str(table.get("title", "")),
         description=str(table.get("description", "")),
         weights={weight_key(key): weight for key, weight in weights.items() if weight is not None},
-        language=language,
+        language={key: text for key, value in grammar.items() for text in _sentences(value)[:1]},
+        grammar=grammar,
         scene=_rounded(_table(table, "scene")),
         text=source.text,
     )
@@ -109,6 +111,11 @@ def weight_of(value: object) -> Fraction | None:
 def _table(table: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     found = table.get(name, {})
     return found if isinstance(found, Mapping) else {}
+
+
+def _sentences(value: object) -> list[str]:
+    """Return the sentences of a key of [language]: one, or several; none where it is a table."""
+    return [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, str)]
 
 
 def _rounded(value: Any) -> Any:

@@ -116,6 +116,49 @@ def test_sample_speaks_the_language_of_the_domain() -> None:
     assert ok("enumerate", "blocks", "-n", "1", "--limit", "1", "--format", "sentences") == "pick up a\n"
 
 
+def test_tasks_are_told_to_somebody_who_sees_the_scene(tmp_path: Path) -> None:
+    arguments = ["sample", "tabletop", "-n", "2", "--no-physics", "--count", "3", "--format", "instructions"]
+    told = ok(*arguments)
+    assert len(told.splitlines()) == 3 and "_" not in told and told.count(".") >= 3
+    assert ok(*arguments) == told and ok(*arguments, "--level", "default", "--language", "en") == told
+    german = ok(*arguments, "--language", "de", "--level", "exact")
+    assert all(line.startswith("Erstens: ") for line in german.splitlines())
+    lines = ok("task", "tabletop", "-n", "2", "--index", "100", "--format", "instructions").splitlines()
+    assert [line.split()[0] for line in lines] == ["vague", "default", "exact", "1", "2"]
+    named = ok("task", "blocks", "-n", "1", "--index", "0", "--format", "instructions").splitlines()[-1]
+    assert named == "named    a: nothing that can be seen tells them from others"
+    ok(
+        "split",
+        "prag",
+        "a=0.5",
+        "b=0.5",
+        "-n",
+        "2",
+        "--count",
+        "2",
+        "--format",
+        "instructions",
+        "-o",
+        "parts",
+        cwd=tmp_path,
+    )
+    assert len((tmp_path / "parts" / "a.txt").read_text().splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["sample", "hanoi", "-n", "1", "--format", "instructions", "--language", "de"], "hanoi does not speak 'de'"),
+        (["sample", "hanoi", "-n", "1", "--language", "de"], "--language de goes with --format instructions"),
+        (["enumerate", "hanoi", "-n", "1", "--level", "exact"], "--level exact goes with --format instructions"),
+        (["task", "hanoi", "-n", "1", "--index", "0", "--language", "en"], "got --format full"),
+    ],
+)
+def test_a_language_that_is_not_spoken_is_told_in_one_line(arguments: list[str], told: str) -> None:
+    done = run(*arguments)
+    assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1 and not done.stdout
+
+
 def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) -> None:
     ok_apart("new", "mine", cwd=tmp_path)
     assert ok_apart("check", "mine", cwd=tmp_path).startswith("mine: ok")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import prag_asp.grammar
 import prag_asp.lint
 from prag_asp import DomainError, QueryError, TaskSpace, load_domain
 from prag_asp.program.problem import SHOWN, WARNINGS, Problem, first_of_each
@@ -215,6 +216,7 @@ def test_of_many_warnings_of_one_name_the_first_are_shown_with_the_number_of_the
 def test_every_warning_that_the_linter_gives_has_a_name_of_the_list() -> None:
     lint = Path(prag_asp.lint.__file__).parent
     proofs = lint.parent / "physics" / "proofs"
-    files = [*lint.glob("*.py"), proofs / "grips.py", proofs / "reaching.py"]
+    grammar = Path(prag_asp.grammar.__file__).parent / "problems.py"
+    files = [*lint.glob("*.py"), grammar, proofs / "grips.py", proofs / "reaching.py"]
     text = "\n".join(path.read_text(encoding="utf-8") for path in files)
     assert {*re.findall(r'"([a-z]+(?:-[a-z]+)+)"', text), *re.findall(r'else "(un[a-z]+)"', text)} == set(WARNINGS)

@@ -12,6 +12,7 @@ from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
 from prag_asp.cli.runs import run_of
+from prag_asp.cli.telling import Telling, tells
 from prag_asp.cli.terminal import progress
 from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError
@@ -22,13 +23,17 @@ from prag_asp.errors import QueryError
 @options.by_level
 @options.prefix
 @click.option("--limit", type=click.IntRange(min=0), metavar="K", help="Stop after K lines.")
-@options.form
+@tells
 @options.output
-def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, form: str, output: str | None) -> None:
+def enumerate(
+    *, asked: Asked, by: Any, prefix: str | None, limit: int | None, telling: Telling, output: str | None
+) -> None:
     """Print all tasks of length N, each once, in rank order; of several lengths, the shortest first.
 
     FILE is replaced as a whole at the end; a run that was broken off goes on where it was when it is started again.
     """
+    form = telling.form
+    telling.check()
     if form != "text" and by == "skeleton":
         raise QueryError(f"skeletons have no form {form}; choose --format text, or --by task")
     from prag_asp.dataset.jsonl import Record
@@ -44,6 +49,6 @@ def enumerate(*, asked: Asked, by: Any, prefix: str | None, limit: int | None, f
                 for word in words:
                     out.write(" ".join(word))
             else:
-                line = options.line_form(form, space.domain)
+                line = telling.line(space.domain)
                 for task in space.narrate(words):
                     out.write(line(Record(task)))

@@ -157,14 +157,13 @@ class _Drawing:
             QueryError: it has no witness, and none is found; or the robot fails to perform it.
             OutputError: the file cannot be written.
         """
-        from prag_asp.dataset.language import sentence
+        from prag_asp.dataset.language import teller_of
         from prag_asp.dataset.scenes import scene_of
         from prag_asp.physics import Demonstration, animate, film_strip, still
         from prag_asp.physics.pictures.saving import save_picture
 
         scene, task = scene_of(domain), record.task
-        language = domain.settings.language
-        headings = [sentence(action, language) if action.name in language else None for action in task.actions]
+        told = teller_of(domain).captions(task)
         animated = self.form in ANIMATED
         stage("drawing pictures")
         with told_with_place(record, domain):
@@ -176,7 +175,7 @@ class _Drawing:
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with told_with_place(record, domain, MEND if self.recordings is None else RECORD):
             if self.form == "strip":
-                image = film_strip(task, shown, scene, columns=self.columns, headings=headings, size=self.size)
+                image = film_strip(task, shown, scene, columns=self.columns, told=told, size=self.size)
             elif self.form == "state":
                 image = still(task, shown, scene, state, size=self.size)
             else:
@@ -188,7 +187,7 @@ class _Drawing:
                     path,
                     size=self.size,
                     speed=self.speed,
-                    headings=headings,
+                    headings=[heading.partition(". ")[2] for heading, _ in told[1:]],
                     progress=lambda done, total: tell(done / total),
                 )
                 return

@@ -14,6 +14,7 @@ from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import Checking, Weighing, asks
 from prag_asp.cli.runs import run_of
+from prag_asp.cli.telling import Telling, tells
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import NotFound
@@ -42,7 +43,7 @@ DRAWS_FOR_EACH = 1000
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
 @options.checks
 @click.option("--max-draws", type=click.IntRange(min=1), metavar="K", help="Give up after K draws.  [1000 a task]")
-@options.form
+@tells
 @options.output
 def sample(
     *,
@@ -55,7 +56,7 @@ def sample(
     physics: bool | None,
     checking: Checking,
     max_draws: int | None,
-    form: str,
+    telling: Telling,
     output: str | None,
 ) -> None:
     """Draw tasks of length N, each with a probability proportional to its weight, exactly.
@@ -65,6 +66,7 @@ def sample(
     """
     from prag_asp.dataset.jsonl import Record
 
+    telling.check()
     require_writable(output)
     checking.tries()
     with progress() as tell:
@@ -75,7 +77,7 @@ def sample(
             from prag_asp.physics import require_physics
 
             require_physics(f"the scene of {space.domain.name} needs physics (--no-physics draws without)")
-        line = options.line_form(form, space.domain)
+        line = telling.line(space.domain, seed)
         drawing = {"by": by, "over": over, **weighing.arguments(space.domain)}
         run = run_of(space.domain, told=[physics]) if output or checking.demonstrate else None
         if not physics:

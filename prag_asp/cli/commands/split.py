@@ -15,6 +15,7 @@ from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
 from prag_asp.cli.runs import run_of
+from prag_asp.cli.telling import Telling, tells
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.cli.words import domain_and_others
 from prag_asp.cli.writing import writer
@@ -41,14 +42,14 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--count", "wanted", type=click.IntRange(min=0), metavar="K", help="Write K different tasks a part.")
 @options.seed
-@options.form
+@tells
 @click.option(
     "-o", "--output", metavar="DIR", shell_complete=complete.files,
     help="Folder for one file a part; needed with --count.",
 )  # fmt: skip
 def split(
     *, asked: Asked, words: tuple[str, ...], skeletons: bool, held: str | None, wanted: int | None, seed: int,
-    form: str, output: str | None,
+    telling: Telling, output: str | None,
 ) -> None:  # fmt: skip
     """Divide the tasks of length N into disjoint parts, such as train=0.8 test=0.2, and print their sizes.
 
@@ -57,6 +58,7 @@ def split(
     """
     from prag_asp.dataset.jsonl import Record
 
+    telling.check()
     names, shares = domain_and_others(words)
     if (held is None) == (not shares):
         raise QueryError("give either shares, such as train=0.8 test=0.2, or --hold-out WHAT")
@@ -70,10 +72,10 @@ def split(
             say(f"{name:<{width}}  {part.count()}")
         if wanted is None or output is None:
             return
-        line, folder = options.line_form(form, space.domain), make_folder(output)
+        line, folder = telling.line(space.domain, seed), make_folder(output)
         with ExitStack() as files:
             for name, part in parts.items():
-                file = file_in(folder, f"{name}.{'jsonl' if form == 'jsonl' else 'txt'}")
+                file = file_in(folder, f"{name}.{'jsonl' if telling.form == 'jsonl' else 'txt'}")
                 out = files.enter_context(writer(str(file), run_of(space.domain, told=[name, wanted])))
                 for task in islice(_drawn(part, min(wanted, part.count()), seed), out.lines, None):
                     out.write(line(Record(task)))

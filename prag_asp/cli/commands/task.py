@@ -11,6 +11,7 @@ from prag_asp.atom import split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
+from prag_asp.cli.telling import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, Telling, tells_in
 from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import QueryError
 from prag_asp.wording import plural
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from prag_asp.task import State, Task
 
 READINGS_SHOWN = 5
+FORM = click.option(
+    "--format", "form", type=click.Choice(["full", *FORMS]), default="full", show_default=True,
+    help="All states in words; or as in sample, instructions with all their levels.",
+)  # fmt: skip
 
 
 @click.command()
@@ -29,11 +34,9 @@ READINGS_SHOWN = 5
     "--rank-of", "plan", metavar="'A B ...'", shell_complete=complete.plan,
     help="Actions of a task, whose rank to find; blanks or commas separate them.",
 )  # fmt: skip
-@click.option(
-    "--format", "form", type=click.Choice(["full", "text", "sentences", "jsonl"]), default="full", show_default=True,
-    help="All states in words; or as in sample.",
-)  # fmt: skip
-def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> None:
+@tells_in(FORM)
+@options.seed
+def task(*, asked: Asked, index: int | None, plan: str | None, telling: Telling, seed: int) -> None:
     """Show the task of a rank, or print the rank of a task.
 
     Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms: the order depends
@@ -41,6 +44,7 @@ def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> Non
     """
     from prag_asp.dataset.jsonl import Record
 
+    telling.check()
     if (index is None) == (plan is None):
         raise QueryError("give either --index or --rank-of")
     with progress() as tell:
@@ -52,10 +56,12 @@ def task(*, asked: Asked, index: int | None, plan: str | None, form: str) -> Non
             found = space[index]
         except IndexError:
             raise QueryError(f"--index {index}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
-        if form == "full":
+        if telling.form == "full":
             say("\n".join(_described(found, space)))
+        elif telling.form == INSTRUCTIONS and telling.level is None:
+            say("\n".join(_told_to_somebody(found, space, telling.language or ENGLISH, seed)))
         else:
-            say(options.line_form(form, space.domain)(Record(found)))
+            say(telling.line(space.domain, seed)(Record(found)))
 
 
 def _described(found: Task, space: TaskSpace) -> list[str]:
@@ -71,6 +77,18 @@ def _described(found: Task, space: TaskSpace) -> list[str]:
         lines += [f"read   {' '.join(map(str, reading))}" for reading in islice(readings, READINGS_SHOWN)]
         if readings.count() > READINGS_SHOWN:
             lines.append(f"       and {plural(readings.count() - READINGS_SHOWN, 'more reading')}")
+    return lines
+
+
+def _told_to_somebody(found: Task, space: TaskSpace, language: str, seed: int) -> list[str]:
+    """Return the lines that tell a task to somebody who sees the scene: its levels, and its subgoals one by one."""
+    from prag_asp.dataset.language import teller_of
+
+    told = teller_of(space.domain, language).instructions(found, seed)
+    lines = [f"{level:<9}{getattr(told, level)}".rstrip() for level in LEVELS]
+    lines += [f"{number:>5}    {sentence}" for number, sentence in enumerate(told.subgoals, 1)]
+    if told.named:
+        lines.append(f"named    {', '.join(told.named)}: nothing that can be seen tells them from others")
     return lines
 
 

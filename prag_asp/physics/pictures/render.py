@@ -54,12 +54,13 @@ def film_strip(
     columns: int = 6,
     size: tuple[int, int] = (360, 320),
     headings: Sequence[str | None] | None = None,
+    told: Sequence[tuple[str, str]] | None = None,
 ) -> Image.Image:
     """Return a picture of the states of a witness or a demonstration, or of `frames` of them with first and last.
 
     They stand side by side, at most `columns` in a row; `size` is that of one frame in pixels. Under each stand the
     action and what it made true, in plain words; `headings` replace the words for the actions,
-    but for those that are None.
+    but for those that are None, and `told` all words: a heading and a caption for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -74,7 +75,9 @@ def film_strip(
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
     with _simulator(task, shown, moments, scene) as simulator:
         pictures = [picture(simulator, moments[k], size) for k in chosen]
-    captions = captioned(task, scene, chosen, headings)
+    if told is not None and len(told) != last + 1:
+        raise QueryError(f"{plural(len(told), 'caption')} for {plural(last + 1, 'state')}; give one for each")
+    captions = captioned(task, scene, chosen, headings, told)
     return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
 
 
@@ -219,15 +222,19 @@ def _things(fact: Fact, scene: Scene) -> set[str]:
 
 
 def captioned(
-    task: Task, scene: Scene, chosen: Iterable[int], headings: Sequence[str | None] | None
+    task: Task,
+    scene: Scene,
+    chosen: Iterable[int],
+    headings: Sequence[str | None] | None,
+    told: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
     """Return heading and caption of some states; the first says whose sides are meant, where they are the robot's."""
-    captions = [_caption(task, scene, k, headings) for k in chosen]
+    captions = [told[k] if told is not None else _caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for caption in captions for text in caption):
         return captions
-    heading, told = captions[0]
+    heading, text = captions[0]
     who = "robots see" if scene.shared else "robot sees"
-    return [(heading, f"{told} (sides are as the {who} them)".lstrip()), *captions[1:]]
+    return [(heading, f"{text} (sides are as the {who} them)".lstrip()), *captions[1:]]
 
 
 def _action_words(action: Atom, scene: Scene) -> str:

@@ -34,6 +34,16 @@ def test_headings_can_be_given(witness, tabletop):
         film_strip(stacking(), witness, tabletop, headings=["Take it"])
 
 
+def test_all_words_can_be_given(witness, tabletop):
+    told = [("before", "all is there"), ("one", ""), ("two", "done")]
+    assert captioned(stacking(), tabletop, range(3), None, told)[1:] == told[1:]
+    plain = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50))
+    other = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50), told=told)
+    assert np.asarray(plain).tobytes() != np.asarray(other).tobytes()
+    with pytest.raises(QueryError, match="2 captions for 3 states; give one for each"):
+        film_strip(stacking(), witness, tabletop, told=told[1:])
+
+
 def test_one_frame_is_no_film(witness, tabletop):
     with pytest.raises(QueryError, match="at least 2 frames"):
         film_strip(stacking(), witness, tabletop, frames=1)

@@ -1,4 +1,4 @@
-"""Tasks in plain words, by the sentences of a domain's ``[language]`` table."""
+"""Tasks in the plain sentences of `[language]`: one for each action, with the names of entities as they are."""
 
 from __future__ import annotations
 

@@ -1,0 +1,95 @@
+"""Whether every instruction is read back, by its text alone, to the task that it tells, over all domains and languages.
+
+    python benchmarks/language.py --count 10000
+
+Tasks of lengths 3 to 6 are told and read by two tellers that share nothing. Vague instructions have to give the facts
+that the task brings about, default and exact ones its plan, subgoals its actions. It ends with code 1 where one does
+not, and says which.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from prag_asp import Domain, PragError, Task, TaskSpace, load_domain, shipped_domains
+from prag_asp.dataset import Instructions, Teller, teller_of
+from prag_asp.dataset.language import start_of
+from prag_asp.grammar.read import languages
+
+ROOT = Path(__file__).parents[1]
+LENGTHS = (3, 4, 5, 6)
+
+
+def main() -> None:
+    """Draw tasks, tell them, read them back, print a table and what is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=1000, help="tasks in all")
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    spoken = [(domain, language) for domain in _domains() for language in languages(domain.settings)]
+    table = Table("domain", "language", "tasks", "read back", "by a name", "ms to tell", "ms to read")
+    wrong = list[str]()
+    for domain, language in spoken:
+        tasks = list(_drawn(domain, -(-options.count // len(spoken)), options.seed))
+        writer, reader = teller_of(domain, language), teller_of(domain, language)
+        begin = time.perf_counter()
+        told = [writer.instructions(task, seed=options.seed) for task in tasks]
+        middle = time.perf_counter()
+        faults = [text for task, each in zip(tasks, told, strict=True) for text in _faults(reader, task, each)]
+        end = time.perf_counter()
+        wrong += [f"{domain.name} {language}: {fault}" for fault in faults]
+        named = sum(bool(each.named) for each in told)
+        right = f"{100 * (1 - len({fault.split(':')[0] for fault in faults}) / len(tasks)):.6g} %"
+        cost = ((middle - begin) / len(tasks), (end - middle) / len(tasks))
+        costs = [f"{1e3 * each:.2f}" for each in cost]
+        table.add_row(domain.name, language, str(len(tasks)), right, str(named), *costs)
+    Console(width=120).print(table)
+    for text in wrong[:50]:
+        Console().print(text, soft_wrap=True, highlight=False)
+    sys.exit(bool(wrong))
+
+
+def _domains() -> list[Domain]:
+    examples = sorted(each.parent for each in (ROOT / "examples").glob("*/domain.lp"))
+    return [load_domain(each) for each in (*shipped_domains(), *examples)]
+
+
+def _drawn(domain: Domain, number: int, seed: int) -> Iterator[Task]:
+    """Yield tasks of all lengths; of few there may be all."""
+    for place, length in enumerate(LENGTHS):
+        share = number // len(LENGTHS) + (place < number % len(LENGTHS))
+        yield from TaskSpace(domain, length).sample(share, seed=seed, weights={})
+
+
+def _faults(reader: Teller, task: Task, told: Instructions) -> Iterator[str]:
+    """Yield what is not read back."""
+    for level, text in {"vague": told.vague, "default": told.default, "exact": told.exact}.items():
+        try:
+            reading = reader.read(task, text)
+        except PragError as error:
+            yield f"{task}: {level}: {text} {error}"
+            continue
+        right = reading.goal == reader.goal(task) if level == "vague" else reading.actions == task.actions
+        if not right:
+            yield f"{task}: {level}: {text} read as {reading}"
+    for number, (action, text) in enumerate(zip(task.actions, told.subgoals, strict=True)):
+        try:
+            read = reader.read(start_of(task, number), text).actions
+        except PragError as error:
+            yield f"{task}: subgoal {number + 1}: {text} {error}"
+            continue
+        if read != (action,):
+            yield f"{task}: subgoal {number + 1}: {text} read as {read}"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,293 @@
+"""Tell tasks in words: an instruction at three levels, and a sentence for each subgoal.
+
+Each sentence is read back before it is given: one that could mean anything else is said in another way.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from typing import TYPE_CHECKING, TypeVar
+
+from prag_asp.atom import Atom
+from prag_asp.dataset.language.clauses import Clause
+from prag_asp.dataset.language.reader import Reader, Reading, capital, start_of
+from prag_asp.dataset.language.tongue import Tongue
+from prag_asp.dataset.language.view import Start, View
+from prag_asp.errors import QueryError
+from prag_asp.task import State, Task
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+
+Option = TypeVar("Option")
+START_FACTS, CAPTION_FACTS = 4, 2
+"""How many facts are told under a picture of the first state, and under the others."""
+
+COLOR = re.compile(r"#[0-9a-fA-F]{6}")
+VARIANTS = (0, 1)
+"""Ways to say a relation, the shorter one first."""
+
+
+@dataclass(frozen=True)
+class Instructions:
+    """What somebody can be told who is to do a task.
+
+    `vague` says what is to be so at the end, `default` what is to be done, `exact` also what each action is for; all
+    are said of the first state. `subgoals` has a sentence for each action, said of the state before it. `named` are the
+    entities that had to be called by their names, because nothing that can be seen tells them from others.
+    """
+
+    vague: str
+    default: str
+    exact: str
+    subgoals: tuple[str, ...]
+    named: tuple[str, ...] = ()
+
+
+class Teller:
+    """Tells tasks of a domain in one language, and reads what it is told."""
+
+    def __init__(self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None) -> None:
+        """Read the language's part of a domain; pictures show some entities in other `colors` than the scene's.
+
+        Raises:
+            QueryError: the domain does not speak the language.
+        """
+        self.tongue = Tongue(domain, language, colors)
+        self.reader = Reader(self.tongue)
+
+    def instructions(self, task: Task, seed: int = 0) -> Instructions:
+        """Return a task in words; the seed draws one of several phrasings, which are the same for the same seed.
+
+        Raises:
+            QueryError: the task is not one of this domain, or an action has no sentence that means nothing else.
+        """
+        vague, default, exact, each = (
+            Dice(f"{seed} {level} {task}") for level in ("vague", "default", "exact", "each")
+        )
+        view = self.tongue.view(start_of(task))
+        named: dict[str, None] = {}
+        subgoals = []
+        for number, action in enumerate(task.actions):
+            here = self.tongue.view(start_of(task, number))
+            clause, _ = self._clause(here, action, True, None, each)
+            subgoals.append(capital(self._frame("subgoal").format(action=clause)))
+            self._note(here, [action], named)
+        goal = self.goal(task)
+        self._note(view, [*task.actions, *goal], named)
+        return Instructions(
+            self._vague(view, goal, vague),
+            self._default(view, task.actions, default),
+            self._exact(view, task, exact),
+            tuple(subgoals),
+            tuple(sorted(named)),
+        )
+
+    def captions(self, task: Task) -> list[tuple[str, str]]:
+        """Return a heading and a caption for a picture of each state, the first included, by the first sentence of all.
+
+        The heading is the action that leads there, the caption what that made so; of the first state it is what is
+        known of what the actions name.
+        """
+        handled = {argument for action in task.actions for argument in action.arguments} - self.tongue.looks.seen
+        known = {fluent: True for fluent, value in task.initial.items() if value}
+        told = [fluent for fluent in worth_telling(known, self.tongue) if not handled.isdisjoint(fluent.arguments)]
+        view = self.tongue.view(start_of(task))
+        captions = [(self._frame("start"), self._caption(view, dict.fromkeys(told[:START_FACTS], True), None))]
+        for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
+            before = self.tongue.view(start_of(task, number - 1))
+            heading, topic = self._clause(before, action, True, None, None)
+            made = dict(list(worth_telling(subgoal, self.tongue).items())[:CAPTION_FACTS])
+            moved = topic is not None and before.describe(topic).relation is not None
+            captions.append((f"{number}. {heading}", self._caption(before, made, topic if moved else None)))
+        return captions
+
+    def _caption(self, view: View, facts: State, topic: str | None) -> str:
+        told = [text for fluent, value in facts.items() for text in self._told(view, fluent, value, topic, None)]
+        return ", ".join(told)
+
+    def read(self, start: Start | Task, text: str) -> Reading:
+        """Return what an instruction asks for that is given at the start of a task, or in any other state.
+
+        Raises:
+            QueryError: it is none, or it could mean several plans.
+        """
+        return self.reader.read(start_of(start) if isinstance(start, Task) else start, text)
+
+    def goal(self, task: Task) -> Mapping[Atom, bool]:
+        """Return what the vague instruction of a task says: what the task changes for good, if it is worth telling.
+
+        Of a task that leaves all as it was, it is what the last action is for.
+        """
+        made: dict[Atom, bool] = {}
+        for subgoal in task.subgoals:
+            made.update(subgoal)
+        last = task.states[-1] if task.states else task.initial
+        changed = {
+            fluent: value for fluent, value in made.items() if last.get(fluent) == value != task.initial.get(fluent)
+        }
+        told = worth_telling(changed, self.tongue)
+        return told or worth_telling(task.subgoals[-1] if task.subgoals else {}, self.tongue)
+
+    def _note(self, view: View, atoms: Sequence[Atom], named: dict[str, None]) -> None:
+        """Note the entities that have to be called by their names."""
+        for atom in atoms:
+            for argument in atom.arguments:
+                if argument in self.tongue.looks.nouns and view.describe(argument).name:
+                    named[argument] = None
+
+    def _frame(self, level: str) -> str:
+        return str(self.tongue.words.frames[level])
+
+    def _vague(self, view: View, goal: Mapping[Atom, bool], dice: Dice) -> str:
+        """Return what is to be so at the end."""
+        clauses = [clause for fluent, value in goal.items() for clause in self._told(view, fluent, value, None, dice)]
+        if not clauses:
+            return ""
+        frame = dice.pick(self.tongue.words.frames["vague"])
+        return capital(frame.format(facts=self._joined(clauses, "facts", dice)))
+
+    def _default(self, view: View, actions: Sequence[Atom], dice: Dice) -> str:
+        """Return what is to be done: what the sentence before is about is "it" in the next one."""
+        clauses, topic = [], None
+        for action in actions:
+            clause, topic = self._clause(view, action, True, topic, dice)
+            clauses.append(clause)
+        if not clauses:
+            return ""
+        frame = dice.pick(self.tongue.words.frames["default"])
+        return capital(frame.format(actions=self._joined(clauses, "sentences", dice)))
+
+    def _exact(self, view: View, task: Task, dice: Dice) -> str:
+        """Return what is to be done and what each action is for."""
+        words, steps = self.tongue.words, []
+        alone, aimed = words.frames["exact"]
+        for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
+            clause, topic = self._clause(view, action, True, None, dice)
+            worth = worth_telling(subgoal, self.tongue).items()
+            facts = [told for fluent, value in worth for told in self._told(view, fluent, value, topic, dice)]
+            frame = aimed if facts else alone
+            told = frame.format(
+                number=words.number(number), action=clause, facts=self._joined(facts, "facts", dice) if facts else ""
+            )
+            steps.append(capital(told))
+        return str(words.table["joints"]["steps"]).join(steps)
+
+    def _joined(self, clauses: Sequence[str], kind: str, dice: Dice) -> str:
+        """Return sentences as one text."""
+        text, joints, joint = clauses[0], self.tongue.words.joints(kind), ""
+        for clause in clauses[1:]:
+            joint = dice.pick([each for each in joints if each != joint] or joints)
+            text += joint + clause
+        return text
+
+    def _told(self, view: View, fluent: Atom, value: bool, topic: str | None, dice: Dice | None) -> list[str]:
+        """Return a fact in words, nothing where the language has no words for it that mean nothing else."""
+        try:
+            return [self._clause(view, fluent, value, topic, dice, of_actions=False)[0]]
+        except QueryError:
+            return []
+
+    def _clause(
+        self, view: View, atom: Atom, value: bool, topic: str | None, dice: Dice | None, *, of_actions: bool = True
+    ) -> tuple[str, str | None]:
+        """Return a sentence that means an action, or a fluent and its value, and nothing else; and what it is about.
+
+        Raises:
+            QueryError: there is none.
+        """
+        clauses = self.tongue.clauses.actions if of_actions else self.tongue.clauses.facts
+        known = [each for each in clauses.get((atom.name, len(atom.arguments)), ()) if each.value == value]
+        for clause, variant in self._ways(known, atom, dice, of_actions):
+            text = self._written(view, clause, atom, topic, variant)
+            heard = self.reader.clause(view, text, topic, of_actions=of_actions)
+            if len(heard) == 1:
+                (said,) = heard
+                if (said.atom, said.value) == (atom, value):
+                    return text, said.topic
+        where = "actions" if of_actions else "facts"
+        raise QueryError(
+            f"no sentence for {atom} that means nothing else; write one that names all that it speaks of "
+            f"under [language.{self.tongue.language}.{where}]"
+        )
+
+    def _ways(
+        self, clauses: Sequence[Clause], atom: Atom, dice: Dice | None, of_actions: bool
+    ) -> Iterator[tuple[Clause, int]]:
+        """Yield the sentences that tell it and the ways to say relations in them, from one that the dice pick on.
+
+        Without dice it is the first one.
+        """
+        gender = self._gender
+        usable = [each for each in clauses if not each.template.genders or gender(each, atom) in each.template.genders]
+        given = [each for each in usable if not each.spare and each.tells(atom, self.tongue.looks.robots)]
+        if not of_actions:  # with one robot nobody says which
+            fewest = min((len(each.template.slots) for each in given), default=0)
+            given = [each for each in given if len(each.template.slots) == fewest]
+        first = dice.number(len(given)) if given and dice else 0
+        ordered = [*given[first:], *given[:first], *(each for each in usable if each.spare)]
+        for variant in VARIANTS:
+            for clause in ordered:
+                yield clause, variant
+
+    def _gender(self, clause: Clause, atom: Atom) -> str:
+        """Return the gender of what a sentence names first."""
+        return self.tongue.phrases.gender(atom.arguments[clause.template.arguments[0]]) if clause.template.slots else ""
+
+    def _written(self, view: View, clause: Clause, atom: Atom, topic: str | None, variant: int) -> str:
+        """Return a sentence with words for what it speaks of."""
+        phrases, words = self.tongue.phrases, []
+        for slot in clause.template.slots:
+            value = atom.arguments[slot.argument]
+            if value == topic:
+                words.append(phrases.pronoun(value, slot.case))
+            else:
+                words.append(phrases.write(view, value, slot.case, variant))
+        return clause.template.fill(words)
+
+
+def teller_of(domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None) -> Teller:
+    """Return what tells tasks of a domain in a language.
+
+    Where pictures show entities in other colours than the scene's, `colors` has those (``#rrggbb``), by their names.
+
+    Raises:
+        QueryError: the domain does not speak the language, or a colour is none.
+        SceneError: something is wrong with the scene.
+    """
+    for entity, color in (colors or {}).items():
+        if entity not in domain.facts.entity_names or not COLOR.fullmatch(color):
+            raise QueryError(f"{entity} = {color!r} is no colour of an entity; write one of {domain.name} and #rrggbb")
+    return Teller(domain, language, colors)
+
+
+def worth_telling(facts: State, tongue: Tongue) -> Mapping[Atom, bool]:
+    """Return those of some facts that are told: what is so, or what is not where that is all."""
+    forms = tongue.grammar.facts
+    loud = {fluent: value for fluent, value in facts.items() if not forms[fluent.name, len(fluent.arguments)].silent}
+    true = {fluent: value for fluent, value in loud.items() if value}
+    return dict(sorted((true or loud).items()))
+
+
+class Dice:
+    """Picks among options by a text, the same on every machine: digits of its digest in a mixed base."""
+
+    def __init__(self, text: str) -> None:
+        self._seed = text.encode()
+        self._value, self._left = 0, 1
+
+    def number(self, options: int) -> int:
+        """Return a number below that of the options."""
+        if self._left < options << 32:
+            self._seed = blake2b(self._seed).digest()
+            self._value, self._left = int.from_bytes(self._seed, "big"), 1 << 512
+        self._value, found = divmod(self._value, options)
+        self._left //= options
+        return found
+
+    def pick(self, options: Sequence[Option]) -> Option:
+        """Return one of some options."""
+        return options[self.number(len(options))]

@@ -1,0 +1,90 @@
+"""A language as it is spoken of one domain: its sentences, its phrases, and what each state lets them mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from prag_asp.dataset.language.clauses import Clauses
+from prag_asp.dataset.language.looks import looks_of
+from prag_asp.dataset.language.phrases import Phrases
+from prag_asp.dataset.language.view import Crowd, Start, View
+from prag_asp.errors import QueryError
+from prag_asp.grammar.read import GrammarReader, languages
+from prag_asp.grammar.words import shipped_languages
+from prag_asp.wording import did_you_mean, listed
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.task import State
+
+KEPT = 256
+"""Pictures and states that are kept: tasks of one space share most of them."""
+
+
+class Tongue:
+    """Writes and reads noun phrases and sentences of a domain in one language."""
+
+    def __init__(self, domain: Domain, language: str, colors: Mapping[str, str] | None = None) -> None:
+        """Read the language's part of a domain; pictures show some entities in other `colors` than the scene's.
+
+        Raises:
+            QueryError: the domain does not speak the language, or not enough of it.
+            SceneError: something is wrong with the scene.
+        """
+        reader = _reader(domain, language)
+        self.domain, self.language, self.words = domain, language, reader.words
+        self.grammar = reader.grammar()
+        self.looks = looks_of(domain, self.grammar, colors)
+        self.clauses = Clauses(self.grammar, domain.facts)
+        self.phrases = Phrases(self.grammar, self.looks, self.clauses)
+        self._entities = frozenset(domain.facts.entity_names)
+        self._subjects: Mapping[tuple[str, int], frozenset[int]] = {
+            signature: frozenset(modifier.subject for modifier in modifiers)
+            for signature, modifiers in self.clauses.modifiers.items()
+        }
+        self._crowd = lru_cache(maxsize=KEPT)(self._new_crowd)
+        self._view = lru_cache(maxsize=KEPT)(self._new_view)
+
+    def view(self, start: Start) -> View:
+        """Return a state as somebody sees it.
+
+        Raises:
+            QueryError: it speaks of an entity that the domain has not.
+        """
+        return self._view(start.entities, start.state)
+
+    def _new_view(self, entities: frozenset[str], state: State) -> View:
+        unknown = entities - self._entities
+        if unknown:
+            hint = did_you_mean(min(unknown), self._entities)
+            raise QueryError(f"{self.domain.name} has no entity {min(unknown)}; {hint}")
+        crowd = self._crowd(entities | self.looks.seen if self.looks.pictured else self._entities)
+        return View(crowd, state, self._subjects, self.phrases.can_say)
+
+    def _new_crowd(self, entities: frozenset[str]) -> Crowd:
+        return Crowd(self.looks, entities)
+
+
+def _reader(domain: Domain, language: str) -> GrammarReader:
+    """Return what reads the language's part of a domain.
+
+    Raises:
+        QueryError: there are no words of the language, or the domain has no sentences in it.
+    """
+    known = languages(domain.settings)
+    if language not in known:
+        if language not in shipped_languages():
+            raise QueryError(f"{domain.name} does not speak {language!r}; it speaks {listed(known)}")
+        raise QueryError(
+            f"{domain.name} does not speak {language!r}; write its sentences under [language.{language}.actions], "
+            f"or take {listed(known)}"
+        )
+    reader = GrammarReader(domain.settings, domain.facts, language)
+    for table, name in reader.missing():
+        where = f"{domain.settings.path}:{domain.settings.line_of('language', language)}"
+        raise QueryError(
+            f"{where}: {name} has no words in {language!r}; write {name} under [language.{language}.{table}]"
+        )
+    return reader

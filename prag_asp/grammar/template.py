@@ -1,0 +1,122 @@
+"""Sentences with places for what they speak of: ``pick up {1} from {2:dat}``; filled in, and found again in a text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from string import Formatter
+from typing import NamedTuple
+
+from prag_asp.errors import QueryError
+
+VERBS = ("is",)
+"""Words in braces that agree with the first argument of a sentence, and are another word where it is not so."""
+
+
+class Slot(NamedTuple):
+    """The place of an argument in a sentence, and the case that it stands in there, "" for the usual one."""
+
+    argument: int
+    case: str = ""
+
+
+@dataclass(frozen=True)
+class Template:
+    """A sentence in pieces: texts and slots by turns, a text first and last.
+
+    `genders` are set where a word of it agrees with the first argument: the sentence is for those of that gender.
+    """
+
+    texts: tuple[str, ...]
+    slots: tuple[Slot, ...]
+    genders: frozenset[str] = frozenset()
+
+    def fill(self, words: Sequence[str]) -> str:
+        """Return the sentence with words for its slots, in their order."""
+        parts = [self.texts[0]]
+        for word, text in zip(words, self.texts[1:], strict=True):
+            parts += (word, text)
+        return "".join(parts)
+
+    def find(self, text: str, fits: Callable[[str], bool] = bool) -> Iterator[tuple[str, ...]]:
+        """Yield the words for the slots with which this sentence is the text, in every way in which all words fit."""
+        first, last = self.texts[0], self.texts[-1]
+        if not self.slots:
+            if text == first:
+                yield ()
+        elif text.startswith(first) and text.endswith(last) and len(text) > len(first) + len(last):
+            yield from self._split(text[len(first) : len(text) - len(last)], 1, fits)
+
+    def _split(self, text: str, number: int, fits: Callable[[str], bool]) -> Iterator[tuple[str, ...]]:
+        """Yield the ways to split a text by the pieces of text between slots, from that of a number on."""
+        if number == len(self.slots):
+            if fits(text):
+                yield (text,)
+            return
+        between = self.texts[number]
+        at = text.find(between, 1)
+        while at >= 0:
+            if fits(text[:at]):
+                for rest in self._split(text[at + len(between) :], number + 1, fits):
+                    yield (text[:at], *rest)
+            at = text.find(between, at + 1)
+
+    @property
+    def arguments(self) -> tuple[int, ...]:
+        """The arguments that it names, in the order of its slots."""
+        return tuple(slot.argument for slot in self.slots)
+
+
+def parse_template(
+    text: str,
+    cases: Sequence[str],
+    arity: int,
+    verbs: Mapping[str, str] | None = None,
+    genders: frozenset[str] = frozenset(),
+) -> Template:
+    """Return the sentence that a text spells; `verbs` are what words in braces stand for, with some `genders`.
+
+    Raises:
+        QueryError: its braces are wrong; the message says how, and what to do.
+    """
+    texts, slots = [""], list[Slot]()
+    for literal, name, case in _fields(text):
+        texts[-1] += literal
+        if name is None:
+            continue
+        if verbs is not None and name in verbs:
+            texts[-1] += verbs[name]
+            continue
+        if not name.isdecimal() or int(name) >= arity:
+            places = ", ".join(f"{{{index}}}" for index in range(arity)) or "no braces"
+            raise QueryError(f"has braces that name no argument; use {places}")
+        if case and case not in cases:
+            raise QueryError(f"has {{{name}:{case}}}, which is no case; cases are {', '.join(cases)}")
+        slots.append(Slot(int(name), case))
+        texts.append("")
+    if any(not between for between in texts[1:-1]):
+        raise QueryError("has two places side by side; write a word or a blank between them")
+    if not slots and not texts[0].strip():
+        raise QueryError("is empty; write a sentence")
+    return Template(tuple(texts), tuple(slots), genders)
+
+
+def _fields(text: str) -> Iterator[tuple[str, str | None, str]]:
+    """Yield each text of a template with the name and the case that follow it in braces.
+
+    Raises:
+        QueryError: the braces do not match.
+    """
+    try:
+        parsed = list(Formatter().parse(text))
+    except ValueError:
+        raise QueryError("has braces that do not match; write each as {0} or {0:case}") from None
+    for literal, name, case, conversion in parsed:
+        if conversion is not None or "{" in (case or ""):
+            raise QueryError("has braces that do not match; write each as {0} or {0:case}")
+        yield literal, name, case or ""
+
+
+def agrees(text: str) -> bool:
+    """Tell whether a word of a sentence agrees with its first argument."""
+    return any(f"{{{verb}}}" in text for verb in VERBS)
