@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
+from prag_asp.scene.cameras import Camera, usual_cameras
 from prag_asp.scene.kinds import KINDS, Kind
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
 
@@ -152,7 +153,8 @@ class Scene:
     the origin.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
-    among them are run only where `trusted` is set.
+    among them are run only where `trusted` is set. `cameras` have names too; where they are left out there is one,
+    `front`.
     """
 
     shapes: Mapping[str, Shape]
@@ -168,10 +170,13 @@ class Scene:
     own: Mapping[str, Own] = field(default_factory=dict)
     trusted: bool = False
     robots: Mapping[str, Mount] = field(default_factory=dict)
+    cameras: Mapping[str, Camera] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.robots:
             object.__setattr__(self, "robots", only_robot(self.shapes))
+        if not self.cameras:
+            object.__setattr__(self, "cameras", usual_cameras(self.workspace, self.robots))
 
     @property
     def shared(self) -> bool:

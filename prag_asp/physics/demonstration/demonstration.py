@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.arrays import BadArchive, read_arrays
-from prag_asp.errors import QueryError
+from prag_asp.errors import OutputError, QueryError
 from prag_asp.fields import shown
 from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.contacts import Touch
+from prag_asp.physics.demonstration.footage import Footage, read_footage
+from prag_asp.physics.demonstration.packing import with_packed
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.written import PARTS, VERSION
@@ -31,8 +33,8 @@ TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
 OF_ROBOTS = ("joints", "widths", "commands")
 """The arrays that have an axis of robots."""
 
-LARGEST_FILE, LARGEST = 32_000_000, 256_000_000
-"""Bytes of the file of a recording, and of its arrays."""
+LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
+"""Bytes of the file of a recording, and of its arrays but for pictures, which stay compressed."""
 
 FRAMES_A_SECOND = 20
 
@@ -48,7 +50,8 @@ class Demonstration:
     `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the largest normal force
     between them since the frame before, in newtons. `ends` holds for each state of the
     task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
-    where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when.
+    where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when. `footage` is what
+    cameras saw, where they were asked for.
     """
 
     robots: tuple[str, ...]
@@ -67,6 +70,7 @@ class Demonstration:
     furniture: tuple[str, ...] = ()
     cause: str = ""
     detail: str = ""
+    footage: Footage | None = None
 
     @property
     def success(self) -> bool:
@@ -77,7 +81,9 @@ class Demonstration:
         """Tell whether two recordings are the same, bit by bit."""
         if not isinstance(other, Demonstration):
             return NotImplemented
-        return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
+        names = [each.name for each in fields(self) if each.name != "footage"]
+        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+        return same and self.footage == other.footage
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -123,9 +129,16 @@ class Demonstration:
         content: dict[str, Any] = {"version": np.array(VERSION)}
         content |= {name: getattr(self, name) for name in ARRAYS}
         content |= {name: np.array(getattr(self, name)) for name in TEXTS}
+        content |= {} if self.footage is None else self.footage.arrays()
         buffer = BytesIO()
         np.savez_compressed(buffer, **content)
-        replace_file(path, buffer.getvalue())
+        archive = buffer.getvalue()
+        if self.footage is not None:
+            try:
+                archive = with_packed(archive, self.footage.packed())
+            except ValueError as error:
+                raise OutputError(f"{path}: {error}") from None
+        replace_file(path, archive)
 
     @classmethod
     def load(cls, path: str | Path, robot: str = "panda", *, within: str | Path | None = None) -> Demonstration:
@@ -137,35 +150,33 @@ class Demonstration:
             QueryError: the file cannot be read, holds something else, or too much, or lies elsewhere.
         """
         try:
-            content = _arrays(Path(path), within)
+            with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
+                return _read(file, Path(path), robot)
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
-        if "version" not in content:
-            content = _upgraded(content, robot)
-        elif content["version"].shape != () or content["version"] != VERSION:
-            version = shown(content["version"].tolist())
-            raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
-        missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
-        if missing:
-            raise QueryError(f"{path}: this is not a demonstration: it has no {missing[0]}")
-        try:
-            return _from_arrays(content)
-        except ValueError as error:
+        except (BadArchive, ValueError) as error:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
-def _arrays(path: Path, within: str | Path | None) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a .npz file by their names.
+def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
+    """Return the recording in a file.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: it is another file, was cut off, or is too large.
+        BadArchive, ValueError: it is another file, was cut off, is too large, or holds something else.
+        QueryError: it is of another version.
     """
-    with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
-        try:
-            return read_arrays(file, ("version", *ARRAYS, *TEXTS), LARGEST)
-        except BadArchive as error:
-            raise QueryError(f"{path}: this is not a demonstration: {error}") from None
+    content = read_arrays(file, ("version", *ARRAYS, *TEXTS), LARGEST)
+    if "version" not in content:
+        content = _upgraded(content, robot)
+    elif content["version"].shape != () or content["version"] != VERSION:
+        version = shown(content["version"].tolist())
+        raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
+    missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
+    if missing:
+        raise BadArchive(f"it has no {missing[0]}")
+    footage = read_footage(file, len(content["times"]), content["robots"].size, LARGEST)
+    return replace(_from_arrays(content), footage=footage)
 
 
 def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:

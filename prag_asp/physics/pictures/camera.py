@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,21 +12,15 @@ from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.boxes import Vector
+from prag_asp.scene.cameras import FIELD_OF_VIEW, fitted
 from prag_asp.scene.model import Scene
 
 if TYPE_CHECKING:
     from PIL import Image
 
-TOWARDS_EYE, FIELD_OF_VIEW = (0.86, 0.36, 0.56), 42.0
-"""The direction from what is seen to the eye, and how many degrees the picture is high."""
-
-BORDER = 0.97
-"""The share of a picture that what has to be seen may fill."""
-
 ABOVE_TABLE, ABOVE_BASE = 0.06, 0.78
 """How high over the table things stand, and the elbow of a robot over its base, in metres."""
 
-FITTINGS = 40
 LIGHT, LIGHT_DISTANCE = (-0.3, 0.8, 1.8), 3.0
 SKY, GROUND = (247, 249, 252), (214, 221, 230)
 OVERSAMPLING = 2
@@ -86,28 +78,6 @@ def _render(simulator: Simulator, size: tuple[int, int]) -> NDArray[np.uint8]:
     return colors
 
 
-@lru_cache(maxsize=8)
-def _fit(seen: tuple[Vector, ...], aspect: float) -> tuple[Vector, Vector]:
-    """Return the eye and its target, so that points just fit into a picture of an aspect (width by height)."""
-    towards = np.array(TOWARDS_EYE) / np.linalg.norm(TOWARDS_EYE)
-    right = np.cross((0.0, 0.0, 1.0), towards)
-    right /= np.linalg.norm(right)
-    axes = np.array([right, np.cross(towards, right), towards])
-    slope = BORDER * math.tan(math.radians(FIELD_OF_VIEW) / 2)
-    slopes = np.array([slope * aspect, slope])
-    points = np.array(seen) @ axes.T
-    centre, distance = points.mean(axis=0), 1.0
-    for _ in range(FITTINGS):
-        # Every point asks for its distance; the middle of what is seen then becomes the middle of the picture.
-        offsets = points - centre
-        distance = float((offsets[:, 2] + (np.abs(offsets[:, :2]) / slopes).max(axis=1)).max())
-        shown = offsets[:, :2] / (distance - offsets[:, 2:])
-        centre[:2] += (shown.max(axis=0) + shown.min(axis=0)) / 2 * distance / 2
-    target = centre @ axes
-    eye = target + distance * towards
-    return (float(eye[0]), float(eye[1]), float(eye[2])), (float(target[0]), float(target[1]), float(target[2]))
-
-
 def viewpoint(scene: Scene, aspect: float) -> tuple[Vector, Vector]:
     """Return where the eye of a picture is and what it looks at, in metres: all of the workspace and the robot."""
     low_x, high_x, low_y, high_y = scene.workspace
@@ -116,4 +86,4 @@ def viewpoint(scene: Scene, aspect: float) -> tuple[Vector, Vector]:
     robots = [(x, y, z) for x, y in bases for z in (0.0, ABOVE_BASE)]
     if len(bases) > 1:  # the elbows of several arms swing out to the sides
         robots += [(x, y + side, ABOVE_BASE / 2) for x, y in bases for side in (-ABOVE_BASE / 2, ABOVE_BASE / 2)]
-    return _fit((*corners, *robots), aspect)
+    return fitted((*corners, *robots), aspect)

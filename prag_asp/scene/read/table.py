@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from prag_asp.scene.model import IGNORED, Own, Scene, Shape, Table
+from prag_asp.scene.read.cameras import read_cameras
 from prag_asp.scene.read.looks import read_colors, read_materials
 from prag_asp.scene.read.places import place_problems, read_fixed, read_table, read_workspace
 from prag_asp.scene.read.report import Report, is_number
@@ -35,6 +36,7 @@ SCENE_KEYS = (
     "predicates",
     "rotations",
     "own",
+    "cameras",
 )
 
 
@@ -46,9 +48,11 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
     sizes = read_shapes(report, report.section(table, "shapes"))
     shapes = {entity: several[-1] for entity, several in sizes.items()}
     usual = report.choice(table, "robot", tuple(ROBOTS))
+    arms = {entity: shape for entity, shape in shapes.items() if shape.kind == "robot"}
+    robots = read_robots(report, report.section(table, "robots"), shapes, usual)
     scene = Scene(
         shapes=shapes,
-        robots=read_robots(report, report.section(table, "robots"), shapes, usual),
+        robots=robots,
         frame=report.choice(table, "frame", FRAMES),
         workspace=read_workspace(report, report.section(table, "workspace")),
         table=read_table(report, report.section(table, "table")),
@@ -58,6 +62,7 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
         rotations=_rotations(report, report.section(table, "rotations")),
         materials=read_materials(report, report.section(table, "materials")),
         own=own,
+        cameras=read_cameras(report, report.section(table, "cameras"), {**robots, **arms}),
         ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:

@@ -1,0 +1,139 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prag_asp import load_domain, load_scene
+from prag_asp.errors import QueryError
+from prag_asp.physics import Demonstration
+from prag_asp.physics.filming.asked import Filming
+from prag_asp.physics.filming.film import film, subgoal_at
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.geometry import Pose, compose
+
+RECORDINGS = Path(__file__).parents[1] / "old_form"
+OBJECTS = ("bin_1", "brick_1", "brick_2", "can_1", "cube_1", "cube_2", "tray_1")
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    return Demonstration.load(RECORDINGS / "one_robot.npz")
+
+
+@pytest.fixture(scope="module")
+def filmed(recorded, tabletop):
+    """A recording with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
+    return film(recorded, tabletop, Filming(("front", "wrist"), (64, 48), rate=2))
+
+
+def test_a_film_has_a_picture_for_every_so_many_frames(filmed):
+    footage = filmed.footage
+    assert footage.frames.tolist() == [0, 10, 20, 30]
+    assert footage.legend == ("nothing", "table_1", "panda", *OBJECTS)
+    assert list(footage.films) == ["front", "wrist"]
+    for shot in footage.films.values():
+        assert shot.rgb.shape == (4, 48, 64, 3) and shot.rgb.dtype == np.uint8
+        assert shot.depth.shape == (4, 48, 64) and shot.segmentation.shape == (4, 48, 64)
+        assert shot.segmentation.max() < len(footage.legend)
+        assert ((shot.depth > 0) == (shot.segmentation > 0)).all()
+    seen = set(np.unique(footage.films["front"].segmentation).tolist())
+    assert {0, 1, 2} < seen and len(seen) > 6, "nothing, the table, the robot and most objects"
+
+
+def test_a_film_that_is_taken_again_is_the_same_and_survives_its_file(filmed, recorded, tabletop, tmp_path):
+    again = film(recorded, tabletop, Filming(("front", "wrist"), (64, 48), rate=2))
+    assert again == filmed
+    filmed.save(tmp_path / "a.npz")
+    again.save(tmp_path / "b.npz")
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+    assert Demonstration.load(tmp_path / "a.npz") == filmed
+    assert filmed != recorded and replace(filmed, footage=None) == recorded
+    with np.load(tmp_path / "a.npz") as arrays:
+        assert (arrays["front/rgb"] == filmed.footage.films["front"].rgb).all()
+        assert arrays["cameras"].tolist() == ["front", "wrist"]
+
+
+def test_a_recording_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):
+    recorded.save(tmp_path / "before.npz")
+    replace(filmed, footage=None).save(tmp_path / "after.npz")
+    assert (tmp_path / "before.npz").read_bytes() == (tmp_path / "after.npz").read_bytes()
+    with np.load(tmp_path / "before.npz") as arrays:
+        assert "cameras" not in arrays.files and "frames" not in arrays.files
+
+
+def test_the_middle_of_an_object_is_where_intrinsics_and_extrinsics_say(filmed):
+    footage = filmed.footage
+    shot, checked = footage.films["front"], 0
+    for n, frame in enumerate(footage.frames):
+        for entity, pose in zip(filmed.objects, filmed.poses[frame], strict=True):
+            x, y, z = (np.linalg.inv(shot.extrinsics[n]) @ (*pose[:3], 1.0))[:3]
+            u, v, _ = shot.intrinsics @ (x / z, y / z, 1.0)
+            shown = shot.segmentation[n] == footage.legend.index(entity)
+            if shown.sum() >= 6 and entity not in ("tray_1", "bin_1"):
+                rows, columns = np.nonzero(shown)
+                assert math.hypot(columns.mean() + 0.5 - u, rows.mean() + 0.5 - v) < 1.0, entity
+                assert abs(float(np.median(shot.depth[n][shown])) - z) < 0.07, entity
+                checked += 1
+    assert checked >= 12
+
+
+def test_the_camera_at_the_wrist_moves_with_the_tool(filmed, tabletop):
+    camera, footage = tabletop.cameras["wrist"], filmed.footage
+    for tool, extrinsics in zip(footage.tools[:, 0], footage.films["wrist"].extrinsics, strict=True):
+        pose = compose(Pose(tuple(tool[:3]), tuple(tool[3:])), Pose(camera.at))
+        assert extrinsics[:3, 3] == pytest.approx(pose.position, abs=1e-5)
+    assert np.ptp(footage.films["front"].extrinsics, axis=0).max() == 0
+
+
+def test_what_the_hand_does_from_picture_to_picture_adds_up(filmed):
+    footage = filmed.footage
+    moved = footage.tools[-1, 0, :3] - footage.tools[0, 0, :3]
+    assert footage.deltas[:, 0, :3].sum(axis=0) == pytest.approx(moved, abs=1e-5)
+    assert (footage.deltas[-1] == 0).all() and np.abs(footage.deltas[:-1]).max() > 0.01
+    assert (footage.grippers == filmed.widths[footage.frames]).all()
+
+
+def test_each_picture_says_for_which_subgoal_is_worked(recorded):
+    ends = np.array([1, 10, 20], dtype=np.int32)
+    shown = replace(recorded, ends=ends)
+    assert [subgoal_at(shown, frame) for frame in (0, 1, 2, 10, 11, 20, 39)] == [0, 0, 0, 0, 1, 1, 1]
+
+
+def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
+    shown = Demonstration.load(RECORDINGS / "two_robots.npz")
+    scene = load_scene(load_domain("two_arms"))
+    footage = film(shown, scene, Filming(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
+    assert footage.tools.shape == (2, 2, 7)
+    assert footage.legend[:4] == ("nothing", "table", "left", "right") and "middle" in footage.legend
+    poses = [shot.extrinsics[0, :3, 3] for shot in footage.films.values()]
+    assert np.linalg.norm(poses[0] - poses[1]) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"cameras": ()}, "no camera is named; name some of the scene, such as front"),
+        ({"cameras": ("front", "front")}, "the camera front is named 2 times; name it once"),
+        ({"cameras": ("front",), "rate": 3}, "film at 1, 2, 4, 5, 10, 20; got 3"),
+        ({"cameras": ("front",), "rate": 0}, "film at 1, 2, 4, 5, 10, 20; got 0"),
+        ({"cameras": ("front",), "size": (8, 128)}, "has 16 to 2048 pixels a side; got 8x128"),
+    ],
+)
+def test_what_cannot_be_filmed_is_told(asked, told):
+    with pytest.raises(QueryError, match=told):
+        Filming(**asked)
+
+
+def test_an_unknown_camera_is_told(tabletop):
+    with pytest.raises(QueryError, match=r"the scene has no camera frnt; did you mean front\?"):
+        Filming(("frnt",)).of(tabletop)
+
+
+def test_every_camera_has_its_own_size_unless_one_is_asked_for(tabletop):
+    scene = replace(tabletop, cameras={"small": Camera((1, 0, 1), (0, 0, 0), size=(20, 30))})
+    assert Filming(("small",)).of(scene)["small"].size == (20, 30)
+    assert Filming(("small",), (40, 50)).of(scene)["small"].size == (40, 50)
