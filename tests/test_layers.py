@@ -59,8 +59,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
 
 FLOORS: Mapping[str, tuple[str, ...]] = {
     "scene": (
-        "vocabulary", "boxes", "cameras", "forms", "kinds", "model", "geometry", "footprint", "furniture", "solids",
-        "robots", "read", "load",
+        "vocabulary", "boxes", "cameras", "colours", "forms", "kinds", "model", "geometry", "footprint", "furniture",
+        "solids", "variation", "robots", "read", "load",
     ),
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (

@@ -214,15 +214,15 @@ class Checking:
 
 def checks(function: Function) -> Function:
     """Give a command the options of physics, as one value `checking`."""
-    return _bundled(function, "checking", Checking, CHECKS)
+    return bundled(function, "checking", Checking, CHECKS)
 
 
 def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Function], Function]:
     """Give a command these options, as one value `asked`."""
-    return lambda function: _bundled(function, "asked", Asked, options)
+    return lambda function: bundled(function, "asked", Asked, options)
 
 
-def _bundled(function: Function, name: str, kind: Any, options: Sequence[Callable[[Function], Function]]) -> Function:
+def bundled(function: Function, name: str, kind: Any, options: Sequence[Callable[[Function], Function]]) -> Function:
     """Return a command with options whose values it gets as one value of a dataclass."""
 
     @wraps(function)
@@ -269,7 +269,7 @@ class Weighing:
 
 def weighs(function: Function) -> Function:
     """Give a command the options of weights, as one value `weighing`."""
-    return _bundled(function, "weighing", Weighing, WEIGHING)
+    return bundled(function, "weighing", Weighing, WEIGHING)
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from prag_asp.physics.demonstration.demonstration import Demonstration
     from prag_asp.physics.demonstration.perform import demonstrate
     from prag_asp.physics.facts import physical_task
+    from prag_asp.physics.filming.film import film
+    from prag_asp.physics.filming.staging import Staging
     from prag_asp.physics.motion.transit import travel
     from prag_asp.physics.pictures.render import animate, film_strip, still
     from prag_asp.physics.pool import validate_numbered, validate_tasks
@@ -45,6 +47,7 @@ __all__ = [
     "Quaternion",
     "Side",
     "Situation",
+    "Staging",
     "Validator",
     "Verdict",
     "Volume",
@@ -55,6 +58,7 @@ __all__ = [
     "check_demonstration",
     "check_witness",
     "demonstrate",
+    "film",
     "film_strip",
     "open_cascade",
     "open_settling",
@@ -82,6 +86,8 @@ _HOMES = {
     "prag_asp.physics.demonstration.perform": ("demonstrate",),
     "prag_asp.physics.facts": ("physical_task",),
     "prag_asp.physics.required": ("require_physics",),
+    "prag_asp.physics.filming.film": ("film",),
+    "prag_asp.physics.filming.staging": ("Staging",),
     "prag_asp.physics.motion.transit": ("travel",),
     "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
     "prag_asp.physics.pool": ("validate_numbered", "validate_tasks"),

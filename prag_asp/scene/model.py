@@ -124,6 +124,24 @@ class Mount(NamedTuple):
     yaw: float = 0.0
 
 
+class Ranges(NamedTuple):
+    """Within what ranges recordings differ that are asked to vary.
+
+    `friction` and `mass` are factors; `light` the degrees by which the light is turned at most, `camera` how far a
+    camera and what it looks at are moved, as a share of what is between them, `colour` the Delta E in CIELAB by which a
+    colour is moved.
+    """
+
+    friction: tuple[float, float] = (0.8, 1.2)
+    mass: tuple[float, float] = (0.8, 1.2)
+    light: float = 30.0
+    camera: float = 0.05
+    colour: float = 10.0
+
+
+USUAL_RANGES = Ranges()
+
+
 def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
     """Return the robot of a scene that has one, at the origin; one without an entity is named after its kind."""
     name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
@@ -154,7 +172,7 @@ class Scene:
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
     among them are run only where `trusted` is set. `cameras` have names too; where they are left out there is one,
-    `front`.
+    `front`. `vary` says how far recordings may differ that are asked to.
     """
 
     shapes: Mapping[str, Shape]
@@ -171,6 +189,7 @@ class Scene:
     trusted: bool = False
     robots: Mapping[str, Mount] = field(default_factory=dict)
     cameras: Mapping[str, Camera] = field(default_factory=dict)
+    vary: Ranges = USUAL_RANGES
 
     def __post_init__(self) -> None:
         if not self.robots:

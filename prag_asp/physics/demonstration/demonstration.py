@@ -24,11 +24,15 @@ from prag_asp.physics.written import PARTS, VERSION
 from prag_asp.reading import open_binary
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
+from prag_asp.scene.variation import Variation, variation_of
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
 ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
 TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
+
+VARIED = "varied"
+"""The text of what was drawn, which most recordings do not have."""
 
 OF_ROBOTS = ("joints", "widths", "commands")
 """The arrays that have an axis of robots."""
@@ -51,7 +55,7 @@ class Demonstration:
     between them since the frame before, in newtons. `ends` holds for each state of the
     task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
     where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when. `footage` is what
-    cameras saw, where they were asked for.
+    cameras saw, where they were asked for, and `variation` what the world was, where that was to vary.
     """
 
     robots: tuple[str, ...]
@@ -71,6 +75,7 @@ class Demonstration:
     cause: str = ""
     detail: str = ""
     footage: Footage | None = None
+    variation: Variation | None = None
 
     @property
     def success(self) -> bool:
@@ -81,20 +86,21 @@ class Demonstration:
         """Tell whether two recordings are the same, bit by bit."""
         if not isinstance(other, Demonstration):
             return NotImplemented
-        names = [each.name for each in fields(self) if each.name != "footage"]
+        names = [each.name for each in fields(self) if each.name not in ("footage", "variation")]
         same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-        return same and self.footage == other.footage
+        return same and self.footage == other.footage and self.variation == other.variation
 
     __hash__ = None  # type: ignore[assignment]
 
     def sized(self, scene: Scene) -> Scene:
-        """Return a scene with the sizes of the recorded objects.
+        """Return a scene with the sizes of the recorded objects, and with what was drawn for them.
 
         Raises:
             SceneError: the scene does not allow one of them.
         """
         pairs = zip(self.objects, self.sizes.tolist(), strict=True)
-        return scene.with_sizes({entity: (x, y, z) for entity, (x, y, z) in pairs if entity in scene.ranges})
+        sized = scene.with_sizes({entity: (x, y, z) for entity, (x, y, z) in pairs if entity in scene.ranges})
+        return sized if self.variation is None else self.variation.applied(sized)
 
     def situation(self, scene: Scene, frame: int) -> Situation:
         """Return what a frame shows, for predicates to check.
@@ -129,6 +135,7 @@ class Demonstration:
         content: dict[str, Any] = {"version": np.array(VERSION)}
         content |= {name: getattr(self, name) for name in ARRAYS}
         content |= {name: np.array(getattr(self, name)) for name in TEXTS}
+        content |= {} if self.variation is None else {VARIED: np.array(self.variation.to_text())}
         content |= {} if self.footage is None else self.footage.arrays()
         buffer = BytesIO()
         np.savez_compressed(buffer, **content)
@@ -166,7 +173,7 @@ def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
         BadArchive, ValueError: it is another file, was cut off, is too large, or holds something else.
         QueryError: it is of another version.
     """
-    content = read_arrays(file, ("version", *ARRAYS, *TEXTS), LARGEST)
+    content = read_arrays(file, ("version", *ARRAYS, *TEXTS, VARIED), LARGEST)
     if "version" not in content:
         content = _upgraded(content, robot)
     elif content["version"].shape != () or content["version"] != VERSION:
@@ -176,7 +183,23 @@ def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
     if missing:
         raise BadArchive(f"it has no {missing[0]}")
     footage = read_footage(file, len(content["times"]), content["robots"].size, LARGEST)
-    return replace(_from_arrays(content), footage=footage)
+    return replace(_from_arrays(content), footage=footage, variation=_variation(content.get(VARIED)))
+
+
+def _variation(text: NDArray[Any] | None) -> Variation | None:
+    """Return what was drawn for a recording, None where nothing was.
+
+    Raises:
+        ValueError: it is of another form.
+    """
+    if text is None:
+        return None
+    if text.shape != () or text.dtype.kind != "U":
+        raise ValueError(f"{VARIED} has to hold a text")
+    try:
+        return variation_of(str(text))
+    except QueryError as error:
+        raise ValueError(str(error)) from None
 
 
 def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
 from prag_asp.physics.demonstration.footage import DEPTH, RGB, Film, Footage, Picture, segmentation_type
 from prag_asp.physics.demonstration.packing import Packed, Packer
-from prag_asp.physics.filming.asked import Filming
+from prag_asp.physics.filming.staging import Staging
 from prag_asp.physics.filming.studio import open_studio
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
@@ -22,10 +22,11 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, multiply
 from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import robot_of
+from prag_asp.scene.variation import USUAL_LIGHT
 
 
-def film(demonstration: Demonstration, scene: Scene, filming: Filming) -> Demonstration:
-    """Return a recording with what cameras see of it.
+def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
+    """Return a recording with what cameras see of it; light, colours and cameras are those that were drawn for it.
 
     Each picture is compressed as it is taken: memory holds one of each camera, and what is compressed.
 
@@ -33,10 +34,11 @@ def film(demonstration: Demonstration, scene: Scene, filming: Filming) -> Demons
         QueryError: the scene has no such camera.
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
     """
-    cameras, sized = filming.of(scene), demonstration.sized(scene)
-    frames = range(0, len(demonstration.times), FRAMES_A_SECOND // filming.rate)
+    sized, drawn = demonstration.sized(scene), demonstration.variation
+    cameras, light = staging.cameras_of(sized), USUAL_LIGHT if drawn is None or drawn.light is None else drawn.light
+    frames = range(0, len(demonstration.times), FRAMES_A_SECOND // staging.rate)
     tools = [_tools(demonstration, scene, frame) for frame in frames]
-    with open_studio(sized, demonstration.objects) as studio:
+    with open_studio(sized, demonstration.objects, light) as studio:
         reels = {name: _Reel(camera, len(frames), studio.legend) for name, camera in cameras.items()}
         for frame in frames:
             studio.show(moment_of(demonstration, frame))

@@ -26,9 +26,7 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import matrix
 from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Joints, robot_of
-
-LIGHT: Vector = (-0.3, 0.8, 1.8)
-"""The direction to the light, where nobody says otherwise."""
+from prag_asp.scene.variation import USUAL_LIGHT, table_of
 
 SPECULAR, LIGHT_DISTANCE = 0.12, 3.0
 FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
@@ -41,7 +39,7 @@ RESTING = 0.002
 class Studio:
     """A world of a scene with some objects; use `open_studio`, which closes it."""
 
-    def __init__(self, scene: Scene, objects: Sequence[str], client: int, light: Vector = LIGHT):
+    def __init__(self, scene: Scene, objects: Sequence[str], client: int, light: Vector = USUAL_LIGHT):
         self._scene, self._client, self._light = scene, client, light
         start_world(client)
         self._robots = {name: robot_of(scene, name) for name in scene.robots}
@@ -50,7 +48,7 @@ class Studio:
             for name, mount in scene.robots.items()
         }
         self._bodies = {entity: make_body(client, scene, entity, (0.0, 0.0, -1.0), visual=True) for entity in objects}
-        table = next((entity for entity, shape in scene.shapes.items() if shape.kind == "table"), "table")
+        table = table_of(scene)
         zones = [entity for entity, shape in scene.shapes.items() if shape.kind == "zone"]
         self.legend = (NOTHING, table, *scene.robots, *objects, *zones)
         self._dtype = np.dtype(segmentation_type(self.legend))
@@ -148,7 +146,7 @@ def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], li
 
 
 @contextmanager
-def open_studio(scene: Scene, objects: Sequence[str], light: Vector = LIGHT) -> Iterator[Studio]:
+def open_studio(scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT) -> Iterator[Studio]:
     """Open a world to look at some objects of a scene in, and close it afterwards.
 
     Raises:

@@ -14,6 +14,7 @@ from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import FIELD_OF_VIEW, fitted
 from prag_asp.scene.model import Scene
+from prag_asp.scene.variation import USUAL_LIGHT
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 ABOVE_TABLE, ABOVE_BASE = 0.06, 0.78
 """How high over the table things stand, and the elbow of a robot over its base, in metres."""
 
-LIGHT, LIGHT_DISTANCE = (-0.3, 0.8, 1.8), 3.0
+LIGHT_DISTANCE = 3.0
 SKY, GROUND = (247, 249, 252), (214, 221, 230)
 OVERSAMPLING = 2
 
@@ -59,7 +60,7 @@ def _render(simulator: Simulator, size: tuple[int, int]) -> NDArray[np.uint8]:
         height,
         view,
         projection,
-        lightDirection=LIGHT,
+        lightDirection=USUAL_LIGHT,
         lightAmbientCoeff=0.62,
         lightDiffuseCoeff=0.42,
         lightSpecularCoeff=0.12,

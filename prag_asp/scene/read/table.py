@@ -18,6 +18,7 @@ from prag_asp.scene.read.report import Report, is_number
 from prag_asp.scene.read.robots import base_problems, read_robots
 from prag_asp.scene.read.shapes import read_shapes
 from prag_asp.scene.read.stability import falls
+from prag_asp.scene.read.vary import read_vary
 from prag_asp.scene.robots import ROBOTS
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
 from prag_asp.wording import did_you_mean
@@ -37,6 +38,7 @@ SCENE_KEYS = (
     "rotations",
     "own",
     "cameras",
+    "vary",
 )
 
 
@@ -63,6 +65,7 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
         materials=read_materials(report, report.section(table, "materials")),
         own=own,
         cameras=read_cameras(report, report.section(table, "cameras"), {**robots, **arms}),
+        vary=read_vary(report, report.section(table, "vary")),
         ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:

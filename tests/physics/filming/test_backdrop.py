@@ -9,11 +9,12 @@ import pytest
 
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.filming.backdrop import backdrop, patches, rays
-from prag_asp.physics.filming.studio import LIGHT, matrices
+from prag_asp.physics.filming.studio import matrices
 from prag_asp.physics.world.bodies import make_table, show_zone
 from prag_asp.physics.world.simulator import open_client
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.variation import USUAL_LIGHT as LIGHT
 
 ZONE = Shape("zone", (0.3, 0.2, 0.0))
 SCENE = Scene({"zone_1": ZONE}, fixed={"zone_1": (0.5, 0.1, 0.7)}, colors={"zone_1": "#2e86ab"})
@@ -32,10 +33,14 @@ def drawn(camera: Camera) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     with open_client() as client:
         make_table(client, SCENE, visual=True)
         show_zone(client, SCENE, "zone_1")
-        result = pybullet.getCameraImage(
-            width, height, *matrices(camera, camera.pose), lightDirection=LIGHT, lightAmbientCoeff=0.62,
-            lightDiffuseCoeff=0.42, lightSpecularCoeff=0.0, shadow=0, renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
-        )  # fmt: skip
+        shades = {
+            "lightDirection": LIGHT,
+            "lightAmbientCoeff": 0.62,
+            "lightDiffuseCoeff": 0.42,
+            "lightSpecularCoeff": 0,
+        }
+        how = {**shades, "shadow": 0, "renderer": pybullet.ER_TINY_RENDERER, "physicsClientId": client}
+        result = pybullet.getCameraImage(width, height, *matrices(camera, camera.pose), **how)
     buffer = np.asarray(result[3]).reshape(height, width)
     depth = camera.far * camera.near / (camera.far - (camera.far - camera.near) * buffer)
     return (

@@ -10,8 +10,8 @@ import pytest
 from prag_asp import load_domain, load_scene
 from prag_asp.errors import QueryError
 from prag_asp.physics import Demonstration
-from prag_asp.physics.filming.asked import Filming
 from prag_asp.physics.filming.film import film, subgoal_at
+from prag_asp.physics.filming.staging import Staging
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, compose
 
@@ -27,7 +27,7 @@ def recorded():
 @pytest.fixture(scope="module")
 def filmed(recorded, tabletop):
     """A recording with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
-    return film(recorded, tabletop, Filming(("front", "wrist"), (64, 48), rate=2))
+    return film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
 
 
 def test_a_film_has_a_picture_for_every_so_many_frames(filmed):
@@ -45,7 +45,7 @@ def test_a_film_has_a_picture_for_every_so_many_frames(filmed):
 
 
 def test_a_film_that_is_taken_again_is_the_same_and_survives_its_file(filmed, recorded, tabletop, tmp_path):
-    again = film(recorded, tabletop, Filming(("front", "wrist"), (64, 48), rate=2))
+    again = film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
     assert again == filmed
     filmed.save(tmp_path / "a.npz")
     again.save(tmp_path / "b.npz")
@@ -106,7 +106,7 @@ def test_each_picture_says_for_which_subgoal_is_worked(recorded):
 def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
     shown = Demonstration.load(RECORDINGS / "two_robots.npz")
     scene = load_scene(load_domain("two_arms"))
-    footage = film(shown, scene, Filming(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
+    footage = film(shown, scene, Staging(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
     assert footage.tools.shape == (2, 2, 7)
     assert footage.legend[:4] == ("nothing", "table", "left", "right") and "middle" in footage.legend
     poses = [shot.extrinsics[0, :3, 3] for shot in footage.films.values()]
@@ -116,7 +116,7 @@ def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        ({"cameras": ()}, "no camera is named; name some of the scene, such as front"),
+        ({"vary": ("color",)}, r"color cannot vary; did you mean colour\?"),
         ({"cameras": ("front", "front")}, "the camera front is named 2 times; name it once"),
         ({"cameras": ("front",), "rate": 3}, "film at 1, 2, 4, 5, 10, 20; got 3"),
         ({"cameras": ("front",), "rate": 0}, "film at 1, 2, 4, 5, 10, 20; got 0"),
@@ -125,15 +125,15 @@ def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
 )
 def test_what_cannot_be_filmed_is_told(asked, told):
     with pytest.raises(QueryError, match=told):
-        Filming(**asked)
+        Staging(**asked)
 
 
 def test_an_unknown_camera_is_told(tabletop):
     with pytest.raises(QueryError, match=r"the scene has no camera frnt; did you mean front\?"):
-        Filming(("frnt",)).of(tabletop)
+        Staging(("frnt",)).cameras_of(tabletop)
 
 
 def test_every_camera_has_its_own_size_unless_one_is_asked_for(tabletop):
     scene = replace(tabletop, cameras={"small": Camera((1, 0, 1), (0, 0, 0), size=(20, 30))})
-    assert Filming(("small",)).of(scene)["small"].size == (20, 30)
-    assert Filming(("small",), (40, 50)).of(scene)["small"].size == (40, 50)
+    assert Staging(("small",)).cameras_of(scene)["small"].size == (20, 30)
+    assert Staging(("small",), (40, 50)).cameras_of(scene)["small"].size == (40, 50)

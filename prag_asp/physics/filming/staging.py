@@ -1,4 +1,4 @@
-"""What is asked of cameras: which of them film a demonstration, how large the pictures are, and how many a second."""
+"""What is asked of demonstrations: which cameras film them, and what differs from one to the next."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.model import Scene
+from prag_asp.scene.variation import KINDS
 from prag_asp.wording import did_you_mean
 
 RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND % rate == 0)
@@ -18,22 +19,25 @@ SMALLEST, LARGEST = 16, 2048
 
 
 @dataclass(frozen=True)
-class Filming:
-    """Cameras of a scene by their names, `size` of their pictures as width and height in pixels, and pictures a second.
+class Staging:
+    """Which cameras of a scene film demonstrations, and what varies: some of `KINDS`.
 
-    Without a size each camera has its own.
+    `size` of pictures is their width and height in pixels, without it each camera has its own; `rate` is pictures a
+    second.
 
     Raises:
-        QueryError: no camera is named, one twice, or a size or a rate cannot be.
+        QueryError: a camera is named twice, a size or a rate cannot be, or something unknown is to vary.
     """
 
-    cameras: tuple[str, ...]
+    cameras: tuple[str, ...] = ()
     size: tuple[int, int] | None = None
     rate: int = 10
+    vary: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.cameras:
-            raise QueryError("no camera is named; name some of the scene, such as front")
+        for kind in self.vary:
+            if kind not in KINDS:
+                raise QueryError(f"{kind} cannot vary; {did_you_mean(kind, KINDS)}")
         for name in self.cameras:
             if self.cameras.count(name) > 1:
                 raise QueryError(f"the camera {name} is named {self.cameras.count(name)} times; name it once")
@@ -44,7 +48,7 @@ class Filming:
             width, height = self.size
             raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")
 
-    def of(self, scene: Scene) -> dict[str, Camera]:
+    def cameras_of(self, scene: Scene) -> dict[str, Camera]:
         """Return the cameras that film in a scene, by their names, with the size that is asked for.
 
         Raises:
