@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.checks.settling import open_settling, settle
     from prag_asp.physics.demonstration.check import check_demonstration
     from prag_asp.physics.demonstration.demonstration import Demonstration
+    from prag_asp.physics.demonstration.footage import Film, Footage, Picture
     from prag_asp.physics.demonstration.perform import demonstrate
     from prag_asp.physics.facts import physical_task
     from prag_asp.physics.filming.film import film
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.verdict import TIERS, Budget, Verdict
     from prag_asp.physics.witness import Arm, Moment, Waypoint, Witness
     from prag_asp.scene.geometry import Quaternion, yaw_of
+    from prag_asp.scene.variation import Variation
 
 __all__ = [
     "CAUSES",
@@ -40,8 +42,11 @@ __all__ = [
     "Arm",
     "Budget",
     "Demonstration",
+    "Film",
+    "Footage",
     "Moment",
     "PhysicsMissingError",
+    "Picture",
     "PicturesMissingError",
     "Predicate",
     "Quaternion",
@@ -49,6 +54,7 @@ __all__ = [
     "Situation",
     "Staging",
     "Validator",
+    "Variation",
     "Verdict",
     "Volume",
     "Waypoint",
@@ -83,6 +89,7 @@ _HOMES = {
     "prag_asp.physics.checks.settling": ("open_settling", "settle"),
     "prag_asp.physics.demonstration.check": ("check_demonstration",),
     "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
+    "prag_asp.physics.demonstration.footage": ("Film", "Footage", "Picture"),
     "prag_asp.physics.demonstration.perform": ("demonstrate",),
     "prag_asp.physics.facts": ("physical_task",),
     "prag_asp.physics.required": ("require_physics",),
@@ -94,6 +101,7 @@ _HOMES = {
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),
     "prag_asp.physics.situation": ("Situation",),
     "prag_asp.scene.geometry": ("Quaternion", "yaw_of"),
+    "prag_asp.scene.variation": ("Variation",),
     "prag_asp.physics.search.attempt": ("CAUSES",),
     "prag_asp.physics.validator": ("Validator", "open_validator", "validate_task"),
     "prag_asp.physics.verdict": ("TIERS", "Budget", "Verdict"),
