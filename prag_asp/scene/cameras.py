@@ -86,12 +86,17 @@ class Placed(Protocol):
         """Metres to the left."""
 
 
-def usual_cameras(workspace: tuple[float, float, float, float], robots: Mapping[str, Placed]) -> dict[str, Camera]:
-    """Return the cameras of a scene that says nothing: one in front, which sees the workspace and the hands over it."""
+def usual_cameras(
+    workspace: tuple[float, float, float, float], robots: Mapping[str, Placed], fixed: Sequence[Vector] = ()
+) -> dict[str, Camera]:
+    """Return the cameras of a scene that says nothing: one in front.
+
+    It sees the workspace and the hands over it, the bases of the robots, and the points of what is fixed.
+    """
     low_x, high_x, low_y, high_y = workspace
     corners = tuple((x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, HAND_ROOM))
     bases = tuple((mount.x, mount.y, 0.0) for mount in robots.values())
-    eye, target = fitted((*corners, *bases), 1.0)
+    eye, target = fitted((*corners, *bases, *fixed), 1.0)
     return {FRONT: Camera(eye, target)}
 
 

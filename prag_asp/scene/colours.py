@@ -21,8 +21,9 @@ EDGE = 6 / 29
 LEVELS = (0x10, 0x38, 0x60, 0x88, 0xB0, 0xD8, 0xF8)
 """The levels of red, green and blue of which the colours of `more_colours` are mixed."""
 
-LIGHTNESS, CHROMA = (28.0, 88.0), 28.0
-"""How dark and how light a colour of an object is, and how far from grey at least: robots and trays are grey."""
+LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
+"""How dark and how light a colour of an object is, and how far from grey: robots and trays are grey, and no thing is as
+blue as a screen can be."""
 
 
 def to_lab(color: str) -> NDArray[np.float64]:
@@ -54,8 +55,10 @@ def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
     """
     rgb = np.array([(red, green, blue) for red in LEVELS for green in LEVELS for blue in LEVELS])
     lab = _lab(rgb)
-    low, high = LIGHTNESS
-    fine = (lab[:, 0] >= low) & (lab[:, 0] <= high) & (np.hypot(lab[:, 1], lab[:, 2]) >= CHROMA)
+    chroma = np.hypot(lab[:, 1], lab[:, 2])
+    fine = np.ones(len(lab), dtype=bool)
+    for values, (low, high) in ((lab[:, 0], LIGHTNESS), (chroma, CHROMA)):
+        fine &= (values >= low) & (values <= high)
     rgb, lab = rgb[fine], lab[fine]
     nearest = np.full(len(lab), np.inf)
     for color in taken:

@@ -195,7 +195,16 @@ class Scene:
         if not self.robots:
             object.__setattr__(self, "robots", only_robot(self.shapes))
         if not self.cameras:
-            object.__setattr__(self, "cameras", usual_cameras(self.workspace, self.robots))
+            object.__setattr__(self, "cameras", usual_cameras(self.workspace, self.robots, self.fixed_corners()))
+
+    def fixed_corners(self) -> tuple[Size, ...]:
+        """Return points on the table around what is fixed, and as high as that is, in metres."""
+        found = []
+        for entity, (x, y, _) in self.fixed.items():
+            size = self.shapes[entity].size if entity in self.shapes else (0.0, 0.0, 0.0)
+            wide = math.hypot(size[0], size[1]) / 2
+            found += [(x + a * wide, y + b * wide, z) for a in (-1, 1) for b in (-1, 1) for z in (0.0, size[2])]
+        return tuple(found)
 
     @property
     def shared(self) -> bool:

@@ -2,7 +2,7 @@
 
 The Panda's meshes have 102,000 triangles, of which a picture of 128 x 128 pixels takes 21 ms. Corners that are near
 each other become one (Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993):
-2,500 are left, and the robot still looks like one.
+3,000 are left, and the robot still looks like one.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.robot.file import write_robot
 from prag_asp.scene.robots import ROBOTS
 
-CELL, FINEST = 0.022, 0.005
+CELL, FINEST = 0.026, 0.006
 """How near corners of a mesh become one, in metres, and of small parts at least."""
 
-CELLS = 8
+CELLS = 6
 """How many such cells the longest side of a small part has."""
 
 SMALLEST = 0.012

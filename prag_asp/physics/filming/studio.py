@@ -5,6 +5,7 @@ TinyRenderer draws robots and objects; table, zones and what is around come from
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -18,7 +19,8 @@ from prag_asp.physics.filming.looks import low_file
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body
-from prag_asp.physics.world.furniture import set_opening
+from prag_asp.physics.world.collisions import BASE_LINK
+from prag_asp.physics.world.furniture import JOINT, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot
 from prag_asp.physics.world.simulator import open_client, start_world
 from prag_asp.scene.boxes import Vector
@@ -31,6 +33,9 @@ from prag_asp.scene.variation import USUAL_LIGHT, table_of
 SPECULAR, LIGHT_DISTANCE = 0.12, 3.0
 FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
 """From the axes of a camera to those of OpenGL, whose y is up and whose z is backwards."""
+
+BODY, LINK = (1 << 24) - 1, 24
+"""Where the number of a body is in a pixel, and from which bit on that of a link, counted from -1."""
 
 RESTING = 0.002
 """By how much the table may be nearer than what stands on it, in metres, and is still behind it."""
@@ -58,6 +63,15 @@ class Studio:
         self._numbers = np.zeros(max(shown.values()) + 2, dtype=np.int32)
         for entity, body in shown.items():
             self._numbers[body + 1] = numbers[entity]
+        self._parts = {
+            body: tuple(
+                link for link in self._robots[name].links if link not in (BASE_LINK, *self._robots[name].arm_links)
+            )
+            for name, body in self._arms.items()
+        }
+        self._parts |= {
+            body: (JOINT,) for entity, body in self._bodies.items() if scene.shapes[entity].traits.furniture
+        }
         self._joints: dict[str, Joints] = {}
         self._rays: dict[Camera, Floats] = {}
         self._poses: dict[Camera, NDArray[np.float64]] = {}
@@ -100,6 +114,20 @@ class Studio:
             np.where(in_front, self._numbers[bodies + 1], behind.numbers).astype(self._dtype),
         )
 
+    def counts(self, camera: Camera) -> Counter[str]:
+        """Return how many pixels show each object, of furniture the part that moves, and each robot's hand.
+
+        Hands go by the names of their robots.
+        """
+        flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
+        _, _, found = self._drawn(camera, self.pose(camera), flags)
+        seen: Counter[str] = Counter()
+        for value, count in zip(*np.unique(found[found >= 0], return_counts=True), strict=True):
+            body, link = int(value) & BODY, (int(value) >> LINK) - 1
+            if link in self._parts.get(body, (link,)):
+                seen[self.legend[self._numbers[body + 1]]] += int(count)
+        return seen
+
     def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> Backdrop:
         """Return the backdrop of a camera, which is the same for one that is fixed."""
         if camera not in self._rays:
@@ -110,7 +138,9 @@ class Studio:
             self._fixed[camera] = known
         return known
 
-    def _drawn(self, camera: Camera, pose: NDArray[np.float64]) -> tuple[NDArray[np.uint8], Floats, NDArray[np.int32]]:
+    def _drawn(
+        self, camera: Camera, pose: NDArray[np.float64], flags: int = 0
+    ) -> tuple[NDArray[np.uint8], Floats, NDArray[np.int32]]:
         """Return colours, buffer of depths from 0 to 1 and bodies, -1 for none, as TinyRenderer draws them."""
         width, height = camera.size
         result = pybullet.getCameraImage(
@@ -124,6 +154,7 @@ class Studio:
             lightDistance=LIGHT_DISTANCE,
             shadow=False,
             renderer=pybullet.ER_TINY_RENDERER,
+            flags=flags,
             physicsClientId=self._client,
         )
         # A PyBullet that was built without NumPy returns flat tuples.

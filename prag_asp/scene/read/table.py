@@ -52,13 +52,14 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
     usual = report.choice(table, "robot", tuple(ROBOTS))
     arms = {entity: shape for entity, shape in shapes.items() if shape.kind == "robot"}
     robots = read_robots(report, report.section(table, "robots"), shapes, usual)
+    top = read_table(report, report.section(table, "table"))
     scene = Scene(
         shapes=shapes,
         robots=robots,
         frame=report.choice(table, "frame", FRAMES),
         workspace=read_workspace(report, report.section(table, "workspace")),
-        table=read_table(report, report.section(table, "table")),
-        colors=read_colors(report, report.section(table, "colors"), shapes),
+        table=top,
+        colors=read_colors(report, report.section(table, "colors"), shapes, top.color),
         fixed=read_fixed(report, report.section(table, "fixed"), shapes),
         predicates=_predicates(report, report.section(table, "predicates"), own),
         rotations=_rotations(report, report.section(table, "rotations")),
