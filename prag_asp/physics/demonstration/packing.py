@@ -20,6 +20,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from prag_asp.arrays import SUFFIX, BadArchive
+from prag_asp.errors import QueryError
 
 LEVEL = 1
 """Of compression: the sixth makes pictures a fifth smaller, and takes four times as long."""
@@ -31,6 +32,7 @@ LOCAL, CENTRAL, END = struct.Struct("<4s5H3L2H"), struct.Struct("<4s6H3L5H2L"), 
 VERSION, UTF8, DEFLATED, FIRST_DAY = 20, 1 << 11, 8, 33
 LARGEST = 2**32 - 1
 PIECE = 1 << 16
+BROKEN = "the pictures of a recording were cut off or changed; record it anew"
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class Packed:
         """Yield one row after the other; only one is unpacked at a time.
 
         Raises:
-            BadArchive: the stream was cut off or changed.
+            QueryError: the stream was cut off or changed.
         """
         kind = np.dtype(self.dtype)
         length = int(np.prod(self.row, dtype=np.int64)) * kind.itemsize
@@ -66,7 +68,7 @@ class Packed:
         """Return the whole array.
 
         Raises:
-            BadArchive: the stream was cut off or changed.
+            QueryError: the stream was cut off or changed.
         """
         found = np.empty(self.shape, self.dtype)
         for i, row in enumerate(self.rows()):
@@ -179,7 +181,7 @@ def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
     """Yield what the stream of an array holds: its head, then its rows, each of a length in bytes.
 
     Raises:
-        BadArchive: it was cut off or changed.
+        QueryError: it was cut off or changed.
     """
     decompressor, rest, at, found = zlib.decompressobj(RAW), b"", 0, 0
     try:
@@ -191,13 +193,13 @@ def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
                     at += PIECE
                 piece = decompressor.decompress(rest, wanted - len(held))
                 if not piece and not rest:
-                    raise BadArchive("an array was cut off")
+                    raise QueryError(BROKEN)
                 rest = decompressor.unconsumed_tail
                 held += piece
             found = zlib.crc32(held, found)
             yield bytes(held)
         beyond = decompressor.decompress(rest + packed.stream[at:], 1)
     except zlib.error as error:
-        raise BadArchive("an array was changed") from error
+        raise QueryError(BROKEN) from error
     if beyond or not decompressor.eof or found != packed.checksum:
-        raise BadArchive("an array was changed")
+        raise QueryError(BROKEN)

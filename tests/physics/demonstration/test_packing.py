@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from prag_asp.arrays import BadArchive
+from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.packing import Packed, Packer, read_packed, with_packed
 
 KINDS = {"u1": (4, 5, 3), "<f2": (4, 5), "<u2": (1,)}
@@ -67,5 +68,5 @@ def test_a_stream_that_was_changed_is_told(chance):
         b"",
         longer.compress(content + b"more") + longer.flush(),
     ):
-        with pytest.raises(BadArchive):
+        with pytest.raises(QueryError, match="cut off or changed"):
             replace(one, stream=wrong).array()

@@ -137,3 +137,79 @@ def test_every_camera_has_its_own_size_unless_one_is_asked_for(tabletop):
     scene = replace(tabletop, cameras={"small": Camera((1, 0, 1), (0, 0, 0), size=(20, 30))})
     assert Staging(("small",)).cameras_of(scene)["small"].size == (20, 30)
     assert Staging(("small",), (40, 50)).cameras_of(scene)["small"].size == (40, 50)
+
+
+def rewritten(path, target, change):
+    """Write an archive again with other arrays: `change` is given all of them by their names."""
+    with np.load(path) as arrays:
+        found = {name: arrays[name] for name in arrays.files}
+    change(found)
+    np.savez_compressed(target, **found)
+    return target
+
+
+BROKEN = {
+    "it has no tools": lambda found: found.pop("tools"),
+    "it has no front/rgb": lambda found: found.pop("front/rgb"),
+    "it has no wrist/limits": lambda found: found.pop("wrist/limits"),
+    "it has no side/intrinsics": lambda found: found.update(cameras=np.array(["front", "side"])),
+    "cameras has to hold a list of names": lambda found: found.update(cameras=np.arange(2)),
+    "front/depth is not an array of float16": lambda found: found.update(
+        {"front/depth": found["front/depth"].astype(np.float32)}
+    ),
+    "front/segmentation is not an array": lambda found: found.update(
+        {"front/segmentation": found["front/segmentation"][:-1]}
+    ),
+    "front/intrinsics tells of pictures of": lambda found: found.update(
+        {"front/intrinsics": found["front/intrinsics"] * 1e6}
+    ),
+    "front/extrinsics has to hold finite numbers": lambda found: found.update(
+        {"front/extrinsics": found["front/extrinsics"] * np.nan}
+    ),
+    "frames has to hold numbers of frames": lambda found: found.update(frames=found["frames"] + 100),
+    "deltas has the shape": lambda found: found.update(deltas=found["deltas"][:, :, :3]),
+    "subgoals has to hold whole numbers": lambda found: found.update(subgoals=found["subgoals"] * 0.5),
+    "varied.mass.cube_1: needs a positive number": lambda found: found.update(
+        varied=np.array('{"mass": {"cube_1": 0}}')
+    ),
+    "varied has to hold a text": lambda found: found.update(varied=np.arange(3)),
+}
+
+
+@pytest.mark.parametrize("told", BROKEN)
+def test_a_film_of_another_form_is_told_in_a_line(filmed, tmp_path, told):
+    filmed.save(tmp_path / "a.npz")
+    wrong = rewritten(tmp_path / "a.npz", tmp_path / "b.npz", BROKEN[told])
+    with pytest.raises(QueryError) as caught:
+        Demonstration.load(wrong)
+    (line,) = str(caught.value).splitlines()
+    assert line.startswith(f"{wrong}: this is not a demonstration: {told}")
+
+
+def test_a_film_that_numpy_wrote_again_is_read_as_before(filmed, tmp_path):
+    filmed.save(tmp_path / "a.npz")
+    again = Demonstration.load(rewritten(tmp_path / "a.npz", tmp_path / "b.npz", lambda found: None))
+    for name, shot in filmed.footage.films.items():
+        assert (again.footage.films[name].rgb == shot.rgb).all()
+        assert (again.footage.films[name].depth == shot.depth).all()
+
+
+def test_a_file_that_was_cut_off_or_changed_anywhere_is_told_when_it_is_read(filmed, tmp_path, chance):
+    filmed.save(tmp_path / "a.npz")
+    content = (tmp_path / "a.npz").read_bytes()
+    rng = np.random.default_rng(chance.seed(5))
+    for _ in range(chance.examples(25)):
+        broken = bytearray(content)
+        if rng.uniform() < 0.3:
+            broken = broken[: rng.integers(len(content))]
+        else:
+            broken[rng.integers(len(content))] ^= 1 << rng.integers(8)
+        (tmp_path / "b.npz").write_bytes(broken)
+        try:
+            found = Demonstration.load(tmp_path / "b.npz")
+            for shot in found.footage.films.values() if found.footage else ():
+                for _ in shot.pictures():
+                    pass
+        except QueryError:
+            continue
+        assert replace(found, footage=None) == replace(filmed, footage=None), "what nobody reads was changed"
