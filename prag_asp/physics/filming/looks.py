@@ -31,7 +31,7 @@ CELLS = 6
 SMALLEST = 0.012
 """Parts of a mesh that are smaller are left out: screws and lamps."""
 
-DARK_BELOW = 0.5
+DARK_BELOW, WHITE_ABOVE = 0.5, 0.9
 DARK, WHITE = (0.25, 0.26, 0.28), (0.93, 0.94, 0.95)
 """The colours of the Panda, which its URDF has in a texture."""
 
@@ -58,12 +58,13 @@ def low_file(kind: str) -> Path:
     folder.mkdir(exist_ok=True)
     path = write_robot(ROBOTS[kind], folder)
     tree = ElementTree.parse(path)
+    named = {each.get("name", ""): rgb for each in tree.getroot().iter("material") if (rgb := _rgb(each)) is not None}
     for number, link in enumerate(tree.getroot().iter("link")):
         for collision in link.findall("collision"):
             link.remove(collision)
         for visual in link.findall("visual"):
             if visual.find("geometry/mesh") is not None:
-                _simplify(link, visual, folder / f"{number}")
+                _simplify(link, visual, folder / f"{number}", named)
     tree.write(path)
     return path
 
@@ -74,14 +75,26 @@ def _folder() -> TemporaryDirectory[str]:
     return TemporaryDirectory(prefix="prag_asp_")
 
 
-def _simplify(link: ElementTree.Element, visual: ElementTree.Element, stem: Path) -> None:
-    """Replace what is seen of a link by meshes of few corners, one for each colour; their files begin with a stem."""
+def _rgb(material: ElementTree.Element) -> Colour | None:
+    """Return the colour of a material, None where it only names one."""
+    color = material.find("color")
+    if color is None:
+        return None
+    red, green, blue = map(float, color.get("rgba", "1 1 1 1").split()[:3])
+    return red, green, blue
+
+
+def _simplify(link: ElementTree.Element, visual: ElementTree.Element, stem: Path, named: Mapping[str, Colour]) -> None:
+    """Replace what is seen of a link by meshes of few corners, one for each colour; their files begin with a stem.
+
+    `named` are the colours of the robot's materials.
+    """
     mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
     assert mesh is not None
     link.remove(visual)
     source = Path(mesh.get("filename", ""))
-    own = visual.find("material/color")
-    given = None if own is None else tuple(map(float, own.get("rgba", "1 1 1 1").split()[:3]))
+    material = visual.find("material")
+    given = WHITE if material is None else named.get(material.get("name", ""), WHITE)
     for number, (colour, parts) in enumerate(_by_colour(source, given).items()):
         path = stem.with_name(f"{stem.name}_{number}.obj")
         path.write_text("\n".join(_lines(parts)) + "\n", encoding="ascii")
@@ -89,12 +102,15 @@ def _simplify(link: ElementTree.Element, visual: ElementTree.Element, stem: Path
         if origin is not None:
             part.append(origin)
         ElementTree.SubElement(ElementTree.SubElement(part, "geometry"), "mesh", filename=str(path))
-        material = ElementTree.SubElement(part, "material", name=path.stem)
-        ElementTree.SubElement(material, "color", rgba=" ".join(f"{each:g}" for each in (*colour, 1.0)))
+        paint = ElementTree.SubElement(part, "material", name=f"{path.stem}_of_few_corners")
+        ElementTree.SubElement(paint, "color", rgba=" ".join(f"{each:g}" for each in (*colour, 1.0)))
 
 
-def _by_colour(source: Path, given: Sequence[float] | None) -> dict[Colour, list[Mesh]]:
-    """Return the parts of a mesh with few corners by their colours; `given` is what the URDF says of all of them."""
+def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:
+    """Return the parts of a mesh with few corners by their colours.
+
+    `given` is what the URDF says of all of them; where that is white, what the materials of the mesh say.
+    """
     try:
         parts = read_parts(source.read_text(encoding="utf-8", errors="replace"))
         library = source.with_suffix(".mtl")
@@ -105,10 +121,8 @@ def _by_colour(source: Path, given: Sequence[float] | None) -> dict[Colour, list
     for name, mesh in parts.items():
         longest = float(np.ptp(mesh.corners[mesh.triangles.ravel()], axis=0).max(initial=0.0))
         if longest >= SMALLEST:
-            brightest = max(colours.get(name, given or WHITE))
-            colour = DARK if brightest < DARK_BELOW else WHITE
-            if given is not None and min(given) < DARK_BELOW <= max(given):
-                colour = (given[0], given[1], given[2])
+            painted = DARK if max(colours.get(name, WHITE)) < DARK_BELOW else WHITE
+            colour = painted if min(given) > WHITE_ABOVE else given
             cell = min(CELL, max(longest / CELLS, FINEST))
             found.setdefault(colour, []).append(clustered(mesh, cell))
     return found
