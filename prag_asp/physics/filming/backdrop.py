@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -51,15 +52,13 @@ class Patch(NamedTuple):
     number: int
 
 
-def rays(camera: Camera) -> Floats:
-    """Return where the middle of each pixel lies one metre ahead of a camera, in its own axes, shape (H, W, 3)."""
-    width, height = camera.size
-    matrix = camera.intrinsics
+@lru_cache(maxsize=16)
+def _rays(camera: Camera) -> tuple[Floats, Floats]:
+    """Return how far to the right and down each pixel lies one metre ahead, shapes (1, W) and (H, 1)."""
+    (width, height), matrix = camera.size, camera.intrinsics
     x = (np.arange(width) + 0.5 - matrix[0, 2]) / matrix[0, 0]
     y = (np.arange(height) + 0.5 - matrix[1, 2]) / matrix[1, 1]
-    found = np.ones((height, width, 3), dtype=np.float32)
-    found[..., 0], found[..., 1] = x[None, :], y[:, None]
-    return found
+    return x[None, :].astype(np.float32), y[:, None].astype(np.float32)
 
 
 def patches(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
@@ -76,18 +75,18 @@ def backdrop(
     scene: Scene,
     camera: Camera,
     pose: NDArray[np.float64],
-    directions: Floats,
     zones: Sequence[Patch],
     table: int,
     light: Vector,
 ) -> Backdrop:
     """Return what a camera at a pose sees of the table, the zones and what is around.
 
-    `directions` are its `rays`, `table` is the number of the table, `light` points to the light.
+    `table` is the number of the table, `light` points to the light.
     """
-    ahead = directions @ pose[:3, :3].T.astype(np.float32)
-    rgb, numbers = _around(camera.size), np.full(ahead.shape[:2], AROUND, dtype=np.int32)
-    depth = np.full(ahead.shape[:2], np.inf, dtype=np.float32)
+    (x, y), turn = _rays(camera), pose[:3, :3].astype(np.float32)
+    ahead = [turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] for axis in range(3)]
+    rgb, numbers = _around(camera.size).copy(), np.full(ahead[0].shape, AROUND, dtype=np.int32)
+    depth = np.full(ahead[0].shape, np.inf, dtype=np.float32)
     eye, half = pose[:3, 3].astype(np.float32), np.array([*scene.table.size, TABLE_THICKNESS], dtype=np.float32) / 2
     centre = np.array([*scene.table.centre, -TABLE_THICKNESS / 2], dtype=np.float32)
     for axis in range(3):
@@ -95,11 +94,10 @@ def backdrop(
         away = float(eye[axis] - centre[axis])
         if abs(away) <= half[axis]:
             continue
-        far = (math.copysign(half[axis], away) - away) / np.where(
-            np.abs(ahead[..., axis]) < LEVEL, LEVEL, ahead[..., axis]
-        )
+        falling = np.where(np.abs(ahead[axis]) < LEVEL, LEVEL, ahead[axis])
+        far = np.float32(math.copysign(half[axis], away) - away) / falling
         one, two = (other for other in range(3) if other != axis)
-        points = [eye[other] - centre[other] + far * ahead[..., other] for other in (one, two)]
+        points = [eye[other] - centre[other] + far * ahead[other] for other in (one, two)]
         seen = (far >= camera.near) & (far <= camera.far)
         seen &= (np.abs(points[0]) <= half[one]) & (np.abs(points[1]) <= half[two])
         shade = _shade(axis, away, light)
@@ -118,6 +116,7 @@ def _within(x: Floats, y: Floats, zone: Patch) -> NDArray[np.bool_]:
     return found
 
 
+@lru_cache(maxsize=8)
 def _around(size: tuple[int, int]) -> NDArray[np.uint8]:
     """Return a gradient, as high and broad as a picture."""
     width, height = size

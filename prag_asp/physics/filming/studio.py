@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
-from prag_asp.physics.filming.backdrop import AMBIENT, DIFFUSE, Backdrop, Floats, backdrop, patches, rays
+from prag_asp.physics.filming.backdrop import AMBIENT, DIFFUSE, Backdrop, Floats, backdrop, patches
 from prag_asp.physics.filming.looks import low_file
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
@@ -73,7 +73,6 @@ class Studio:
             body: (JOINT,) for entity, body in self._bodies.items() if scene.shapes[entity].traits.furniture
         }
         self._joints: dict[str, Joints] = {}
-        self._rays: dict[Camera, Floats] = {}
         self._poses: dict[Camera, NDArray[np.float64]] = {}
         self._fixed: dict[Camera, Backdrop] = {}
 
@@ -130,11 +129,9 @@ class Studio:
 
     def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> Backdrop:
         """Return the backdrop of a camera, which is the same for one that is fixed."""
-        if camera not in self._rays:
-            self._rays[camera] = rays(camera)
         known = None if camera.mount else self._fixed.get(camera)
         if known is None:
-            known = backdrop(self._scene, camera, pose, self._rays[camera], self._zones, self._table, self._light)
+            known = backdrop(self._scene, camera, pose, self._zones, self._table, self._light)
             self._fixed[camera] = known
         return known
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.filming.backdrop import backdrop, patches, rays
+from prag_asp.physics.filming.backdrop import backdrop, patches
 from prag_asp.physics.filming.studio import matrices
 from prag_asp.physics.world.bodies import make_table, show_zone
 from prag_asp.physics.world.simulator import open_client
@@ -55,7 +55,7 @@ def test_each_pixel_shows_what_pybullet_shows_as_far_away(name):
     camera = VIEWS[name]
     rgb, depth, bodies = drawn(camera)
     zones = patches(SCENE, {"zone_1": 2})
-    ours = backdrop(SCENE, camera, camera.pose, rays(camera), zones, 1, LIGHT)
+    ours = backdrop(SCENE, camera, camera.pose, zones, 1, LIGHT)
     assert (ours.numbers == bodies).mean() > 0.995, "but for pixels at edges"
     same = (ours.numbers == bodies) & (bodies > 0)
     assert (name == "away") == (not same.any())
@@ -67,7 +67,7 @@ def test_each_pixel_shows_what_pybullet_shows_as_far_away(name):
 
 def test_a_zone_is_not_seen_through_the_table():
     camera = VIEWS["below"]
-    found = backdrop(SCENE, camera, camera.pose, rays(camera), patches(SCENE, {"zone_1": 2}), 1, LIGHT)
+    found = backdrop(SCENE, camera, camera.pose, patches(SCENE, {"zone_1": 2}), 1, LIGHT)
     assert set(np.unique(found.numbers)) == {0, 1}
 
 
@@ -75,7 +75,7 @@ def test_brightness_follows_the_light():
     camera = VIEWS["near"]
     scene = replace(SCENE, fixed={}, shapes={})
     above, beside = (
-        backdrop(scene, camera, camera.pose, rays(camera), [], 1, light).rgb.astype(int).mean()
+        backdrop(scene, camera, camera.pose, [], 1, light).rgb.astype(int).mean()
         for light in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     )
     assert above > beside + 40
