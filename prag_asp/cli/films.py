@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from prag_asp.cli import complete
 from prag_asp.cli.options import Function, bundled
 from prag_asp.cli.words import pixels
 from prag_asp.errors import QueryError
@@ -17,13 +18,13 @@ if TYPE_CHECKING:
 
 FILMS = (
     click.option(
-        "--cameras", metavar="A,B,...",
+        "--cameras", metavar="A,B,...", shell_complete=complete.cameras,
         help="Let these cameras of the scene film each demonstration: colours, depth and which entity is where.",
     ),
     click.option("--size", metavar="WxH", help="Pixels of a picture of --cameras.  [default: as each camera says]"),
     click.option("--rate", type=int, metavar="N", help="Pictures of --cameras a second.  [default: 10]"),
     click.option(
-        "--vary", metavar="A,B,...",
+        "--vary", metavar="A,B,...", shell_complete=complete.kinds_that_vary,
         help="Draw for each demonstration: friction, mass, light, camera, colour; the ranges are the scene's.",
     ),
 )  # fmt: skip
