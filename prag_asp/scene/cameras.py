@@ -8,12 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import NamedTuple, Protocol
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from prag_asp.scene.boxes import Vector
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 TOWARDS_EYE, FIELD_OF_VIEW = (0.86, 0.36, 0.56), 42.0
 """The direction from what is seen to the eye, and how many degrees a picture is high, where nobody says otherwise."""
@@ -55,6 +56,8 @@ class Camera(NamedTuple):
 
         The middle of the first pixel is at (0.5, 0.5), and pixels are square.
         """
+        import numpy as np  # noqa: PLC0415 - whoever reads a scene may never look at it
+
         width, height = self.size
         focal = height / 2 / math.tan(math.radians(self.field_of_view) / 2)
         return np.array([[focal, 0.0, width / 2], [0.0, focal, height / 2], [0.0, 0.0, 1.0]])
@@ -62,6 +65,8 @@ class Camera(NamedTuple):
     @property
     def pose(self) -> NDArray[np.float64]:
         """The camera in the frame of its mount, otherwise of the scene, as a homogeneous matrix, shape (4, 4)."""
+        import numpy as np  # noqa: PLC0415
+
         eye, target = np.array(self.at), np.array(self.look_at)
         ahead = (target - eye) / np.linalg.norm(target - eye)
         up = (1.0, 0.0, 0.0) if self.mount else (0.0, 0.0, 1.0)
@@ -108,6 +113,8 @@ def fitted(
 
     `towards` is the direction from them to the eye.
     """
+    import numpy as np  # noqa: PLC0415
+
     axis = np.array(towards) / np.linalg.norm(towards)
     right = np.cross((0.0, 0.0, 1.0), axis)
     right /= np.linalg.norm(right)

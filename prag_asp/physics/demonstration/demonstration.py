@@ -182,8 +182,9 @@ def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
     missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
     if missing:
         raise BadArchive(f"it has no {missing[0]}")
-    footage = read_footage(file, len(content["times"]), content["robots"].size, LARGEST)
-    return replace(_from_arrays(content), footage=footage, variation=_variation(content.get(VARIED)))
+    found = _from_arrays(content)
+    footage = read_footage(file, len(found.times), len(found.robots), LARGEST)
+    return replace(found, footage=footage, variation=_variation(content.get(VARIED)))
 
 
 def _variation(text: NDArray[Any] | None) -> Variation | None:
