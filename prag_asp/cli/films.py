@@ -39,6 +39,11 @@ class Filming:
     rate: int | None = None
     vary: str | None = None
 
+    @property
+    def asked(self) -> bool:
+        """Whether anything is."""
+        return self.cameras is not None or self.vary is not None
+
     def refuse_at_odds(self, demonstrate: str | None) -> None:
         """Refuse options that lack the one that they go with, before anything is loaded.
 
@@ -52,20 +57,21 @@ class Filming:
             if value is not None and demonstrate is None:
                 raise QueryError(f"{option} {value} is for demonstrations; add --demonstrate DIR")
 
-    def staging(self, scene: Scene) -> Staging | None:
-        """Return what is asked of demonstrations in a scene, None where nothing is.
+    def staging(self, *scenes: Scene) -> Staging | None:
+        """Return what is asked of demonstrations in some scenes, None where nothing is.
 
         Raises:
             QueryError: there is no such camera, size, rate, or thing to vary.
         """
         from prag_asp.physics import Staging
 
-        if self.cameras is None and self.vary is None:
+        if not self.asked:
             return None
         cameras, vary = (_listed(option, text) for option, text in (("cameras", self.cameras), ("vary", self.vary)))
         rate = {} if self.rate is None else {"rate": self.rate}
         staging = Staging(cameras, None if self.size is None else pixels(self.size), vary=vary, **rate)
-        staging.cameras_of(scene)
+        for scene in scenes:
+            staging.cameras_of(scene)
         return staging
 
 

@@ -77,7 +77,8 @@ def draws_looked_at(
     """
     scene = scene_of(space.domain) if scene is None else scene
     if staging is not None:
-        require_staged(staging, scene, demonstrate)
+        require_demonstrated(staging, demonstrate)
+        staging.cameras_of(scene)
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
     asked, kept = tee(islice(space.draw(seed=seed, **drawing), tally.seen, draws))
     numbered = enumerate(asked, tally.seen)
@@ -117,13 +118,12 @@ def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
     return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
 
 
-def require_staged(staging: Staging, scene: Scene, demonstrate: str | Path | None) -> None:
-    """Check that tasks are demonstrated where that is staged, and that the scene has the cameras.
+def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:
+    """Check that tasks are demonstrated where that is staged.
 
     Raises:
-        QueryError: they are not, or it lacks one.
+        QueryError: they are not.
     """
-    if demonstrate is None:
+    if demonstrate is None and (staging.cameras or staging.vary):
         what = "cameras film" if staging.cameras else f"{staging.vary[0]} varies in"
         raise QueryError(f"{what} demonstrations; ask for them by `demonstrate`, the folder of the recordings")
-    staging.cameras_of(scene)

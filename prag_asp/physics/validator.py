@@ -29,7 +29,6 @@ from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.processes.stage import stage
 from prag_asp.scene.model import Scene, Size
-from prag_asp.scene.variation import draw_variation
 from prag_asp.task import Task
 
 LISTED = 8
@@ -156,8 +155,7 @@ class Validator:
             opened = open_performer(self._scene, self._simulator)
             self._performer = self._resources.enter_context(opened)
         seeds, staging = staged
-        sized = self._scene.with_sizes(witness.sizes)
-        variation = draw_variation(sized, staging.vary, physical.objects, seeds) if staging.vary else None
+        variation = staging.drawn(self._scene.with_sizes(witness.sizes), physical.objects, seeds)
         demonstration = self._performer.perform(physical, witness, variation)
         if not demonstration.success:
             faults[Fault(demonstration.cause, text=demonstration.detail)] += 1

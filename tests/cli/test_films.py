@@ -1,4 +1,4 @@
-"""The options of cameras, and of what varies, of the command that demonstrates."""
+"""The options of cameras, and of what varies, of the commands that demonstrate."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import load_domain, load_scene
-from prag_asp.dataset import read_tasks
-from prag_asp.physics import Demonstration, Witness, check_demonstration, demonstrate
+from prag_asp import QueryError, TaskSpace, load_domain, load_scene
+from prag_asp.dataset import feasible, read_tasks, recheck
+from prag_asp.physics import Demonstration, Staging, Witness, check_demonstration, demonstrate
 from tests.commands import ok, run
 
 SAMPLE = ("sample", "tabletop", "--length", "1", "--count", "1", "--seed", "3")
@@ -51,6 +51,29 @@ def test_a_world_in_which_nothing_can_be_held_is_judged_so(folder):
     slippery = replace(shown.variation, friction=dict.fromkeys(shown.variation.friction, 0.01))
     failed = demonstrate(record.task, Witness.from_json(record.witness), scene, slippery)
     assert not failed.success and failed.variation == slippery
+
+
+def test_tasks_of_a_file_are_filmed_too_by_their_witnesses(folder):
+    how = ("--cameras", "front", "--size", "16x16", "--rate", "1", "--vary", "mass", "--demonstrate", "again")
+    ok("validate", "shown.jsonl", "--witness-only", *how, cwd=folder)
+    again = Demonstration.load(folder / "again" / "000001.npz")
+    assert list(again.footage.films) == ["front"] and again.variation.mass and not again.variation.friction
+
+
+def test_an_unknown_camera_is_told_before_tasks_of_a_file_are_filmed(folder):
+    done = run("validate", "shown.jsonl", "--cameras", "side", "--demonstrate", "never", cwd=folder)
+    assert done.returncode == 2 and done.stderr.startswith("the scene has no camera side; ")
+    assert not (folder / "never").exists()
+    done = run("validate", "shown.jsonl", "--cameras", "front", cwd=folder)
+    assert done.returncode == 2 and "add --demonstrate DIR" in done.stderr
+
+
+def test_in_python_cameras_without_demonstrations_are_refused_at_once():
+    space = TaskSpace(load_domain("tabletop"), 1)
+    with pytest.raises(QueryError, match="cameras film demonstrations; ask for them by `demonstrate`"):
+        feasible(space, staging=Staging(("front",)))
+    with pytest.raises(QueryError, match="mass varies in demonstrations"):
+        next(recheck([], staging=Staging(vary=("mass",))))
 
 
 @pytest.mark.parametrize(

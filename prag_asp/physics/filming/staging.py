@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.model import Scene
-from prag_asp.scene.variation import KINDS
+from prag_asp.scene.variation import KINDS, Variation, draw_variation
 from prag_asp.wording import did_you_mean
 
 RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND % rate == 0)
@@ -47,6 +48,10 @@ class Staging:
         if self.size is not None and not all(SMALLEST <= side <= LARGEST for side in self.size):
             width, height = self.size
             raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")
+
+    def drawn(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
+        """Return what varies for a demonstration with some objects, None where nothing is to."""
+        return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:
         """Return the cameras that film in a scene, by their names, with the size that is asked for.
