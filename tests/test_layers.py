@@ -61,8 +61,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
 
 FLOORS: Mapping[str, tuple[str, ...]] = {
     "scene": (
-        "vocabulary", "boxes", "forms", "kinds", "model", "geometry", "footprint", "furniture", "solids", "robots",
-        "read", "load",
+        "vocabulary", "boxes", "cameras", "colours", "forms", "kinds", "model", "geometry", "footprint", "furniture",
+        "solids", "variation", "robots", "read", "load",
     ),
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
@@ -71,7 +71,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "physics": (
         "bullet", "required", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",
-        "search", "motion", "checks", "demonstration", "pictures", "verdict", "cascade", "validator", "worker", "pool",
+        "search", "motion", "checks", "demonstration", "filming", "pictures", "verdict",
+        "cascade", "validator", "worker", "pool",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -10,12 +10,16 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import numpy as np
 from PIL import Image, ImageOps
 
 from prag_asp import TaskSpace, load_domain, load_scene
+from prag_asp.dataset import feasible
 from prag_asp.dataset.language import sentence
-from prag_asp.physics import film_strip, validate_task
+from prag_asp.physics import Demonstration, Picture, Staging, film_strip, validate_task
+from prag_asp.scene.colours import more_colours
 
 ROOT = Path(__file__).parent.parent.parent
 PICTURES = ROOT / "docs" / "pictures"
@@ -75,6 +79,46 @@ def draw(strip: Strip) -> Image.Image:
     return reduced(picture)
 
 
+FILMED = Staging(("front", "wrist"), (160, 160), rate=5)
+"""What the page on cameras shows, of the first task of length 2 that seed 8 draws from `tabletop`."""
+
+GAP = 6
+
+
+def draw_films() -> Image.Image:
+    """Return four moments of a demonstration as two cameras see it: colours, depth and entities."""
+    space = TaskSpace(load_domain("tabletop"), 2)
+    with TemporaryDirectory() as folder:
+        next(feasible(space, seed=8, demonstrate=folder, staging=FILMED))
+        footage = Demonstration.load(Path(folder) / "000001.npz").footage
+    count = len(footage.frames)
+    moments = [round(share * (count - 1)) for share in (0.1, 0.4, 0.65, 1.0)]
+    width, height = FILMED.size
+    page = Image.new("RGB", (4 * (width + GAP) - GAP, 6 * (height + GAP) - GAP), "white")
+    for row, name in zip((0, 3), FILMED.cameras, strict=True):
+        pictures = [picture for k, picture in enumerate(footage.films[name].pictures()) if k in moments]
+        for column, picture in enumerate(pictures):
+            for k, pixels in enumerate((picture.rgb, in_grey(picture), in_palette(picture, len(footage.legend)))):
+                page.paste(Image.fromarray(pixels), (column * (width + GAP), (row + k) * (height + GAP)))
+    return reduced(page)
+
+
+def in_grey(picture: Picture) -> np.ndarray:
+    """Return the depth of a picture in grey, what is near dark, and nothing white."""
+    depth = picture.depth.astype(float)
+    seen = depth > 0
+    low, high = depth[seen].min(), depth[seen].max()
+    grey = np.where(seen, 30 + 190 * (depth - low) / (high - low), 255)
+    return np.repeat(grey.astype(np.uint8)[..., None], 3, axis=-1)
+
+
+def in_palette(picture: Picture, count: int) -> np.ndarray:
+    """Return the entities of a picture in a colour each."""
+    colours = ["#ffffff", "#d9cfc0", *more_colours(("#ffffff", "#d9cfc0"), count)]
+    palette = np.array([[int(colour[i : i + 2], 16) for i in (1, 3, 5)] for colour in colours], dtype=np.uint8)
+    return palette[picture.segmentation]
+
+
 def reduced(picture: Image.Image) -> Image.Image:
     """Return a picture in few colours."""
     return picture.convert("RGB").quantize(COLOURS, kmeans=2, dither=Image.Dither.NONE)
@@ -82,7 +126,7 @@ def reduced(picture: Image.Image) -> Image.Image:
 
 def main(names: list[str]) -> None:
     """Draw the pictures of some names, or all."""
-    for name in names or [*STRIPS, "curve"]:
+    for name in names or [*STRIPS, "curve", "cameras"]:
         target = PICTURES / f"{name}.png"
         if name == "curve":
             curve = ["stats", "prag", "--length", "15", "--by", "skeleton", "--plot", str(target)]
@@ -90,6 +134,8 @@ def main(names: list[str]) -> None:
             with Image.open(target) as drawn:
                 few = reduced(drawn)
             few.save(target, optimize=True)
+        elif name == "cameras":
+            draw_films().save(target, optimize=True)
         else:
             draw(STRIPS[name]).save(target, optimize=True)
 

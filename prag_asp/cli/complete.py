@@ -111,6 +111,22 @@ def names(context: click.Context, typed: str) -> Iterable[str]:
 
 
 @_offers
+def cameras(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer one more camera of the scene after those typed."""
+    from prag_asp.domain.load import load_scene
+
+    return _after(typed, load_scene(_domain(context)).cameras)
+
+
+@_offers
+def kinds_that_vary(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer one more of what can vary after those typed."""
+    from prag_asp.scene.variation import KINDS
+
+    return _after(typed, KINDS)
+
+
+@_offers
 def conditions(context: click.Context, typed: str) -> Iterator[str]:
     """Offer the first words of conditions, and after one what it speaks of."""
     from prag_asp.space.conditions.grammar import KEYWORDS

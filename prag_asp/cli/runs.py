@@ -47,17 +47,26 @@ def run_on_file(asked: Asked, file: str, told: Iterable[Any] = ()) -> str | None
     Raises:
         PragError: a domain that the file names cannot be loaded.
     """
-    path = Path(file)
-    if not path.is_file():
+    if not Path(file).is_file():
         return None
+    domains, content = domains_of(asked, file)
+    return run_of(*domains, told=[content, *told])
+
+
+def domains_of(asked: Asked, file: str) -> tuple[list[Domain], str]:
+    """Return the domains that the tasks of a file are of, and a digest of it.
+
+    Raises:
+        PragError: a domain that the file names cannot be loaded.
+    """
     content = blake2b()
     firsts: dict[tuple[Any, ...], Record] = {}
-    with open_binary(path) as lines:
+    with open_binary(file) as lines:
         for line in lines:
             content.update(line)
             _take_first(line, file, firsts)
-    domains = [asked.of(record, path.parent).domain(tell=False) for record in firsts.values()]
-    return run_of(*domains, told=[content.hexdigest(), *told])
+    domains = [asked.of(record, Path(file).parent).domain(tell=False) for record in firsts.values()]
+    return domains, content.hexdigest()
 
 
 def _take_first(line: bytes, file: str, firsts: dict[tuple[Any, ...], Record]) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from prag_asp.errors import QueryError
 from prag_asp.program.paths import is_file_name
 
+LONGEST_SIZE = 20
 RANGE = re.compile(r"(?P<first>\d+)\.\.(?P<last>\d+)")
 
 
@@ -46,6 +47,18 @@ def one_length(text: str) -> int:
     if RANGE.fullmatch(text.strip()):
         raise QueryError(f"--length {text}: a range, but one length is needed; give a number, such as 4")
     return _number(text, "write a whole number, such as 4")
+
+
+def pixels(text: str) -> tuple[int, int]:
+    """Return the width and height that an option states.
+
+    Raises:
+        QueryError: it is not of the form WxH.
+    """
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal() and len(text) <= LONGEST_SIZE):
+        raise QueryError(f"--size {text}: write WIDTHxHEIGHT in pixels, such as 480x420")
+    return int(width), int(height)
 
 
 def _number(text: str, hint: str) -> int:

@@ -12,7 +12,8 @@ from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.recordings import Recordings
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.tally import Tally
-from prag_asp.physics import Budget, Verdict, validate_numbered
+from prag_asp.errors import QueryError
+from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
 
 if TYPE_CHECKING:
     from prag_asp.scene.model import Scene
@@ -29,6 +30,7 @@ def feasible(
     workers: int = 1,
     budget: Budget | None = None,
     demonstrate: str | Path | None = None,
+    staging: Staging | None = None,
     draws: int | None = None,
     tally: Tally | None = None,
     **drawing: Any,
@@ -37,7 +39,8 @@ def feasible(
 
     `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.draw` takes beside the
     seed. It ends after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot
-    performs each task, and recordings are written into that folder, which is made where it is missing. What is
+    performs each task, and recordings are written into that folder, which is made where it is missing, with what
+    `staging` asks for: cameras that film, and what varies. What is
     yielded depends on the seed alone, not on the number of `workers`. A `tally` that has counted draws before goes on
     after those.
 
@@ -48,8 +51,8 @@ def feasible(
         WorkerError: workers died again and again.
     """
     looked_at = draws_looked_at(
-        space, scene, seed=seed, workers=workers, budget=budget, demonstrate=demonstrate, draws=draws, tally=tally,
-        **drawing,
+        space, scene, seed=seed, workers=workers, budget=budget, demonstrate=demonstrate, staging=staging, draws=draws,
+        tally=tally, **drawing,
     )  # fmt: skip
     return _feasible(looked_at)
 
@@ -62,6 +65,7 @@ def draws_looked_at(
     workers: int = 1,
     budget: Budget | None = None,
     demonstrate: str | Path | None = None,
+    staging: Staging | None = None,
     draws: int | None = None,
     tally: Tally | None = None,
     **drawing: Any,
@@ -72,10 +76,13 @@ def draws_looked_at(
         PragError: as `feasible` does.
     """
     scene = scene_of(space.domain) if scene is None else scene
+    if staging is not None:
+        require_demonstrated(staging, demonstrate)
+        staging.cameras_of(scene)
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
     asked, kept = tee(islice(space.draw(seed=seed, **drawing), tally.seen, draws))
     numbered = enumerate(asked, tally.seen)
-    verdicts = validate_numbered(numbered, scene, seed=seed, workers=workers, budget=budget)
+    verdicts = validate_numbered(numbered, scene, seed=seed, workers=workers, budget=budget, staging=staging)
     return _recorded(kept, verdicts, Recordings(demonstrate), tally)
 
 
@@ -109,3 +116,14 @@ def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
     """Return a budget with the tier of demonstrations where these are to be recorded."""
     budget = budget or Budget()
     return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
+
+
+def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:
+    """Check that tasks are demonstrated where that is staged.
+
+    Raises:
+        QueryError: they are not.
+    """
+    if demonstrate is None and (staging.cameras or staging.vary):
+        what = "cameras film" if staging.cameras else f"{staging.vary[0]} varies in"
+        raise QueryError(f"{what} demonstrations; ask for them by `demonstrate`, the folder of the recordings")

@@ -10,14 +10,14 @@ from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.filtering import budget_of
+from prag_asp.dataset.filtering import budget_of, require_demonstrated
 from prag_asp.dataset.jsonl import Record, read_tasks
 from prag_asp.dataset.origin import foreign, index_of, named_domain, read_witness, told_with_place
 from prag_asp.dataset.recordings import Recordings
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
-from prag_asp.physics import Budget, Demonstration, open_cascade, validate_numbered
+from prag_asp.physics import Budget, Demonstration, Staging, open_cascade, validate_numbered
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ class _Search:
     seed: int
     workers: int
     budget: Budget
+    staging: Staging | None
 
 
 def recheck(
@@ -65,6 +66,7 @@ def recheck(
     workers: int = 1,
     budget: Budget | None = None,
     demonstrate: str | Path | None = None,
+    staging: Staging | None = None,
     witness_only: bool = False,
     load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
@@ -75,7 +77,8 @@ def recheck(
     Physics looks for witnesses anew, with the same outcome for a task wherever it stands; with `witness_only` it checks
     those in the file. Without a `domain`, each record names its own: a shipped one, or a folder, here or beside the
     file (in `folder`, for records); `load` says how it is loaded where that takes more. Tasks have to satisfy the
-    conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder.
+    conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder,
+    with what `staging` asks for.
     Records are read a little ahead; the first, so many as are `done`, are read and not checked.
 
     Raises:
@@ -87,17 +90,21 @@ def recheck(
         records, folder = read_tasks(tasks), Path(tasks).parent
     else:
         records = iter(tasks)
+    if staging is not None:
+        require_demonstrated(staging, demonstrate)
     number, recordings = done, Recordings(demonstrate)
     records = islice(records, done, None)
-    search = _Search(seed, workers, budget_of(budget, demonstrate))
+    search = _Search(seed, workers, budget_of(budget, demonstrate), staging)
     load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
     for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
         group = iter(several)
         first = next(group)
         own = load(first, folder) if domain is None else domain
         told = _told(chain([first], group), TaskSpace(own, 0).where(*where))
-        check = _witnesses if witness_only else _anew
-        for outcome in check(told, scene_of(own), search):
+        check, scene = _witnesses if witness_only else _anew, scene_of(own)
+        if staging is not None:
+            staging.cameras_of(scene)
+        for outcome in check(told, scene, search):
             number += 1
             recordings.write(number, outcome.demonstration)
             yield outcome
@@ -145,7 +152,9 @@ def _anew(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outco
             if not fault:
                 yield index_of(record), record.task
 
-    validated = validate_numbered(valid(), scene, seed=search.seed, workers=search.workers, budget=search.budget)
+    validated = validate_numbered(
+        valid(), scene, seed=search.seed, workers=search.workers, budget=search.budget, staging=search.staging
+    )
     with closing(validated) as verdicts:
         for verdict in verdicts:
             yield from _invalid(waiting)
@@ -163,7 +172,7 @@ def _invalid(waiting: deque[Told]) -> Iterator[Outcome]:
 
 def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
     """Yield what the witness of each record is worth, by the tiers of a budget."""
-    with open_cascade(scene, search.budget) as passage:
+    with open_cascade(scene, search.budget, search.staging, search.seed) as passage:
         for record, fault in told:
             if fault:
                 yield Outcome(record, "invalid", fault)
@@ -177,7 +186,7 @@ def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[
             except QueryError as error:
                 yield Outcome(record, "witness_fails", str(error))
                 continue
-            passed = passage(record.task, witness)
+            passed = passage(record.task, witness, index_of(record))
             if passed.fault:
                 yield Outcome(record, "witness_fails", passed.fault)
             else:

@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     from prag_asp.physics.checks.settling import open_settling, settle
     from prag_asp.physics.demonstration.check import check_demonstration
     from prag_asp.physics.demonstration.demonstration import Demonstration
+    from prag_asp.physics.demonstration.footage import Film, Footage, Picture
     from prag_asp.physics.demonstration.perform import demonstrate
     from prag_asp.physics.facts import physical_task
+    from prag_asp.physics.filming.film import film
+    from prag_asp.physics.filming.staging import Staging
     from prag_asp.physics.motion.transit import travel
     from prag_asp.physics.pictures.render import animate, film_strip, still
     from prag_asp.physics.pool import validate_numbered, validate_tasks
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.verdict import TIERS, Budget, Verdict
     from prag_asp.physics.witness import Arm, Moment, Waypoint, Witness
     from prag_asp.scene.geometry import Quaternion, yaw_of
+    from prag_asp.scene.variation import Variation
 
 __all__ = [
     "CAUSES",
@@ -38,14 +42,19 @@ __all__ = [
     "Arm",
     "Budget",
     "Demonstration",
+    "Film",
+    "Footage",
     "Moment",
     "PhysicsMissingError",
+    "Picture",
     "PicturesMissingError",
     "Predicate",
     "Quaternion",
     "Side",
     "Situation",
+    "Staging",
     "Validator",
+    "Variation",
     "Verdict",
     "Volume",
     "Waypoint",
@@ -55,6 +64,7 @@ __all__ = [
     "check_demonstration",
     "check_witness",
     "demonstrate",
+    "film",
     "film_strip",
     "open_cascade",
     "open_settling",
@@ -79,15 +89,19 @@ _HOMES = {
     "prag_asp.physics.checks.settling": ("open_settling", "settle"),
     "prag_asp.physics.demonstration.check": ("check_demonstration",),
     "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
+    "prag_asp.physics.demonstration.footage": ("Film", "Footage", "Picture"),
     "prag_asp.physics.demonstration.perform": ("demonstrate",),
     "prag_asp.physics.facts": ("physical_task",),
     "prag_asp.physics.required": ("require_physics",),
+    "prag_asp.physics.filming.film": ("film",),
+    "prag_asp.physics.filming.staging": ("Staging",),
     "prag_asp.physics.motion.transit": ("travel",),
     "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
     "prag_asp.physics.pool": ("validate_numbered", "validate_tasks"),
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),
     "prag_asp.physics.situation": ("Situation",),
     "prag_asp.scene.geometry": ("Quaternion", "yaw_of"),
+    "prag_asp.scene.variation": ("Variation",),
     "prag_asp.physics.search.attempt": ("CAUSES",),
     "prag_asp.physics.validator": ("Validator", "open_validator", "validate_task"),
     "prag_asp.physics.verdict": ("TIERS", "Budget", "Verdict"),

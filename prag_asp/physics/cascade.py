@@ -11,6 +11,8 @@ from prag_asp.physics.checks.settling import open_settling
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.perform import demonstrate
 from prag_asp.physics.facts import physical_task
+from prag_asp.physics.filming.film import film
+from prag_asp.physics.filming.staging import Staging
 from prag_asp.physics.motion.transit import travel
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.verdict import Budget
@@ -27,8 +29,13 @@ class Passage(NamedTuple):
 
 
 @contextmanager
-def open_cascade(scene: Scene, budget: Budget) -> Iterator[Callable[[Task, Witness], Passage]]:
+def open_cascade(
+    scene: Scene, budget: Budget, staging: Staging | None = None, seed: int = 0
+) -> Iterator[Callable[..., Passage]]:
     """Open simulators and yield the function that checks a witness by the tiers of a budget; close them afterwards.
+
+    It takes a task, a witness and, where something varies, the index of the task. `staging` says how the witness is
+    demonstrated, `seed` what is drawn for that.
 
     A witness that does not show the ways of the arm is given some where the tier of transit is asked for.
     """
@@ -36,7 +43,7 @@ def open_cascade(scene: Scene, budget: Budget) -> Iterator[Callable[[Task, Witne
         check = resources.enter_context(open_witness_check(scene))
         settling = resources.enter_context(open_settling(scene)) if budget.includes("settling") else None
 
-        def passage(task: Task, witness: Witness) -> Passage:
+        def passage(task: Task, witness: Witness, index: int = 0) -> Passage:
             for fault in check(task, witness)[:1]:
                 return Passage(fault)
             unstable = settling and settling.failure(physical_task(task, scene), witness)
@@ -49,7 +56,11 @@ def open_cascade(scene: Scene, budget: Budget) -> Iterator[Callable[[Task, Witne
                 witness = travelled
             if not budget.includes("demonstration"):
                 return Passage()
-            demonstration = demonstrate(task, witness, scene)
-            return Passage("" if demonstration.success else demonstration.detail, demonstration)
+            asked, sized = staging or Staging(), scene.with_sizes(witness.sizes)
+            variation = asked.drawn(sized, physical_task(task, sized).objects, (seed, index, 0))
+            demonstration = demonstrate(task, witness, scene, variation)
+            if not demonstration.success:
+                return Passage(demonstration.detail, demonstration)
+            return Passage("", film(demonstration, scene, asked) if asked.cameras else demonstration)
 
         yield passage

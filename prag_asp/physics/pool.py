@@ -7,12 +7,14 @@ because PyBullet does not survive that; each keeps one simulator for all its tas
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
+from typing import Any
 
 from prag_asp.errors import QueryError, WorkerError
+from prag_asp.physics.filming.staging import Staging
 from prag_asp.physics.validator import open_validator
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.processes.children import Child, Children, Ended, answered
@@ -39,18 +41,20 @@ def validate_tasks(
     seed: int,
     workers: int = 1,
     budget: Budget | None = None,
+    staging: Staging | None = None,
 ) -> Generator[Verdict, None, None]:
     """Yield the verdict on each task, in the order of the tasks, which may be endless; they are numbered from 0.
 
-    One worker runs in this process, more in processes of their own; the verdicts do not depend on it. Tasks of a
-    worker that was killed are done again by a new one. Closing the iterator ends the workers at once.
+    `staging` says how they are demonstrated, where the budget asks for that. One worker runs in this process, more in
+    processes of their own; the verdicts do not depend on it. Tasks of a worker that was killed are done again by a new
+    one. Closing the iterator ends the workers at once.
 
     Raises:
-        QueryError: the number of workers is not positive.
+        QueryError: the number of workers is not positive, or the scene lacks a camera.
         SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
         WorkerError: workers died more than `REPLACEMENTS` times over the same tasks, or cannot be started.
     """
-    return validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget)
+    return validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget, staging=staging)
 
 
 def validate_numbered(
@@ -60,6 +64,7 @@ def validate_numbered(
     seed: int,
     workers: int = 1,
     budget: Budget | None = None,
+    staging: Staging | None = None,
 ) -> Generator[Verdict, None, None]:
     """Yield the verdict on each task with its index, of which alone it depends, not of the order of the tasks.
 
@@ -68,27 +73,27 @@ def validate_numbered(
     """
     if workers < 1:
         raise QueryError(f"validation needs at least 1 worker; got {workers}")
-    budget = budget or Budget()
-    if workers == 1:
-        return _in_process(tasks, scene, seed, budget)
-    return _in_pool(tasks, scene, seed, workers, budget)
+    if staging is not None:
+        staging.cameras_of(scene)
+    settings = {"seed": seed, "budget": budget or Budget(), "staging": staging}
+    return _in_process(tasks, scene, settings) if workers == 1 else _in_pool(tasks, scene, workers, settings)
 
 
-def _in_process(tasks: Iterable[Numbered], scene: Scene, seed: int, budget: Budget) -> Generator[Verdict, None, None]:
+def _in_process(tasks: Iterable[Numbered], scene: Scene, settings: Mapping[str, Any]) -> Generator[Verdict, None, None]:
     """Yield verdicts found in this process."""
     with open_validator(scene) as validator:
         for index, task in tasks:
-            yield validator.validate(task, seed=seed, index=index, budget=budget)
+            yield validator.validate(task, index=index, **settings)
 
 
 def _in_pool(
-    tasks: Iterable[Numbered], scene: Scene, seed: int, workers: int, budget: Budget
+    tasks: Iterable[Numbered], scene: Scene, workers: int, settings: Mapping[str, Any]
 ) -> Generator[Verdict, None, None]:
     """Yield verdicts found in other processes, a bounded number of tasks ahead."""
     waiting: deque[_Chunk] = deque()
     chunks = _chunks(tasks)
     with Children("prag_asp.physics.worker") as children:
-        pool = _Pool(children, workers, (scene, seed, budget))
+        pool = _Pool(children, workers, (scene, settings))
         while True:
             waiting.extend(islice(chunks, workers * CHUNKS_AHEAD - len(waiting)))
             if not waiting:
@@ -128,7 +133,7 @@ def _chunks(tasks: Iterable[Numbered]) -> Iterator[_Chunk]:
 class _Pool:
     """Workers, started as they are needed, each with the chunks that it has been handed, in order."""
 
-    def __init__(self, children: Children, workers: int, settings: tuple[Scene, int, Budget]):
+    def __init__(self, children: Children, workers: int, settings: tuple[Scene, Mapping[str, Any]]):
         self._children, self._workers, self._settings = children, workers, settings
         self._handed: dict[Child, deque[_Chunk]] = {}
 

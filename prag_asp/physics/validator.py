@@ -15,6 +15,8 @@ from prag_asp.physics.checks.settling import Settling, open_settling
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.perform import Performer, open_performer
 from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
+from prag_asp.physics.filming.film import film
+from prag_asp.physics.filming.staging import Staging
 from prag_asp.physics.motion.transit import with_transit
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.actions import advance
@@ -44,11 +46,16 @@ class Validator:
         self._settling: Settling | None = None
         self._performer: Performer | None = None
 
-    def validate(self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
+    def validate(
+        self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None, staging: Staging | None = None
+    ) -> Verdict:
         """Return the verdict on a task; it depends on nothing but the arguments and the scene.
+
+        `staging` says how it is demonstrated, where the budget asks for that.
 
         Raises:
             SceneError: the task speaks about something for which the scene has no shape.
+            QueryError: the scene has no camera of a name that `staging` has.
         """
         budget = budget or Budget()
         stage("checking tasks by physics")
@@ -61,11 +68,13 @@ class Validator:
         rng = np.random.default_rng([seed, index])
         ahead, spans = foresee(physical, self._scene), foresee_spans(physical, self._scene)
         search = Search(self._simulator, physical.objects, rng, ahead, spans)
-        return self._look(physical, search, budget, seed, index)
+        return self._look(physical, search, budget, (seed, index), staging or Staging())
 
-    def _look(self, physical: PhysicalTask, search: Search, budget: Budget, seed: int, index: int) -> Verdict:
+    def _look(
+        self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
+    ) -> Verdict:
         """Search for a witness within a budget."""
-        faults: Counter[Fault] = Counter()
+        (seed, index), faults = seeds, Counter[Fault]()
         for restart in range(budget.restarts):
             search, sizes = self._sized(physical, search)
             witness = _attempt(physical, search, sizes, budget.samples, faults)
@@ -74,7 +83,7 @@ class Validator:
             witness = self._travels(physical, witness, budget, faults)
             if witness is None:
                 continue
-            demonstration = self._perform(physical, witness, budget, faults)
+            demonstration = self._perform(physical, witness, budget, faults, ((*seeds, restart), staging))
             if demonstration is None or demonstration.success:
                 return Verdict(
                     "feasible",
@@ -132,7 +141,12 @@ class Validator:
         return travelled
 
     def _perform(
-        self, physical: PhysicalTask, witness: Witness, budget: Budget, faults: Counter[Fault]
+        self,
+        physical: PhysicalTask,
+        witness: Witness,
+        budget: Budget,
+        faults: Counter[Fault],
+        staged: tuple[tuple[int, ...], Staging],
     ) -> Demonstration | None:
         """Return the recording of the robot performing a witness, None where a budget does not ask for it."""
         if not budget.includes("demonstration"):
@@ -140,9 +154,13 @@ class Validator:
         if self._performer is None:
             opened = open_performer(self._scene, self._simulator)
             self._performer = self._resources.enter_context(opened)
-        demonstration = self._performer.perform(physical, witness)
+        seeds, staging = staged
+        variation = staging.drawn(self._scene.with_sizes(witness.sizes), physical.objects, seeds)
+        demonstration = self._performer.perform(physical, witness, variation)
         if not demonstration.success:
             faults[Fault(demonstration.cause, text=demonstration.detail)] += 1
+        elif staging.cameras:
+            return film(demonstration, self._scene, staging)
         return demonstration
 
 
@@ -153,14 +171,22 @@ def open_validator(scene: Scene) -> Iterator[Validator]:
         yield Validator(scene, resources)
 
 
-def validate_task(task: Task, scene: Scene, *, seed: int, index: int = 0, budget: Budget | None = None) -> Verdict:
+def validate_task(
+    task: Task,
+    scene: Scene,
+    *,
+    seed: int,
+    index: int = 0,
+    budget: Budget | None = None,
+    staging: Staging | None = None,
+) -> Verdict:
     """Return the verdict on one task; open a validator to check many.
 
     Raises:
         SceneError: the task speaks about something for which the scene has no shape.
     """
     with open_validator(scene) as validator:
-        return validator.validate(task, seed=seed, index=index, budget=budget)
+        return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
 
 
 def _attempt(

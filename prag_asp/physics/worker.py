@@ -13,16 +13,16 @@ from prag_asp.scene.model import Scene
 
 
 def answers(messages: Iterator[Any]) -> Iterator[list[Verdict]]:
-    """Yield the verdicts on numbered tasks, many together; first of all come a scene, a seed and a budget.
+    """Yield the verdicts on numbered tasks, many together; first of all come a scene and the other settings.
 
     Raises:
         SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
     """
-    scene, seed, budget = next(messages)
+    scene, settings = next(messages)
     with ExitStack() as resources:
         validator = _opened(scene, resources)
         for tasks in messages:
-            yield [validator.validate(task, seed=seed, index=index, budget=budget) for index, task in tasks]
+            yield [validator.validate(task, index=index, **settings) for index, task in tasks]
 
 
 def _opened(scene: Scene, resources: ExitStack) -> Validator:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
+from prag_asp.scene.cameras import Camera, usual_cameras
 from prag_asp.scene.kinds import KINDS, Kind
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
 
@@ -123,6 +124,24 @@ class Mount(NamedTuple):
     yaw: float = 0.0
 
 
+class Ranges(NamedTuple):
+    """Within what ranges recordings differ that are asked to vary.
+
+    `friction` and `mass` are factors; `light` the degrees by which the light is turned at most, `camera` how far a
+    camera and what it looks at are moved, as a share of what is between them, `colour` the Delta E in CIELAB by which a
+    colour is moved.
+    """
+
+    friction: tuple[float, float] = (0.8, 1.2)
+    mass: tuple[float, float] = (0.8, 1.2)
+    light: float = 30.0
+    camera: float = 0.05
+    colour: float = 10.0
+
+
+USUAL_RANGES = Ranges()
+
+
 def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
     """Return the robot of a scene that has one, at the origin; one without an entity is named after its kind."""
     name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
@@ -152,7 +171,8 @@ class Scene:
     the origin.
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
-    among them are run only where `trusted` is set.
+    among them are run only where `trusted` is set. `cameras` have names too; where they are left out there is one,
+    `front`. `vary` says how far recordings may differ that are asked to.
     """
 
     shapes: Mapping[str, Shape]
@@ -168,10 +188,23 @@ class Scene:
     own: Mapping[str, Own] = field(default_factory=dict)
     trusted: bool = False
     robots: Mapping[str, Mount] = field(default_factory=dict)
+    cameras: Mapping[str, Camera] = field(default_factory=dict)
+    vary: Ranges = USUAL_RANGES
 
     def __post_init__(self) -> None:
         if not self.robots:
             object.__setattr__(self, "robots", only_robot(self.shapes))
+        if not self.cameras:
+            object.__setattr__(self, "cameras", usual_cameras(self.workspace, self.robots, self.fixed_corners()))
+
+    def fixed_corners(self) -> tuple[Size, ...]:
+        """Return points on the table around what is fixed, and as high as that is, in metres."""
+        found = []
+        for entity, (x, y, _) in self.fixed.items():
+            size = self.shapes[entity].size if entity in self.shapes else (0.0, 0.0, 0.0)
+            wide = math.hypot(size[0], size[1]) / 2
+            found += [(x + a * wide, y + b * wide, z) for a in (-1, 1) for b in (-1, 1) for z in (0.0, size[2])]
+        return tuple(found)
 
     @property
     def shared(self) -> bool:

@@ -66,6 +66,13 @@ def test_domains_are_offered_by_name_and_as_folders_and_files(tmp_path: Path) ->
     assert offered("explain", "han") == offered("split", "han") == ["hanoi"]
 
 
+def test_cameras_of_the_scene_and_what_varies_are_offered() -> None:
+    assert offered("sample", "two_arms", "--cameras", "") == ["front", "left_wrist", "right_wrist"]
+    assert offered("sample", "tabletop", "--cameras", "front,w") == ["front,wrist"]
+    assert offered("sample", "hanoi", "--cameras", "") == []
+    assert offered("sample", "tabletop", "--vary", "mass,c") == ["mass,camera", "mass,colour"]
+
+
 def test_rules_engines_and_first_words_of_conditions_are_offered(tmp_path: Path) -> None:
     assert offered("count", "prag", "--rule", "") == ["at_most", "closed_world", "no_undo"]
     (tmp_path / "rules").mkdir()

@@ -15,6 +15,7 @@ from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
 from prag_asp.cli.runs import run_on_file
 from prag_asp.cli.terminal import progress, say, whole_lines
+from prag_asp.cli.words import pixels as pixels_of
 from prag_asp.cli.writing import require_writable
 from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
@@ -292,9 +293,7 @@ def _pixels(text: str) -> tuple[int, int]:
     Raises:
         QueryError: it is not of the form WxH, or a side is not from `SMALLEST` to `LARGEST`.
     """
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal()):
-        raise QueryError(f"--size {text}: write WIDTHxHEIGHT in pixels, such as 480x420")
-    if not all(SMALLEST <= int(side) <= LARGEST for side in (width, height)):
+    found = pixels_of(text)
+    if not all(SMALLEST <= side <= LARGEST for side in found):
         raise QueryError(f"--size {text}: a picture has {SMALLEST} to {LARGEST} pixels a side")
-    return int(width), int(height)
+    return found

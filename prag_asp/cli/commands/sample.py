@@ -12,6 +12,7 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.films import Filming, films
 from prag_asp.cli.options import Checking, Weighing, asks
 from prag_asp.cli.runs import run_of
 from prag_asp.cli.telling import Telling, tells
@@ -42,6 +43,7 @@ DRAWS_FOR_EACH = 1000
 @click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
 @options.checks
+@films
 @click.option("--max-draws", type=click.IntRange(min=1), metavar="K", help="Give up after K draws.  [1000 a task]")
 @tells
 @options.output
@@ -55,6 +57,7 @@ def sample(
     by: Any,
     physics: bool | None,
     checking: Checking,
+    filming: Filming,
     max_draws: int | None,
     telling: Telling,
     output: str | None,
@@ -69,6 +72,7 @@ def sample(
     telling.check()
     require_writable(output)
     checking.tries()
+    filming.refuse_at_odds(checking.demonstrate)
     with progress() as tell:
         space = asked.spaces(tell)
         if physics is None:
@@ -87,8 +91,11 @@ def sample(
                 for task in islice(drawn, out.lines, wanted):
                     out.write(line(Record(task)))
             return
-        _feasible(_Drawing(space, wanted, max_draws or DRAWS_FOR_EACH * wanted, seed, drawing), checking, output, run,
-                  line, tell)  # fmt: skip
+        from prag_asp.dataset.scenes import scene_of
+
+        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_FOR_EACH * wanted
+        _feasible(_Drawing(space, wanted, limit, seed, {**drawing, "staging": staging}), checking, output, run, line,
+                  tell)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from contextlib import closing
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.exits import Exit
+from prag_asp.cli.films import Filming, films
 from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.runs import run_on_file
+from prag_asp.cli.runs import domains_of, run_on_file
 from prag_asp.cli.terminal import progress
 from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError
 from prag_asp.reading import lines_of, open_text
+
+if TYPE_CHECKING:
+    from prag_asp.scene.model import Scene
 
 
 @click.command()
@@ -24,9 +28,19 @@ from prag_asp.reading import lines_of, open_text
 @asks((*options.OF_FILE, options.WHERE, options.TRUST))
 @options.seed
 @options.checks
+@films
 @click.option("--witness-only", is_flag=True, help="Check the witnesses in the file, and look for no new ones.")
 @options.output
-def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_only: bool, output: str | None) -> None:
+def validate(
+    *,
+    asked: Asked,
+    file: str,
+    seed: int,
+    checking: Checking,
+    filming: Filming,
+    witness_only: bool,
+    output: str | None,
+) -> None:
     """Check tasks of a file again: that their plans are valid, and that a robot can do them.
 
     Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
@@ -37,6 +51,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
 
     require_writable(output)
     checking.tries()
+    filming.refuse_at_odds(checking.demonstrate)
     if witness_only and checking.budget != options.BUDGET:
         raise QueryError(
             f"--budget {checking.budget} is for a search; --witness-only makes none, so leave one of them out"
@@ -62,6 +77,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             return tally_line(tally, ("task", "tasks"), limits)
 
         run = run_on_file(asked, file) if output or checking.demonstrate else None
+        staging = filming.staging(*_scenes(asked, file) if filming.asked else ())
         if checking.demonstrate is not None:
             claim(checking.demonstrate, run)
         with tallied(tally, told), writer(output, run, fits) as out:
@@ -69,7 +85,7 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
             outcomes = recheck(
                 read_lines(lines_of(stream), file), where=asked.conditions(), seed=seed, witness_only=witness_only,
                 load=lambda record, folder: asked.of(record, folder).domain(), folder=Path(file).parent,
-                done=tally.seen, **checking.arguments(),
+                done=tally.seen, staging=staging, **checking.arguments(),
             )  # fmt: skip
             with closing(outcomes):
                 for outcome in outcomes:
@@ -79,6 +95,17 @@ def validate(*, asked: Asked, file: str, seed: int, checking: Checking, witness_
                     tell(told(), tally.seen, total)
     if tally.passed < tally.seen:
         raise click.exceptions.Exit(Exit.NOT_FOUND)
+
+
+def _scenes(asked: Asked, file: str) -> list[Scene]:
+    """Return the scenes of the domains that the tasks of a file are of, none where that can be read only once.
+
+    Raises:
+        PragError: a domain cannot be loaded, or has no scene.
+    """
+    from prag_asp.dataset.scenes import scene_of
+
+    return [scene_of(domain) for domain in domains_of(asked, file)[0]] if Path(file).is_file() else []
 
 
 def _tasks_in(stream: TextIO) -> int | None:

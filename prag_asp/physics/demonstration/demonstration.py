@@ -3,36 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.arrays import BadArchive, read_arrays
-from prag_asp.errors import QueryError
+from prag_asp.errors import OutputError, QueryError
 from prag_asp.fields import shown
 from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.contacts import Touch
+from prag_asp.physics.demonstration.footage import Footage, read_footage
+from prag_asp.physics.demonstration.packing import with_packed
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.written import PARTS, VERSION
 from prag_asp.reading import open_binary
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
+from prag_asp.scene.variation import Variation, variation_of
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
 ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
 TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
 
+VARIED = "varied"
+"""The text of what was drawn, which most recordings do not have."""
+
 OF_ROBOTS = ("joints", "widths", "commands")
 """The arrays that have an axis of robots."""
 
-LARGEST_FILE, LARGEST = 32_000_000, 256_000_000
-"""Bytes of the file of a recording, and of its arrays."""
+LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
+"""Bytes of the file of a recording, and of its arrays but for pictures, which stay compressed."""
 
 FRAMES_A_SECOND = 20
 
@@ -48,7 +54,8 @@ class Demonstration:
     `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the largest normal force
     between them since the frame before, in newtons. `ends` holds for each state of the
     task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
-    where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when.
+    where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when. `footage` is what
+    cameras saw, where they were asked for, and `variation` what the world was, where that was to vary.
     """
 
     robots: tuple[str, ...]
@@ -67,6 +74,8 @@ class Demonstration:
     furniture: tuple[str, ...] = ()
     cause: str = ""
     detail: str = ""
+    footage: Footage | None = None
+    variation: Variation | None = None
 
     @property
     def success(self) -> bool:
@@ -77,18 +86,21 @@ class Demonstration:
         """Tell whether two recordings are the same, bit by bit."""
         if not isinstance(other, Demonstration):
             return NotImplemented
-        return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
+        names = [each.name for each in fields(self) if each.name not in ("footage", "variation")]
+        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+        return same and self.footage == other.footage and self.variation == other.variation
 
     __hash__ = None  # type: ignore[assignment]
 
     def sized(self, scene: Scene) -> Scene:
-        """Return a scene with the sizes of the recorded objects.
+        """Return a scene with the sizes of the recorded objects, and with what was drawn for them.
 
         Raises:
             SceneError: the scene does not allow one of them.
         """
         pairs = zip(self.objects, self.sizes.tolist(), strict=True)
-        return scene.with_sizes({entity: (x, y, z) for entity, (x, y, z) in pairs if entity in scene.ranges})
+        sized = scene.with_sizes({entity: (x, y, z) for entity, (x, y, z) in pairs if entity in scene.ranges})
+        return sized if self.variation is None else self.variation.applied(sized)
 
     def situation(self, scene: Scene, frame: int) -> Situation:
         """Return what a frame shows, for predicates to check.
@@ -123,9 +135,17 @@ class Demonstration:
         content: dict[str, Any] = {"version": np.array(VERSION)}
         content |= {name: getattr(self, name) for name in ARRAYS}
         content |= {name: np.array(getattr(self, name)) for name in TEXTS}
+        content |= {} if self.variation is None else {VARIED: np.array(self.variation.to_text())}
+        content |= {} if self.footage is None else self.footage.arrays()
         buffer = BytesIO()
         np.savez_compressed(buffer, **content)
-        replace_file(path, buffer.getvalue())
+        archive = buffer.getvalue()
+        if self.footage is not None:
+            try:
+                archive = with_packed(archive, self.footage.packed())
+            except ValueError as error:
+                raise OutputError(f"{path}: {error}") from None
+        replace_file(path, archive)
 
     @classmethod
     def load(cls, path: str | Path, robot: str = "panda", *, within: str | Path | None = None) -> Demonstration:
@@ -137,35 +157,50 @@ class Demonstration:
             QueryError: the file cannot be read, holds something else, or too much, or lies elsewhere.
         """
         try:
-            content = _arrays(Path(path), within)
+            with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
+                return _read(file, Path(path), robot)
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
-        if "version" not in content:
-            content = _upgraded(content, robot)
-        elif content["version"].shape != () or content["version"] != VERSION:
-            version = shown(content["version"].tolist())
-            raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
-        missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
-        if missing:
-            raise QueryError(f"{path}: this is not a demonstration: it has no {missing[0]}")
-        try:
-            return _from_arrays(content)
-        except ValueError as error:
+        except (BadArchive, ValueError) as error:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
-def _arrays(path: Path, within: str | Path | None) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a .npz file by their names.
+def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
+    """Return the recording in a file.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: it is another file, was cut off, or is too large.
+        BadArchive, ValueError: it is another file, was cut off, is too large, or holds something else.
+        QueryError: it is of another version.
     """
-    with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
-        try:
-            return read_arrays(file, ("version", *ARRAYS, *TEXTS), LARGEST)
-        except BadArchive as error:
-            raise QueryError(f"{path}: this is not a demonstration: {error}") from None
+    content = read_arrays(file, ("version", *ARRAYS, *TEXTS, VARIED), LARGEST)
+    if "version" not in content:
+        content = _upgraded(content, robot)
+    elif content["version"].shape != () or content["version"] != VERSION:
+        version = shown(content["version"].tolist())
+        raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
+    missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
+    if missing:
+        raise BadArchive(f"it has no {missing[0]}")
+    found = _from_arrays(content)
+    footage = read_footage(file, len(found.times), len(found.robots), LARGEST)
+    return replace(found, footage=footage, variation=_variation(content.get(VARIED)))
+
+
+def _variation(text: NDArray[Any] | None) -> Variation | None:
+    """Return what was drawn for a recording, None where nothing was.
+
+    Raises:
+        ValueError: it is of another form.
+    """
+    if text is None:
+        return None
+    if text.shape != () or text.dtype.kind != "U":
+        raise ValueError(f"{VARIED} has to hold a text")
+    try:
+        return variation_of(str(text))
+    except QueryError as error:
+        raise ValueError(str(error)) from None
 
 
 def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:

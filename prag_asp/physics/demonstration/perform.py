@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 from prag_asp.physics.demonstration.acting import Actor, Stopped
 from prag_asp.physics.demonstration.contacts import Asked, asked, unasked
@@ -18,6 +19,7 @@ from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.dynamics import Dynamics, open_dynamics
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.model import Scene
+from prag_asp.scene.variation import Variation
 from prag_asp.task import Task
 
 
@@ -29,15 +31,17 @@ class Performer:
         self._world = world
         self._planner = planner
 
-    def perform(self, physical: PhysicalTask, witness: Witness) -> Demonstration:
+    def perform(self, physical: PhysicalTask, witness: Witness, variation: Variation | None = None) -> Demonstration:
         """Return the recording of a task as it is performed from the first state of a witness.
+
+        The world is as was drawn for it, if anything was.
 
         No contact may press for which the task does not ask, and after every action each fact of the state has to pass
         its predicate's check; otherwise the recording ends there, with the cause.
         """
         scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
         self._planner.use(scene)
-        self._world.begin(physical.objects, first, scene)
+        self._world.begin(physical.objects, first, scene if variation is None else variation.applied(scene))
         recorder = Recorder(self._world, physical.objects)
         actor = Actor(self._world, self._planner, recorder, first)
         try:
@@ -54,8 +58,8 @@ class Performer:
                 _judge(effect.after, seen, str(effect.action))
         except Stopped as stopped:
             cause, detail = stopped.args
-            return recorder.finish(cause, detail)
-        return recorder.finish()
+            return replace(recorder.finish(cause, detail), variation=variation)
+        return replace(recorder.finish(), variation=variation)
 
 
 def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
@@ -88,11 +92,13 @@ def open_performer(scene: Scene, planner: Simulator) -> Iterator[Performer]:
         yield Performer(world, planner)
 
 
-def demonstrate(task: Task, witness: Witness, scene: Scene) -> Demonstration:
+def demonstrate(task: Task, witness: Witness, scene: Scene, variation: Variation | None = None) -> Demonstration:
     """Return the recording of the robots performing a task from the first state of a witness.
+
+    The world is as was drawn for it, if anything was.
 
     Raises:
         SceneError: the task speaks about something for which the scene has no shape.
     """
     with open_simulator(scene) as planner, open_performer(scene, planner) as performer:
-        return performer.perform(physical_task(task, scene), witness)
+        return performer.perform(physical_task(task, scene), witness, variation)

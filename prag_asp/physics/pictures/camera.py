@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,34 +9,25 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import PicturesMissingError
 from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.pictures.views import View
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.simulator import Simulator
-from prag_asp.scene.boxes import Vector
-from prag_asp.scene.model import Scene
+from prag_asp.scene.cameras import FIELD_OF_VIEW
+from prag_asp.scene.variation import USUAL_LIGHT
 
 if TYPE_CHECKING:
     from PIL import Image
 
-TOWARDS_EYE, FIELD_OF_VIEW = (0.86, 0.36, 0.56), 42.0
-"""The direction from what is seen to the eye, and how many degrees the picture is high."""
-
-BORDER = 0.97
-"""The share of a picture that what has to be seen may fill."""
-
-ABOVE_TABLE, ABOVE_BASE = 0.06, 0.78
-"""How high over the table things stand, and the elbow of a robot over its base, in metres."""
-
-FITTINGS = 40
-LIGHT, LIGHT_DISTANCE = (-0.3, 0.8, 1.8), 3.0
+LIGHT_DISTANCE = 3.0
 SKY, GROUND = (247, 249, 252), (214, 221, 230)
 OVERSAMPLING = 2
 
 
-def picture(simulator: Simulator, moment: Moment, size: tuple[int, int]) -> Image.Image:
+def picture(simulator: Simulator, moment: Moment, size: tuple[int, int], view: View) -> Image.Image:
     """Return one state as a picture of `size` pixels; the simulator must have been opened with `visual`."""
     image_type = pillow()
     simulator.show(moment)
-    pixels = _render(simulator, (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING))
+    pixels = _render(simulator, (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING), view)
     image: Image.Image = image_type.fromarray(pixels).resize(size, image_type.Resampling.LANCZOS)
     return image
 
@@ -56,18 +45,17 @@ def pillow() -> Any:
     return Image
 
 
-def _render(simulator: Simulator, size: tuple[int, int]) -> NDArray[np.uint8]:
+def _render(simulator: Simulator, size: tuple[int, int], seen_from: View) -> NDArray[np.uint8]:
     """Return what the camera sees before a gradient, shape (height, width, 3)."""
     width, height = size
-    eye, target = viewpoint(simulator.scene, width / height)
-    view = pybullet.computeViewMatrix(eye, target, (0.0, 0.0, 1.0))
+    view = pybullet.computeViewMatrix(*seen_from, (0.0, 0.0, 1.0))
     projection = pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, width / height, 0.1, 5.0)
     result = pybullet.getCameraImage(
         width,
         height,
         view,
         projection,
-        lightDirection=LIGHT,
+        lightDirection=USUAL_LIGHT,
         lightAmbientCoeff=0.62,
         lightDiffuseCoeff=0.42,
         lightSpecularCoeff=0.12,
@@ -84,36 +72,3 @@ def _render(simulator: Simulator, size: tuple[int, int]) -> NDArray[np.uint8]:
     gradient = np.broadcast_to(rows[:, None, :], (height, width, 3)).astype(np.uint8)
     colors[nothing] = gradient[nothing]
     return colors
-
-
-@lru_cache(maxsize=8)
-def _fit(seen: tuple[Vector, ...], aspect: float) -> tuple[Vector, Vector]:
-    """Return the eye and its target, so that points just fit into a picture of an aspect (width by height)."""
-    towards = np.array(TOWARDS_EYE) / np.linalg.norm(TOWARDS_EYE)
-    right = np.cross((0.0, 0.0, 1.0), towards)
-    right /= np.linalg.norm(right)
-    axes = np.array([right, np.cross(towards, right), towards])
-    slope = BORDER * math.tan(math.radians(FIELD_OF_VIEW) / 2)
-    slopes = np.array([slope * aspect, slope])
-    points = np.array(seen) @ axes.T
-    centre, distance = points.mean(axis=0), 1.0
-    for _ in range(FITTINGS):
-        # Every point asks for its distance; the middle of what is seen then becomes the middle of the picture.
-        offsets = points - centre
-        distance = float((offsets[:, 2] + (np.abs(offsets[:, :2]) / slopes).max(axis=1)).max())
-        shown = offsets[:, :2] / (distance - offsets[:, 2:])
-        centre[:2] += (shown.max(axis=0) + shown.min(axis=0)) / 2 * distance / 2
-    target = centre @ axes
-    eye = target + distance * towards
-    return (float(eye[0]), float(eye[1]), float(eye[2])), (float(target[0]), float(target[1]), float(target[2]))
-
-
-def viewpoint(scene: Scene, aspect: float) -> tuple[Vector, Vector]:
-    """Return where the eye of a picture is and what it looks at, in metres: all of the workspace and the robot."""
-    low_x, high_x, low_y, high_y = scene.workspace
-    corners = [(x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, ABOVE_TABLE)]
-    bases = [(mount.x, mount.y) for mount in scene.robots.values()]
-    robots = [(x, y, z) for x, y in bases for z in (0.0, ABOVE_BASE)]
-    if len(bases) > 1:  # the elbows of several arms swing out to the sides
-        robots += [(x, y + side, ABOVE_BASE / 2) for x, y in bases for side in (-ABOVE_BASE / 2, ABOVE_BASE / 2)]
-    return _fit((*corners, *robots), aspect)

@@ -15,11 +15,13 @@ import numpy as np
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
-from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
+from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.facts import Fact, facts, physical_task
+from prag_asp.physics.filming.film import moment_of
 from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.layout import Panel, line_count, sheet
 from prag_asp.physics.pictures.saving import save_picture
+from prag_asp.physics.pictures.views import best_view
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.simulator import Simulator, open_simulator
@@ -74,7 +76,8 @@ def film_strip(
     last = len(task.actions)
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
     with _simulator(task, shown, moments, scene) as simulator:
-        pictures = [picture(simulator, moments[k], size) for k in chosen]
+        view = best_view(task, moments, simulator.scene, size, chosen)
+        pictures = [picture(simulator, moments[k], size, view) for k in chosen]
     if told is not None and len(told) != last + 1:
         raise QueryError(f"{plural(len(told), 'caption')} for {plural(last + 1, 'state')}; give one for each")
     captions = captioned(task, scene, chosen, headings, told)
@@ -95,7 +98,8 @@ def still(
         raise QueryError(f"state {state}: the states of the task are 0 to {len(moments) - 1}")
     pillow()
     with _simulator(task, shown, moments, scene) as simulator:
-        return picture(simulator, moments[state], size)
+        view = best_view(task, moments, simulator.scene, size, (state,))
+        return picture(simulator, moments[state], size, view)
 
 
 def animate(
@@ -131,9 +135,10 @@ def animate(
     frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
     panels = []
     with _simulator(task, demonstration, moments, scene) as simulator:
+        view = best_view(task, moments, simulator.scene, size)
         for frame in frames:
             k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
-            shown = picture(simulator, _moment(demonstration, frame), size)
+            shown = picture(simulator, moment_of(demonstration, frame), size, view)
             panels.append(Panel(shown, _caption(task, scene, k, headings)[0]))
             progress(len(panels), len(frames))
     pictures = [sheet([panel], 1, lines=line_count(panels)) for panel in panels]
@@ -153,7 +158,7 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
         if unfit is not None:
             raise QueryError(unfit)
         return shown.moments
-    moments = tuple(_moment(shown, frame) for frame in shown.ends.tolist())
+    moments = tuple(moment_of(shown, frame) for frame in shown.ends.tolist())
     if len(moments) != len(task.actions) + 1:
         raise QueryError(f"the demonstration has {plural(len(moments), 'state')}, the task {_actions(task)}")
     return moments
@@ -185,12 +190,6 @@ def _simulator(
             for fault in broken_numbers(moment, physical, simulator, tolerance):
                 raise QueryError(f"state {k}: {fault}")
         yield simulator
-
-
-def _moment(demonstration: Demonstration, frame: int) -> Moment:
-    """Return what a frame of a demonstration shows."""
-    poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
-    return Moment(poses, demonstration.arms(frame), demonstration.opened(frame))
 
 
 def _check_headings(task: Task, headings: Sequence[str | None] | None) -> None:

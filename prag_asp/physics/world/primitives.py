@@ -19,6 +19,11 @@ GEOMETRIES: Mapping[str, int] = {
 """What PyBullet calls the solids; of a mesh it takes the hull of each part."""
 
 NOTHING = -1
+SHADE, BELT, SPOT, STANDING_OUT = 0.45, 0.12, 0.5, 0.02
+"""How bright the marks on a ball are beside it, how high its belt and how large its spot are beside its diameter, and
+how far both stand out."""
+
+ASIDE = (0.6, 0.0, 0.8)
 STRAIGHT = (0.0, 0.0, 0.0)
 
 
@@ -28,30 +33,49 @@ def make_shapes(solids: Sequence[Solid], client: int, color: str | None) -> tupl
     Raises:
         SceneError: PyBullet refuses one, or a mesh cannot be read.
     """
-    # Each kind of solid takes what it needs of these.
-    sizes = {
-        "shapeTypes": [GEOMETRIES[solid.kind] for solid in solids],
-        "radii": [solid.size[0] / 2 for solid in solids],
-        "lengths": [solid.size[2] for solid in solids],
-        "halfExtents": [tuple(side / 2 for side in solid.size) for solid in solids],
-    }
-    places = [solid.at for solid in solids]
     body = pybullet.createCollisionShapeArray(
-        **sizes, collisionFramePositions=places, **_turned("collision", solids), physicsClientId=client
+        **_sizes(solids),
+        collisionFramePositions=[solid.at for solid in solids],
+        **_turned("collision", solids),
+        physicsClientId=client,
     )
     looks = NOTHING
     if color is not None:
-        rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]
+        rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+        marks = _marks(solids[0]) if [solid.kind for solid in solids] == ["sphere"] else []
+        seen = [*solids, *marks]
+        colors = [[*rgba, 1.0]] * len(solids) + [[*(SHADE * part for part in rgba), 1.0]] * len(marks)
         looks = pybullet.createVisualShapeArray(
-            **sizes,
-            visualFramePositions=places,
-            **_turned("visual", solids),
-            rgbaColors=[rgba] * len(solids),
+            **_sizes(seen),
+            visualFramePositions=[solid.at for solid in seen],
+            **_turned("visual", seen),
+            rgbaColors=colors,
             physicsClientId=client,
         )
     if body < 0 or (looks < 0 and color is not None):
         raise SceneError(f"PyBullet refuses a body of {list(solids)}")
     return int(body), int(looks)
+
+
+def _sizes(solids: Sequence[Solid]) -> dict[str, Any]:
+    """Return the arguments for the sizes of solids, of which each kind takes what it needs."""
+    return {
+        "shapeTypes": [GEOMETRIES[solid.kind] for solid in solids],
+        "radii": [solid.size[0] / 2 for solid in solids],
+        "lengths": [solid.size[2] for solid in solids],
+        "halfExtents": [tuple(side / 2 for side in solid.size) for solid in solids],
+    }
+
+
+def _marks(ball: Solid) -> list[Solid]:
+    """Return what is drawn on a ball, so that its turn is seen from everywhere: a belt, and a spot beside it."""
+    across, (x, y, z) = ball.size[0], ball.at
+    belt, spot = BELT * across, SPOT * across
+    off = (1 + STANDING_OUT) * across / 2 - spot / 2
+    return [
+        Solid("cylinder", ((1 + STANDING_OUT) * across, (1 + STANDING_OUT) * across, belt), ball.at),
+        Solid("sphere", (spot, spot, spot), (x + off * ASIDE[0], y + off * ASIDE[1], z + off * ASIDE[2])),
+    ]
 
 
 def _turned(what: str, solids: Sequence[Solid]) -> dict[str, Any]:

@@ -11,12 +11,14 @@ from dataclasses import replace
 from typing import Any
 
 from prag_asp.scene.model import IGNORED, Own, Scene, Shape, Table
+from prag_asp.scene.read.cameras import read_cameras
 from prag_asp.scene.read.looks import read_colors, read_materials
 from prag_asp.scene.read.places import place_problems, read_fixed, read_table, read_workspace
 from prag_asp.scene.read.report import Report, is_number
 from prag_asp.scene.read.robots import base_problems, read_robots
 from prag_asp.scene.read.shapes import read_shapes
 from prag_asp.scene.read.stability import falls
+from prag_asp.scene.read.vary import read_vary
 from prag_asp.scene.robots import ROBOTS
 from prag_asp.scene.vocabulary import PREDICATE_ROLES
 from prag_asp.wording import did_you_mean
@@ -35,6 +37,8 @@ SCENE_KEYS = (
     "predicates",
     "rotations",
     "own",
+    "cameras",
+    "vary",
 )
 
 
@@ -46,18 +50,23 @@ def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own])
     sizes = read_shapes(report, report.section(table, "shapes"))
     shapes = {entity: several[-1] for entity, several in sizes.items()}
     usual = report.choice(table, "robot", tuple(ROBOTS))
+    arms = {entity: shape for entity, shape in shapes.items() if shape.kind == "robot"}
+    robots = read_robots(report, report.section(table, "robots"), shapes, usual)
+    top = read_table(report, report.section(table, "table"))
     scene = Scene(
         shapes=shapes,
-        robots=read_robots(report, report.section(table, "robots"), shapes, usual),
+        robots=robots,
         frame=report.choice(table, "frame", FRAMES),
         workspace=read_workspace(report, report.section(table, "workspace")),
-        table=read_table(report, report.section(table, "table")),
-        colors=read_colors(report, report.section(table, "colors"), shapes),
+        table=top,
+        colors=read_colors(report, report.section(table, "colors"), shapes, top.color),
         fixed=read_fixed(report, report.section(table, "fixed"), shapes),
         predicates=_predicates(report, report.section(table, "predicates"), own),
         rotations=_rotations(report, report.section(table, "rotations")),
         materials=read_materials(report, report.section(table, "materials")),
         own=own,
+        cameras=read_cameras(report, report.section(table, "cameras"), {**robots, **arms}),
+        vary=read_vary(report, report.section(table, "vary")),
         ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:

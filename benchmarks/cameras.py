@@ -1,0 +1,104 @@
+"""What a picture with depth and entities costs, beside one of the robot's whole meshes, in alternated blocks.
+
+    python benchmarks/cameras.py tabletop --size 128 --blocks 12
+
+Processor time of one core in milliseconds, the smallest and the middle of the blocks: read the ratios.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from prag_asp import TaskSpace, load_domain, load_scene
+from prag_asp.physics import Budget, Demonstration, Staging, film, open_validator
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.filming.film import moment_of
+from prag_asp.physics.filming.studio import matrices, open_studio
+from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.model import Scene
+
+PICTURES = 8
+"""Pictures of a block, evenly over the recording."""
+
+
+def main() -> None:
+    """Demonstrate a task, look at it in several ways, print a table."""
+    options = _options()
+    scene = load_scene(load_domain(options.domain))
+    shown = _demonstrated(options.domain, scene, options.seed)
+    cameras = Staging(tuple(scene.cameras), (options.size, options.size)).cameras_of(scene)
+    moments = [moment_of(shown, int(k)) for k in np.linspace(0, len(shown.times) - 1, PICTURES)]
+    ways: dict[tuple[str, str], Callable[[], None]] = {}
+    with ExitStack() as resources:
+        studio = resources.enter_context(open_studio(shown.sized(scene), shown.objects))
+        whole = resources.enter_context(open_simulator(shown.sized(scene), visual=True))
+
+        def ours(camera: Camera) -> None:
+            for moment in moments:
+                studio.show(moment)
+                studio.take(camera)
+
+        def meshes(camera: Camera) -> None:
+            for moment in moments:
+                whole.show(moment)
+                studio.show(moment)  # which knows where the camera at the wrist is
+                view = matrices(camera, studio.pose(camera))
+                tiny = {"renderer": pybullet.ER_TINY_RENDERER, "shadow": 0, "physicsClientId": whole.client}
+                pybullet.getCameraImage(*camera.size, *view, **tiny)
+
+        for name, camera in cameras.items():
+            ways[name, "few corners, table by rays"] = lambda camera=camera: ours(camera)
+            ways[name, "whole meshes"] = lambda camera=camera: meshes(camera)
+        blocks: dict[tuple[str, str], list[float]] = {way: [] for way in ways}
+        for _ in range(options.blocks):
+            for way, run in ways.items():
+                blocks[way].append(_timed(run, PICTURES))
+    staging = Staging(tuple(cameras), (options.size, options.size), rate=20)
+    pictures = len(shown.times) * len(cameras)
+    filmed = [_timed(lambda: film(shown, scene, staging), pictures) for _ in range(3)]
+    table = Table("camera", "how", "least, ms", "middle, ms", "whole : ours")
+    for (name, how), found in blocks.items():
+        ratio = statistics.median(blocks[name, "whole meshes"]) / statistics.median(found)
+        table.add_row(name, how, f"{min(found):.2f}", f"{statistics.median(found):.2f}", f"{ratio:.1f}")
+    table.add_row("all", "a whole film, compressed", f"{min(filmed):.2f}", f"{statistics.median(filmed):.2f}", "")
+    Console().print(table)
+
+
+def _timed(run: Callable[[], object], count: int) -> float:
+    """Return the milliseconds of processor time that one of so many pictures takes."""
+    begun = time.process_time()
+    run()
+    return (time.process_time() - begun) / count * 1000
+
+
+def _demonstrated(name: str, scene: Scene, seed: int) -> Demonstration:
+    """Return the recording of the first task that is demonstrated."""
+    with open_validator(scene) as validator:
+        for index, task in enumerate(TaskSpace(load_domain(name), 3).draw(seed=seed)):
+            verdict = validator.validate(task, seed=seed, index=index, budget=Budget(tier="demonstration"))
+            if verdict.demonstration is not None:
+                return verdict.demonstration
+    raise AssertionError("spaces have no end of draws")
+
+
+def _options() -> argparse.Namespace:
+    """Return the options of the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("domain", nargs="?", default="tabletop")
+    parser.add_argument("--size", type=int, default=128)
+    parser.add_argument("--blocks", type=int, default=12)
+    parser.add_argument("--seed", type=int, default=7)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,211 @@
+"""What cameras see while a robot performs a task, and what its hands do meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, BinaryIO, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.arrays import BadArchive, read_arrays
+from prag_asp.physics.demonstration.packing import Packed, read_packed
+
+RGB, DEPTH = "u1", "<f2"
+"""How the pictures are stored: a depth keeps eleven bits, so that 1 m is right to half a millimetre."""
+
+BYTES = 256
+
+NOTHING = "nothing"
+"""What the legend calls what is no entity: all around the table."""
+
+LISTS = ("frames", "tools", "deltas", "grippers", "subgoals", "legend", "cameras")
+OF_CAMERA = ("intrinsics", "extrinsics", "limits")
+PIXEL_LIMIT = 4096
+
+
+def segmentation_type(legend: Sequence[str]) -> str:
+    """Return how positions in a legend are stored."""
+    return "u1" if len(legend) <= BYTES else "<u2"
+
+
+class Picture(NamedTuple):
+    """What a camera sees at a moment: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
+
+    The depth is along the axis of the camera, 0 where there is nothing; the segmentation is positions in the legend.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float16]
+    segmentation: NDArray[np.unsignedinteger[Any]]
+
+
+@dataclass(frozen=True)
+class Film:
+    """What one camera saw, N pictures of H x W pixels: see `Picture`.
+
+    `intrinsics` (3, 3) has fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) the pose of the camera in the scene in
+    metres, its axes to the right of the picture, down and ahead; `limits` (2,) how near and how far it sees, in metres.
+    """
+
+    intrinsics: NDArray[np.float32]
+    extrinsics: NDArray[np.float32]
+    limits: NDArray[np.float32]
+    packed: tuple[Packed, Packed, Packed]
+
+    @property
+    def rgb(self) -> NDArray[np.uint8]:
+        """All pictures, shape (N, H, W, 3)."""
+        return self.packed[0].array()
+
+    @property
+    def depth(self) -> NDArray[np.float16]:
+        """All depths in metres, shape (N, H, W)."""
+        return self.packed[1].array()
+
+    @property
+    def segmentation(self) -> NDArray[np.unsignedinteger[Any]]:
+        """Which entity each pixel shows, as positions in the legend, shape (N, H, W)."""
+        return self.packed[2].array()
+
+    def pictures(self) -> Iterator[Picture]:
+        """Yield the pictures in turn, of which only one is unpacked at a time."""
+        for rgb, depth, segmentation in zip(*(each.rows() for each in self.packed), strict=True):
+            yield Picture(rgb, depth, segmentation)
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether two films are the same, bit by bit."""
+        if not isinstance(other, Film):
+            return NotImplemented
+        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in OF_CAMERA)
+        return same and self.packed == other.packed
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class Footage:
+    """The films of a recording, by the names of the cameras, and what its R robots do in each of the N pictures.
+
+    `frames` (N,) are the frames of the recording that are shown; `tools` (N, R, 7) the poses of the points between the
+    finger tips as x, y, z in metres and a quaternion x, y, z, w; `deltas` (N, R, 6) how they move until the next
+    picture: metres along the axes of the scene, and a rotation vector in radians, about those too; `grippers` (N, R)
+    how far they are open in metres; `subgoals` (N,) which of the task's subgoals is being worked for, 0 the first.
+    `legend` says what the numbers of the segmentation mean.
+    """
+
+    frames: NDArray[np.int32]
+    tools: NDArray[np.float32]
+    deltas: NDArray[np.float32]
+    grippers: NDArray[np.float32]
+    subgoals: NDArray[np.int32]
+    legend: tuple[str, ...]
+    films: Mapping[str, Film]
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether two are the same, bit by bit."""
+        if not isinstance(other, Footage):
+            return NotImplemented
+        names = [each.name for each in fields(self) if each.name != "films"]
+        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+        return same and self.films == other.films
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the arrays of a file that are small."""
+        found: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in LISTS[:5]}
+        found |= {"legend": np.array(self.legend), "cameras": np.array(tuple(self.films))}
+        for name, film in self.films.items():
+            found |= {f"{name}/{each}": getattr(film, each) for each in OF_CAMERA}
+        return found
+
+    def packed(self) -> dict[str, Packed]:
+        """Return the arrays of a file that are large."""
+        return {
+            f"{name}/{what}": packed
+            for name, film in self.films.items()
+            for what, packed in zip(Picture._fields, film.packed, strict=True)
+        }
+
+
+def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Footage | None:
+    """Return the films of a recording with so many frames and robots, None where it has none.
+
+    `at_most` bounds the bytes of what is not pictures.
+
+    Raises:
+        OSError: the file cannot be read.
+        BadArchive: they are of another form.
+        ValueError: they do not fit the recording.
+    """
+    lists = read_arrays(file, LISTS, at_most)
+    if not lists:
+        return None
+    for name in LISTS:
+        if name not in lists:
+            raise BadArchive(f"it has no {name}")
+    for name in ("legend", "cameras"):
+        if lists[name].ndim != 1 or lists[name].dtype.kind != "U":
+            raise ValueError(f"{name} has to hold a list of names")
+    legend, cameras = (tuple(map(str, lists[name].tolist())) for name in ("legend", "cameras"))
+    count = len(lists["frames"]) if lists["frames"].ndim == 1 else -1
+    wanted = {
+        "frames": ((count,), "iu"),
+        "tools": ((count, robots, 7), "f"),
+        "deltas": ((count, robots, 6), "f"),
+        "grippers": ((count, robots), "f"),
+        "subgoals": ((count,), "iu"),
+    }
+    _require(lists, wanted)
+    if count < 1 or not 0 <= lists["frames"].min() <= lists["frames"].max() < frames:
+        raise ValueError(f"frames has to hold numbers of frames; it has {frames} frames")
+    return Footage(
+        frames=lists["frames"].astype(np.int32),
+        tools=lists["tools"].astype(np.float32),
+        deltas=lists["deltas"].astype(np.float32),
+        grippers=lists["grippers"].astype(np.float32),
+        subgoals=lists["subgoals"].astype(np.int32),
+        legend=legend,
+        films={name: _film(file, name, count, segmentation_type(legend), at_most) for name in cameras},
+    )
+
+
+def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int) -> Film:
+    """Return the film of one camera.
+
+    Raises:
+        BadArchive: it is of another form.
+        ValueError: it does not fit the others.
+    """
+    names = [f"{camera}/{name}" for name in OF_CAMERA]
+    found = read_arrays(file, names, at_most)
+    shapes = [(3, 3), (count, 4, 4), (2,)]
+    _require(found, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
+    intrinsics, extrinsics, limits = (found[name].astype(np.float32) for name in names)
+    # The middle of a picture is half its sides.
+    width, height = (round(2 * float(intrinsics[i, 2])) for i in (0, 1))
+    if not (0 < width <= PIXEL_LIMIT and 0 < height <= PIXEL_LIMIT):
+        raise ValueError(f"{camera}/intrinsics tells of pictures of {width} x {height} pixels")
+    pixels = (count, height, width)
+    forms = (((*pixels, 3), RGB), (pixels, DEPTH), (pixels, segmented))
+    packed = read_packed(file, dict(zip((f"{camera}/{name}" for name in Picture._fields), forms, strict=True)))
+    rgb, depth, segmentation = packed.values()
+    return Film(intrinsics, extrinsics, limits, (rgb, depth, segmentation))
+
+
+def _require(found: Mapping[str, NDArray[Any]], wanted: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
+    """Check shapes and kinds of arrays.
+
+    Raises:
+        BadArchive: one is missing.
+        ValueError: one is of another shape or kind.
+    """
+    for name, (shape, kinds) in wanted.items():
+        if name not in found:
+            raise BadArchive(f"it has no {name}")
+        if found[name].shape != shape:
+            raise ValueError(f"{name} has the shape {found[name].shape} in place of {shape}")
+        if found[name].dtype.kind not in kinds or not np.isfinite(found[name]).all():
+            raise ValueError(f"{name} has to hold {'whole' if kinds == 'iu' else 'finite'} numbers")

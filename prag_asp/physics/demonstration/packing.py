@@ -1,0 +1,205 @@
+"""Arrays that are compressed while they come, and go into an archive of arrays as they are.
+
+A film is much larger than what it becomes: so each picture is compressed when it is there, and never unpacked on its
+way to the file. The parts of an archive are written as PKWARE's APPNOTE (6.3.10, 4.3.7, 4.3.12 and 4.3.16) tells.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from io import BytesIO
+from itertools import repeat
+from typing import Any, BinaryIO
+from zipfile import BadZipFile, ZipFile, ZipInfo
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from prag_asp.arrays import SUFFIX, BadArchive
+from prag_asp.errors import QueryError
+
+LEVEL = 1
+"""Of compression: the sixth makes pictures a fifth smaller, and takes four times as long."""
+
+RAW = -15
+"""What zlib calls a stream without a head, as archives have them."""
+
+LOCAL, CENTRAL, END = struct.Struct("<4s5H3L2H"), struct.Struct("<4s6H3L5H2L"), struct.Struct("<4s4H2LH")
+VERSION, UTF8, DEFLATED, FIRST_DAY = 20, 1 << 11, 8, 33
+LARGEST = 2**32 - 1
+PIECE = 1 << 16
+BROKEN = "the pictures of a recording were cut off or changed; record it anew"
+
+
+@dataclass(frozen=True)
+class Packed:
+    """An array of N rows of a shape, as the compressed stream of a .npy file with its checksum and its size."""
+
+    count: int
+    row: tuple[int, ...]
+    dtype: str
+    stream: bytes = field(repr=False)
+    checksum: int
+    size: int
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the whole array."""
+        return (self.count, *self.row)
+
+    def rows(self) -> Iterator[NDArray[Any]]:
+        """Yield one row after the other; only one is unpacked at a time.
+
+        Raises:
+            QueryError: the stream was cut off or changed.
+        """
+        kind = np.dtype(self.dtype)
+        length = int(np.prod(self.row, dtype=np.int64)) * kind.itemsize
+        unpacked = _unpacked(self, len(_head(self.shape, kind)), length)
+        next(unpacked)
+        for content in unpacked:
+            yield np.frombuffer(content, kind).reshape(self.row)
+
+    def array(self) -> NDArray[Any]:
+        """Return the whole array.
+
+        Raises:
+            QueryError: the stream was cut off or changed.
+        """
+        found = np.empty(self.shape, self.dtype)
+        for i, row in enumerate(self.rows()):
+            found[i] = row
+        return found
+
+
+class Packer:
+    """Packs an array of a known number of rows, one after the other."""
+
+    def __init__(self, count: int, row: tuple[int, ...], dtype: str):
+        self._shape, self._kind = (count, *row), np.dtype(dtype)
+        self._compressor = zlib.compressobj(LEVEL, zlib.DEFLATED, RAW)
+        self._pieces: list[bytes] = []
+        self._checksum, self._size = 0, 0
+        self._take(_head(self._shape, self._kind))
+
+    def add(self, row: NDArray[Any]) -> None:
+        """Pack the next row."""
+        assert row.shape == self._shape[1:] and row.dtype == self._kind
+        self._take(np.ascontiguousarray(row).tobytes())
+
+    def finish(self) -> Packed:
+        """Return the array, whose rows are all there."""
+        self._pieces.append(self._compressor.flush())
+        count, *row = self._shape
+        return Packed(count, tuple(row), self._kind.str, b"".join(self._pieces), self._checksum, self._size)
+
+    def _take(self, content: bytes) -> None:
+        self._pieces.append(self._compressor.compress(content))
+        self._checksum, self._size = zlib.crc32(content, self._checksum), self._size + len(content)
+
+
+def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
+    """Return an archive that has more arrays, by their names.
+
+    Raises:
+        ValueError: it would be larger than archives of this kind can be, 4 GB.
+    """
+    signature, disc, first, _, entries, size, begin, _ = END.unpack(archive[-END.size :])
+    head, directory = archive[:begin], archive[begin : begin + size]
+    pieces, at = [head], len(head)
+    for name, packed in arrays.items():
+        file = f"{name}{SUFFIX}".encode()
+        told = (VERSION, UTF8, DEFLATED, 0, FIRST_DAY, packed.checksum, len(packed.stream), packed.size, len(file), 0)
+        if max(at, packed.size) + len(packed.stream) > LARGEST:
+            raise ValueError("it is larger than 4 GB; film fewer, smaller or rarer pictures")
+        local = LOCAL.pack(b"PK\3\4", *told) + file
+        directory += CENTRAL.pack(b"PK\1\2", VERSION, *told, 0, 0, 0, 0, at) + file
+        pieces += [local, packed.stream]
+        at += len(local) + len(packed.stream)
+    entries += len(arrays)
+    return b"".join([*pieces, directory, END.pack(signature, disc, first, entries, entries, len(directory), at, 0)])
+
+
+def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]) -> dict[str, Packed]:
+    """Return arrays of an archive without unpacking them, by their names, each with the shape and type it has to have.
+
+    Raises:
+        OSError: the file cannot be read.
+        BadArchive: one is missing, of another shape or type, or was cut off.
+    """
+    try:
+        with ZipFile(file) as archive:
+            members = {info.filename: info for info in archive.infolist()}
+            return {
+                name: _packed(archive, members.get(f"{name}{SUFFIX}"), file, name, shape, dtype)
+                for name, (shape, dtype) in names.items()
+            }
+    except (BadZipFile, struct.error, zlib.error, NotImplementedError, RuntimeError) as error:
+        raise BadArchive("it is another file than a .npz, or was cut off") from error
+
+
+def _packed(
+    archive: ZipFile, member: ZipInfo | None, file: BinaryIO, name: str, shape: tuple[int, ...], dtype: str
+) -> Packed:
+    """Return one array.
+
+    Raises:
+        BadArchive: it is missing, of another shape or type, or was cut off.
+    """
+    if member is None:
+        raise BadArchive(f"it has no {name}")
+    kind = np.dtype(dtype)
+    head = _head(shape, kind)
+    size = len(head) + int(np.prod(shape, dtype=np.int64)) * kind.itemsize
+    with archive.open(member) as content:
+        begin = content.read(len(head))
+    if begin != head or member.file_size != size or member.compress_type != DEFLATED:
+        raise BadArchive(f"{name} is not an array of {kind.name} of the shape {shape}")
+    file.seek(member.header_offset)
+    local = LOCAL.unpack(file.read(LOCAL.size))
+    file.seek(local[-2] + local[-1], 1)
+    stream = file.read(member.compress_size)
+    if len(stream) != member.compress_size:
+        raise BadArchive(f"{name} was cut off")
+    return Packed(shape[0], shape[1:], kind.str, stream, member.CRC, size)
+
+
+def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:
+    """Return how a .npy file of an array begins."""
+    buffer = BytesIO()
+    npy.write_array_header_1_0(
+        buffer, {"descr": npy.dtype_to_descr(kind), "fortran_order": False, "shape": tuple(shape)}
+    )
+    return buffer.getvalue()
+
+
+def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
+    """Yield what the stream of an array holds: its head, then its rows, each of a length in bytes.
+
+    Raises:
+        QueryError: it was cut off or changed.
+    """
+    decompressor, rest, at, found = zlib.decompressobj(RAW), b"", 0, 0
+    try:
+        for wanted in (head, *repeat(length, packed.count)):
+            held = bytearray()
+            while len(held) < wanted:
+                if not rest:
+                    rest = packed.stream[at : at + PIECE]
+                    at += PIECE
+                piece = decompressor.decompress(rest, wanted - len(held))
+                if not piece and not rest:
+                    raise QueryError(BROKEN)
+                rest = decompressor.unconsumed_tail
+                held += piece
+            found = zlib.crc32(held, found)
+            yield bytes(held)
+        beyond = decompressor.decompress(rest + packed.stream[at:], 1)
+    except zlib.error as error:
+        raise QueryError(BROKEN) from error
+    if beyond or not decompressor.eof or found != packed.checksum:
+        raise QueryError(BROKEN)

@@ -1,0 +1,1 @@
+"""What cameras of a scene see of a recording."""

@@ -1,0 +1,135 @@
+"""The table, the zones on it and what is around, by one ray a pixel.
+
+They are large, and TinyRenderer's time grows with the pixels of a triangle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.situation import TABLE_THICKNESS
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.model import Scene
+
+SKY, GROUND = (247, 249, 252), (214, 221, 230)
+AMBIENT, DIFFUSE = 0.62, 0.42
+UPWARDS = 2
+AROUND = 0
+"""The number of what is around the table."""
+
+LEVEL = np.float32(1e-7)
+"""A ray that rises less, or turns less, is taken to rise or turn by this much: nothing is divided by zero."""
+
+Floats = NDArray[np.float32]
+
+
+class Backdrop(NamedTuple):
+    """What is seen behind the robots and the objects: colours (H, W, 3), depths in metres and numbers (H, W).
+
+    The depth of what is around the table is infinite.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: Floats
+    numbers: NDArray[np.int32]
+
+
+class Patch(NamedTuple):
+    """A rectangle on the table: its middle, half its sides in metres, its yaw, its colour and its number."""
+
+    x: float
+    y: float
+    half: tuple[float, float]
+    yaw: float
+    color: str
+    number: int
+
+
+@lru_cache(maxsize=16)
+def _rays(camera: Camera) -> tuple[Floats, Floats]:
+    """Return how far to the right and down each pixel lies one metre ahead, shapes (1, W) and (H, 1)."""
+    (width, height), matrix = camera.size, camera.intrinsics
+    x = (np.arange(width) + 0.5 - matrix[0, 2]) / matrix[0, 0]
+    y = (np.arange(height) + 0.5 - matrix[1, 2]) / matrix[1, 1]
+    return x[None, :].astype(np.float32), y[:, None].astype(np.float32)
+
+
+def patches(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
+    """Return the zones of a scene as rectangles; `numbers` are those of the entities."""
+    found = []
+    for entity, shape in scene.shapes.items():
+        if shape.kind == "zone":
+            x, y, yaw = scene.fixed[entity]
+            found.append(Patch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
+    return found
+
+
+def backdrop(
+    scene: Scene,
+    camera: Camera,
+    pose: NDArray[np.float64],
+    zones: Sequence[Patch],
+    table: int,
+    light: Vector,
+) -> Backdrop:
+    """Return what a camera at a pose sees of the table, the zones and what is around.
+
+    `table` is the number of the table, `light` points to the light.
+    """
+    (x, y), turn = _rays(camera), pose[:3, :3].astype(np.float32)
+    ahead = [turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] for axis in range(3)]
+    rgb, numbers = _around(camera.size).copy(), np.full(ahead[0].shape, AROUND, dtype=np.int32)
+    depth = np.full(ahead[0].shape, np.inf, dtype=np.float32)
+    eye, half = pose[:3, 3].astype(np.float32), np.array([*scene.table.size, TABLE_THICKNESS], dtype=np.float32) / 2
+    centre = np.array([*scene.table.centre, -TABLE_THICKNESS / 2], dtype=np.float32)
+    for axis in range(3):
+        # Of two opposite faces the eye sees the one that it is in front of, and of a convex body no other hides it.
+        away = float(eye[axis] - centre[axis])
+        if abs(away) <= half[axis]:
+            continue
+        falling = np.where(np.abs(ahead[axis]) < LEVEL, LEVEL, ahead[axis])
+        far = np.float32(math.copysign(half[axis], away) - away) / falling
+        one, two = (other for other in range(3) if other != axis)
+        points = [eye[other] - centre[other] + far * ahead[other] for other in (one, two)]
+        seen = (far >= camera.near) & (far <= camera.far)
+        seen &= (np.abs(points[0]) <= half[one]) & (np.abs(points[1]) <= half[two])
+        shade = _shade(axis, away, light)
+        depth[seen], numbers[seen], rgb[seen] = far[seen], table, _shaded(scene.table.color, shade)
+        for zone in zones if axis == UPWARDS and away > 0.0 else ():
+            within = seen & _within(points[0] + centre[0], points[1] + centre[1], zone)
+            numbers[within], rgb[within] = zone.number, _shaded(zone.color, shade)
+    return Backdrop(rgb, depth, numbers)
+
+
+def _within(x: Floats, y: Floats, zone: Patch) -> NDArray[np.bool_]:
+    """Tell which points of the table's top lie in a zone."""
+    cosine, sine = math.cos(zone.yaw), math.sin(zone.yaw)
+    along, across = cosine * (x - zone.x) + sine * (y - zone.y), cosine * (y - zone.y) - sine * (x - zone.x)
+    found: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])
+    return found
+
+
+@lru_cache(maxsize=8)
+def _around(size: tuple[int, int]) -> NDArray[np.uint8]:
+    """Return a gradient, as high and broad as a picture."""
+    width, height = size
+    share = np.linspace(0.0, 1.0, height)[:, None]
+    rows = np.asarray(SKY) * (1 - share) + np.asarray(GROUND) * share
+    return np.broadcast_to(rows[:, None, :], (height, width, 3)).astype(np.uint8)
+
+
+def _shade(axis: int, side: float, light: Vector) -> float:
+    """Return how bright a surface is that looks along an axis, or against it where `side` is negative."""
+    return AMBIENT + DIFFUSE * max(0.0, math.copysign(1.0, side) * light[axis] / math.hypot(*light))
+
+
+def _shaded(color: str, shade: float) -> NDArray[np.uint8]:
+    """Return the parts of a colour like ``#e4572e``, from 0 to 255, under some light."""
+    return np.array([min(255.0, int(color[i : i + 2], 16) * shade) for i in (1, 3, 5)]).astype(np.uint8)

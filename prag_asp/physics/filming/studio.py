@@ -1,0 +1,186 @@
+"""A world that is only looked at: robots of few corners, the objects of a recording, and cameras.
+
+TinyRenderer draws robots and objects; table, zones and what is around come from `backdrop`, behind them by their depth.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.bullet import STDOUT, pybullet, silenced
+from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
+from prag_asp.physics.filming.backdrop import AMBIENT, DIFFUSE, Backdrop, Floats, backdrop, patches
+from prag_asp.physics.filming.looks import low_file
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.witness import Moment
+from prag_asp.physics.world.bodies import make_body
+from prag_asp.physics.world.collisions import BASE_LINK
+from prag_asp.physics.world.furniture import JOINT, set_opening
+from prag_asp.physics.world.simulated_arm import load_robot
+from prag_asp.physics.world.simulator import open_client, start_world
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.geometry import matrix
+from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import Joints, robot_of
+from prag_asp.scene.variation import USUAL_LIGHT, table_of
+
+SPECULAR, LIGHT_DISTANCE = 0.12, 3.0
+FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
+"""From the axes of a camera to those of OpenGL, whose y is up and whose z is backwards."""
+
+BODY, LINK = (1 << 24) - 1, 24
+"""Where the number of a body is in a pixel, and from which bit on that of a link, counted from -1."""
+
+RESTING = 0.002
+"""By how much the table may be nearer than what stands on it, in metres, and is still behind it."""
+
+
+class Studio:
+    """A world of a scene with some objects; use `open_studio`, which closes it."""
+
+    def __init__(self, scene: Scene, objects: Sequence[str], client: int, light: Vector = USUAL_LIGHT):
+        self._scene, self._client, self._light = scene, client, light
+        start_world(client)
+        self._robots = {name: robot_of(scene, name) for name in scene.robots}
+        self._arms = {
+            name: load_robot(client, low_file(mount.kind), self._robots[name].base, visual=True)
+            for name, mount in scene.robots.items()
+        }
+        self._bodies = {entity: make_body(client, scene, entity, (0.0, 0.0, -1.0), visual=True) for entity in objects}
+        table = table_of(scene)
+        zones = [entity for entity, shape in scene.shapes.items() if shape.kind == "zone"]
+        self.legend = (NOTHING, table, *scene.robots, *objects, *zones)
+        self._dtype = np.dtype(segmentation_type(self.legend))
+        numbers = {entity: number for number, entity in enumerate(self.legend)}
+        self._table, self._zones = numbers[table], patches(scene, numbers)
+        shown = {**self._arms, **self._bodies}
+        self._numbers = np.zeros(max(shown.values()) + 2, dtype=np.int32)
+        for entity, body in shown.items():
+            self._numbers[body + 1] = numbers[entity]
+        self._parts = {
+            body: tuple(
+                link for link in self._robots[name].links if link not in (BASE_LINK, *self._robots[name].arm_links)
+            )
+            for name, body in self._arms.items()
+        }
+        self._parts |= {
+            body: (JOINT,) for entity, body in self._bodies.items() if scene.shapes[entity].traits.furniture
+        }
+        self._joints: dict[str, Joints] = {}
+        self._poses: dict[Camera, NDArray[np.float64]] = {}
+        self._fixed: dict[Camera, Backdrop] = {}
+
+    def show(self, moment: Moment) -> None:
+        """Put everything where it is at a moment."""
+        for name, arm in moment.arms.items():
+            robot = self._robots[name]
+            driven, values = [*robot.arm_links, *robot.finger_joints], (*arm.joints, arm.width / 2, arm.width / 2)
+            states = [[value] for value in values]
+            pybullet.resetJointStatesMultiDof(self._arms[name], driven, states, physicsClientId=self._client)
+            self._joints[name] = arm.joints
+        for entity, pose in moment.poses.items():
+            pybullet.resetBasePositionAndOrientation(self._bodies[entity], *pose, physicsClientId=self._client)
+        for entity, opening in moment.openings.items():
+            set_opening(self._client, self._bodies[entity], opening)
+
+    def pose(self, camera: Camera) -> NDArray[np.float64]:
+        """Return where a camera is now, as a homogeneous matrix: its axes to the right, down and ahead."""
+        if camera not in self._poses:
+            self._poses[camera] = camera.pose
+        if not camera.mount:
+            return self._poses[camera]
+        return matrix(tool_pose(self._robots[camera.mount], self._joints[camera.mount])) @ self._poses[camera]
+
+    def take(self, camera: Camera) -> Picture:
+        """Return what a camera sees now."""
+        pose = self.pose(camera)
+        behind = self._behind(camera, pose)
+        colors, buffer, bodies = self._drawn(camera, pose)
+        near, far = camera.near, camera.far
+        depth = far * near / (far - (far - near) * buffer)
+        in_front = (bodies >= 0) & (depth < behind.depth + RESTING)
+        found = np.where(in_front, depth, behind.depth)
+        found[~np.isfinite(found)] = 0.0
+        return Picture(
+            np.where(in_front[..., None], colors, behind.rgb),
+            found.astype(np.float16),
+            np.where(in_front, self._numbers[bodies + 1], behind.numbers).astype(self._dtype),
+        )
+
+    def counts(self, camera: Camera) -> Counter[str]:
+        """Return how many pixels show each object, of furniture the part that moves, and each robot's hand.
+
+        Hands go by the names of their robots.
+        """
+        flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
+        _, _, found = self._drawn(camera, self.pose(camera), flags)
+        seen: Counter[str] = Counter()
+        for value, count in zip(*np.unique(found[found >= 0], return_counts=True), strict=True):
+            body, link = int(value) & BODY, (int(value) >> LINK) - 1
+            if link in self._parts.get(body, (link,)):
+                seen[self.legend[self._numbers[body + 1]]] += int(count)
+        return seen
+
+    def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> Backdrop:
+        """Return the backdrop of a camera, which is the same for one that is fixed."""
+        known = None if camera.mount else self._fixed.get(camera)
+        if known is None:
+            known = backdrop(self._scene, camera, pose, self._zones, self._table, self._light)
+            self._fixed[camera] = known
+        return known
+
+    def _drawn(
+        self, camera: Camera, pose: NDArray[np.float64], flags: int = 0
+    ) -> tuple[NDArray[np.uint8], Floats, NDArray[np.int32]]:
+        """Return colours, buffer of depths from 0 to 1 and bodies, -1 for none, as TinyRenderer draws them."""
+        width, height = camera.size
+        result = pybullet.getCameraImage(
+            width,
+            height,
+            *matrices(camera, pose),
+            lightDirection=self._light,
+            lightAmbientCoeff=AMBIENT,
+            lightDiffuseCoeff=DIFFUSE,
+            lightSpecularCoeff=SPECULAR,
+            lightDistance=LIGHT_DISTANCE,
+            shadow=False,
+            renderer=pybullet.ER_TINY_RENDERER,
+            flags=flags,
+            physicsClientId=self._client,
+        )
+        # A PyBullet that was built without NumPy returns flat tuples.
+        colors = np.asarray(result[2], dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
+        buffer = np.asarray(result[3], dtype=np.float32).reshape(height, width)
+        return colors, buffer, np.asarray(result[4], dtype=np.int32).reshape(height, width)
+
+
+def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], list[float]]:
+    """Return the matrices of view and projection by their columns, for TinyRenderer.
+
+    That draws what is at the left of a pixel and at its lower end, by measurement; so all is moved by half a pixel.
+    """
+    width, height = camera.size
+    view = FLIPPED @ np.linalg.inv(pose)
+    projection = pybullet.computeProjectionMatrixFOV(camera.field_of_view, width / height, camera.near, camera.far)
+    moved = list(projection)
+    moved[8], moved[9] = moved[8] + 1 / width, moved[9] + 1 / height
+    return view.T.ravel().tolist(), moved
+
+
+@contextmanager
+def open_studio(scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT) -> Iterator[Studio]:
+    """Open a world to look at some objects of a scene in, and close it afterwards.
+
+    Raises:
+        SceneError: a robot cannot be loaded, or PyBullet refuses a body.
+    """
+    with open_client() as client:
+        with silenced(STDOUT):
+            studio = Studio(scene, objects, client, light)
+        yield studio

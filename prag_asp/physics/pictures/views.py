@@ -1,0 +1,101 @@
+"""From where to draw a task: so that what acts, what is acted on, and what that touches are seen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from itertools import product
+
+from prag_asp.physics.facts import facts
+from prag_asp.physics.filming.studio import open_studio
+from prag_asp.physics.witness import Moment
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.cameras import FIELD_OF_VIEW, TOWARDS_EYE, Camera, fitted
+from prag_asp.scene.model import Scene
+from prag_asp.task import Task
+
+AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)
+"""Directions to the eye: degrees from the axis that points away from the robot, so that left and right stay what they
+are to someone who faces it; and heights beside the way along the table."""
+
+FAVOUR = 1.1
+"""How much better another view has to be than the usual one."""
+
+SMALL, FAR = 96, 10.0
+"""Pixels of the longer side of the pictures that views are judged by, and how far these see, in metres."""
+
+ABOVE_TABLE, ABOVE_BASE, BEHIND_BASE = 0.06, 0.78, 0.12
+"""How high over the table things stand, and how high over its base and how far behind it the elbow of a robot is, in
+metres."""
+
+View = tuple[Vector, Vector]
+"""Where the eye of a picture is, and what it looks at, in metres."""
+
+
+def best_view(
+    task: Task, moments: Sequence[Moment], scene: Scene, size: tuple[int, int], states: Iterable[int] | None = None
+) -> View:
+    """Return the view in which the states of a task show best what is done; `size` is that of a picture in pixels.
+
+    Of each state count the things that its action and its subgoal name, and the hand that acts, each by the pixels that
+    show it beside the most that any view shows: their mean, and the one that is seen worst. `moments` are all states;
+    `states` are those that are drawn, as a rule all.
+    """
+    aspect = size[0] / size[1]
+    views = [view_from(scene, aspect, towards) for towards in (TOWARDS_EYE, *_directions())]
+    shown = [(k, acting(task, scene, k)) for k in (range(len(moments)) if states is None else states)]
+    shown = [(k, things) for k, things in shown if things]
+    if not shown:
+        return views[0]
+    scale = SMALL / max(size)
+    small = (max(16, round(size[0] * scale)), max(16, round(size[1] * scale)))
+    cameras = [Camera(*view, FIELD_OF_VIEW, size=small, near=0.1, far=FAR) for view in views]
+    scores = [0.0] * len(views)
+    with open_studio(scene, tuple(moments[0].poses)) as studio:
+        for k, things in shown:
+            studio.show(moments[k])
+            seen = [studio.counts(camera) for camera in cameras]
+            most = {thing: max(counts[thing] for counts in seen) or 1 for thing in things}
+            for i, counts in enumerate(seen):
+                shares = [counts[thing] / most[thing] for thing in sorted(things)]
+                scores[i] += sum(shares) / len(shares) + min(shares)
+    scores[0] *= FAVOUR
+    return views[scores.index(max(scores))]
+
+
+def acting(task: Task, scene: Scene, state: int) -> set[str]:
+    """Return what the action that leads to a state acts with and on, and its subgoal names; nothing at the start."""
+    if state == 0:
+        return set()
+    action, subgoal = task.actions[state - 1], task.subgoals[state - 1]
+    named = {
+        *action.arguments,
+        *(argument for fact in facts(scene, subgoal) if fact.value for argument in fact.arguments),
+    }
+    things = {name for name in named if name in scene.shapes and scene.shapes[name].traits.body}
+    hands = named & scene.robots.keys() or ({next(iter(scene.robots))} if len(scene.robots) == 1 else set())
+    return things | hands
+
+
+def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> View:
+    """Return the view in a direction that just sees the workspace, the robots and what is fixed.
+
+    The aspect of the picture is its width by its height.
+    """
+    low_x, high_x, low_y, high_y = scene.workspace
+    corners = [(x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, ABOVE_TABLE)]
+    bases = [(mount.x, mount.y) for mount in scene.robots.values()]
+    robots = [(x, y, z) for x, y in bases for z in (0.0, ABOVE_BASE)]
+    robots += [(x - BEHIND_BASE, y, ABOVE_BASE) for x, y in bases]
+    if len(bases) > 1:  # the elbows of several arms swing out to the sides
+        robots += [(x, y + side, ABOVE_BASE / 2) for x, y in bases for side in (-ABOVE_BASE / 2, ABOVE_BASE / 2)]
+    return fitted((*corners, *robots, *scene.fixed_corners()), aspect, towards)
+
+
+def _directions() -> list[Vector]:
+    """Return the directions to the eye that are tried besides the usual one."""
+    found = []
+    for azimuth, height in product(AZIMUTHS, HEIGHTS):
+        angle = math.radians(azimuth)
+        found.append((math.cos(angle), math.sin(angle), height))
+    return found

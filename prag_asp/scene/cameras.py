@@ -1,0 +1,134 @@
+"""Cameras: where they are, what they look at, and how a point becomes a pixel.
+
+Lengths are metres. The axes of a camera are those of pinhole models: x to the right of the picture, y down, z ahead.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from prag_asp.scene.boxes import Vector
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+TOWARDS_EYE, FIELD_OF_VIEW = (0.86, 0.36, 0.56), 42.0
+"""The direction from what is seen to the eye, and how many degrees a picture is high, where nobody says otherwise."""
+
+FRONT = "front"
+"""The name of the camera of a scene that has none of its own."""
+
+BORDER = 0.97
+"""The share of a picture that what has to be seen may fill."""
+
+FITTINGS = 40
+HAND_ROOM = 0.3
+"""How high over the table a hand is seen in the picture of the usual camera, in metres."""
+
+STRAIGHT = 0.999
+"""A camera looks along an axis where the cosine of the angle between them is larger: that axis cannot be upwards."""
+
+
+class Camera(NamedTuple):
+    """A camera at a place in metres that looks at a point; `field_of_view` is how many degrees a picture is high.
+
+    With a `mount`, the name of a robot, both are in the frame of its tool, whose z axis is where the fingers point and
+    whose y axis that along which they open; and the tool's x axis is upwards in the picture, otherwise that of the
+    scene. `size` is width and height of a picture in pixels; what is nearer than `near` or farther than `far` metres
+    is not seen.
+    """
+
+    at: Vector
+    look_at: Vector
+    field_of_view: float = FIELD_OF_VIEW
+    mount: str = ""
+    size: tuple[int, int] = (128, 128)
+    near: float = 0.02
+    far: float = 5.0
+
+    @property
+    def intrinsics(self) -> NDArray[np.float64]:
+        """The matrix with the focal lengths fx and fy and the middle cx and cy in pixels, shape (3, 3).
+
+        The middle of the first pixel is at (0.5, 0.5), and pixels are square.
+        """
+        import numpy as np  # noqa: PLC0415 - whoever reads a scene may never look at it
+
+        width, height = self.size
+        focal = height / 2 / math.tan(math.radians(self.field_of_view) / 2)
+        return np.array([[focal, 0.0, width / 2], [0.0, focal, height / 2], [0.0, 0.0, 1.0]])
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """The camera in the frame of its mount, otherwise of the scene, as a homogeneous matrix, shape (4, 4)."""
+        import numpy as np  # noqa: PLC0415
+
+        eye, target = np.array(self.at), np.array(self.look_at)
+        ahead = (target - eye) / np.linalg.norm(target - eye)
+        up = (1.0, 0.0, 0.0) if self.mount else (0.0, 0.0, 1.0)
+        if abs(ahead @ up) > STRAIGHT:
+            up = (0.0, 1.0, 0.0) if self.mount else (1.0, 0.0, 0.0)
+        right = np.cross(ahead, up)
+        right /= np.linalg.norm(right)
+        placed = np.eye(4)
+        placed[:3] = np.column_stack([right, np.cross(ahead, right), ahead, eye])
+        return placed
+
+
+class Placed(Protocol):
+    """Where the base of a robot stands."""
+
+    @property
+    def x(self) -> float:
+        """Metres ahead."""
+
+    @property
+    def y(self) -> float:
+        """Metres to the left."""
+
+
+def usual_cameras(
+    workspace: tuple[float, float, float, float], robots: Mapping[str, Placed], fixed: Sequence[Vector] = ()
+) -> dict[str, Camera]:
+    """Return the cameras of a scene that says nothing: one in front.
+
+    It sees the workspace and the hands over it, the bases of the robots, and the points of what is fixed.
+    """
+    low_x, high_x, low_y, high_y = workspace
+    corners = tuple((x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, HAND_ROOM))
+    bases = tuple((mount.x, mount.y, 0.0) for mount in robots.values())
+    eye, target = fitted((*corners, *bases, *fixed), 1.0)
+    return {FRONT: Camera(eye, target)}
+
+
+@lru_cache(maxsize=1 << 7)
+def fitted(
+    seen: Sequence[Vector], aspect: float, towards: Vector = TOWARDS_EYE, field_of_view: float = FIELD_OF_VIEW
+) -> tuple[Vector, Vector]:
+    """Return the eye and its target, so that points just fit into a picture of an aspect (width by height).
+
+    `towards` is the direction from them to the eye.
+    """
+    import numpy as np  # noqa: PLC0415
+
+    axis = np.array(towards) / np.linalg.norm(towards)
+    right = np.cross((0.0, 0.0, 1.0), axis)
+    right /= np.linalg.norm(right)
+    axes = np.array([right, np.cross(axis, right), axis])
+    slope = BORDER * math.tan(math.radians(field_of_view) / 2)
+    slopes = np.array([slope * aspect, slope])
+    points = np.array(seen) @ axes.T
+    centre, distance = points.mean(axis=0), 1.0
+    for _ in range(FITTINGS):
+        # Every point asks for its distance; the middle of what is seen then becomes the middle of the picture.
+        offsets = points - centre
+        distance = float((offsets[:, 2] + (np.abs(offsets[:, :2]) / slopes).max(axis=1)).max())
+        shown = offsets[:, :2] / (distance - offsets[:, 2:])
+        centre[:2] += (shown.max(axis=0) + shown.min(axis=0)) / 2 * distance / 2
+    target = centre @ axes
+    eye = target + distance * axis
+    return (float(eye[0]), float(eye[1]), float(eye[2])), (float(target[0]), float(target[1]), float(target[2]))

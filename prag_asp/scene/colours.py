@@ -1,0 +1,82 @@
+"""Colours as people see them: CIELAB, in which equal distances look equally large.
+
+The distance is Delta E of 1976; from about 10 on two colours are told apart at a glance, and 20 by their names, mostly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+TO_XYZ = np.array(
+    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.119192, 0.9503041]]
+)
+"""From linear sRGB (IEC 61966-2-1), for daylight D65."""
+
+WHITE = TO_XYZ.sum(axis=1)
+EDGE = 6 / 29
+LEVELS = (0x10, 0x38, 0x60, 0x88, 0xB0, 0xD8, 0xF8)
+"""The levels of red, green and blue of which the colours of `more_colours` are mixed."""
+
+LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
+"""How dark and how light a colour of an object is, and how far from grey: robots and trays are grey, and no thing is as
+blue as a screen can be."""
+
+
+def to_lab(color: str) -> NDArray[np.float64]:
+    """Return lightness, a and b of a colour like ``#e4572e``."""
+    found: NDArray[np.float64] = _lab(np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)]]))[0]
+    return found
+
+
+def from_lab(lab: NDArray[np.float64]) -> str:
+    """Return the colour of the screen that is nearest in red, green and blue to lightness, a and b."""
+    y = (lab[0] + 16) / 116
+    bent = np.array([y + lab[1] / 500, y, y - lab[2] / 200])
+    xyz = WHITE * np.where(bent > EDGE, bent**3, 3 * EDGE**2 * (bent - 4 / 29))
+    linear = np.clip(np.linalg.solve(TO_XYZ, xyz), 0.0, 1.0)
+    bright = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return "#" + "".join(f"{round(255 * part):02x}" for part in bright.tolist())
+
+
+def apart(one: str, two: str) -> float:
+    """Return how different two colours look: Delta E."""
+    return float(np.linalg.norm(to_lab(one) - to_lab(two)))
+
+
+@lru_cache(maxsize=64)
+def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
+    """Return so many colours, each as different as can be from those that are taken and those before it.
+
+    Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985: the farthest point first.
+    """
+    rgb = np.array([(red, green, blue) for red in LEVELS for green in LEVELS for blue in LEVELS])
+    lab = _lab(rgb)
+    chroma = np.hypot(lab[:, 1], lab[:, 2])
+    fine = np.ones(len(lab), dtype=bool)
+    for values, (low, high) in ((lab[:, 0], LIGHTNESS), (chroma, CHROMA)):
+        fine &= (values >= low) & (values <= high)
+    rgb, lab = rgb[fine], lab[fine]
+    nearest = np.full(len(lab), np.inf)
+    for color in taken:
+        nearest = np.minimum(nearest, np.linalg.norm(lab - to_lab(color), axis=1))
+    found = []
+    for _ in range(count):
+        best = int(nearest.argmax())
+        nearest = np.minimum(nearest, np.linalg.norm(lab - lab[best], axis=1))
+        red, green, blue = rgb[best].tolist()
+        found.append(f"#{red:02x}{green:02x}{blue:02x}")
+    return tuple(found)
+
+
+def _lab(rgb: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return lightness, a and b of colours from 0 to 255, shape (N, 3)."""
+    bright = rgb / 255
+    linear = np.where(bright <= 0.04045, bright / 12.92, ((bright + 0.055) / 1.055) ** 2.4)
+    xyz = linear @ TO_XYZ.T / WHITE
+    bent = np.where(xyz > EDGE**3, np.cbrt(xyz), xyz / (3 * EDGE**2) + 4 / 29)
+    x, y, z = bent.T
+    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=1)

@@ -1,0 +1,201 @@
+"""What differs from recording to recording, so that who learns from them does not learn one world by heart.
+
+Each kind is drawn by itself: what else is drawn does not change it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from prag_asp.errors import QueryError
+from prag_asp.fields import Number, decoded, read
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.colours import from_lab, to_lab
+from prag_asp.scene.model import Scene
+from prag_asp.scene.solids import weight
+
+KINDS = ("friction", "mass", "light", "camera", "colour")
+"""What can vary."""
+
+USUAL_LIGHT: Vector = (-0.3, 0.8, 1.8)
+"""The direction to the light where it does not vary."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """What was drawn for a recording; what is missing is as the scene has it.
+
+    `friction` has coefficients and `mass` kilograms of entities, `light` the direction to it, `cameras` where each is
+    and what it looks at in metres, `colours` those of entities as ``#rrggbb``.
+    """
+
+    friction: Mapping[str, float] = field(default_factory=dict)
+    mass: Mapping[str, float] = field(default_factory=dict)
+    light: Vector | None = None
+    cameras: Mapping[str, tuple[Vector, Vector]] = field(default_factory=dict)
+    colours: Mapping[str, str] = field(default_factory=dict)
+
+    def applied(self, scene: Scene) -> Scene:
+        """Return a scene as it is with what was drawn; what it has no entity or camera for is left out."""
+        materials, shapes = dict(scene.materials), dict(scene.shapes)
+        for entity, coefficient in self.friction.items():
+            materials[entity] = scene.material(entity)._replace(friction=coefficient)
+        for entity, kilograms in self.mass.items():
+            shape = shapes.get(entity)
+            if shape is not None and shape.model is not None:
+                shapes[entity] = shape._replace(model=shape.model._replace(mass=kilograms))
+            elif shape is not None:
+                material = materials.get(entity, scene.material(entity))
+                density = material.density * kilograms / weight(scene, entity)
+                materials[entity] = material._replace(density=density)
+        cameras = {
+            name: camera._replace(at=self.cameras[name][0], look_at=self.cameras[name][1])
+            if name in self.cameras
+            else camera
+            for name, camera in scene.cameras.items()
+        }
+        colors, table = {**scene.colors, **self.colours}, scene.table
+        if (entity := table_of(scene)) in self.colours:
+            table = replace(table, color=self.colours[entity])
+        return replace(scene, materials=materials, shapes=shapes, cameras=cameras, colors=colors, table=table)
+
+    def to_text(self) -> str:
+        """Return what was drawn as JSON, without what was not."""
+        data: dict[str, Any] = {
+            "friction": dict(self.friction),
+            "mass": dict(self.mass),
+            "light": self.light,
+            "cameras": {name: {"at": at, "look_at": look_at} for name, (at, look_at) in self.cameras.items()},
+            "colours": dict(self.colours),
+        }
+        return json.dumps({name: value for name, value in data.items() if value})
+
+
+class _CameraForm(msgspec.Struct):
+    """Where a camera is, as it stands in a file."""
+
+    at: tuple[Number, Number, Number]
+    look_at: tuple[Number, Number, Number]
+
+
+class _Form(msgspec.Struct):
+    """A variation as it stands in a file."""
+
+    friction: dict[str, Number] = {}
+    mass: dict[str, Number] = {}
+    light: tuple[Number, Number, Number] | None = None
+    cameras: dict[str, _CameraForm] = {}
+    colours: dict[str, str] = {}
+
+
+def variation_of(text: str) -> Variation:
+    """Return the variation that `Variation.to_text` wrote.
+
+    Raises:
+        QueryError: the text is of another form; the message names the field by its path.
+    """
+    form = read(decoded(text), _Form, "varied")
+    for name, values in (("friction", form.friction), ("mass", form.mass)):
+        for entity, value in values.items():
+            if value < 0.0 or (name == "mass" and value == 0.0):
+                raise QueryError(f"varied.{name}.{entity}: needs a positive number; got {value!r}")
+    for entity, color in form.colours.items():
+        if len(color) != 7 or color[0] != "#" or not set(color[1:]) <= set("0123456789abcdef"):
+            raise QueryError(f'varied.colours.{entity}: needs a colour like "#e4572e"; got {color!r}')
+    for name, camera in form.cameras.items():
+        if math.dist(camera.at, camera.look_at) == 0.0:
+            raise QueryError(f"varied.cameras.{name}: looks at where it is")
+    if form.light is not None and not any(form.light):
+        raise QueryError("varied.light: has no direction")
+    cameras = {name: (camera.at, camera.look_at) for name, camera in form.cameras.items()}
+    return Variation(form.friction, form.mass, form.light, cameras, form.colours)
+
+
+def draw_variation(scene: Scene, kinds: Iterable[str], objects: Sequence[str], seed: Sequence[int]) -> Variation:
+    """Return what is drawn of some `KINDS` for the objects of a task, within the ranges of the scene.
+
+    Whatever depends on the order of entities depends on that of their names.
+    """
+    drawn = {kind: _DRAWERS[kind](scene, sorted(objects), [*seed, KINDS.index(kind)]) for kind in kinds}
+    return Variation(
+        friction=drawn.get("friction", {}),
+        mass=drawn.get("mass", {}),
+        light=drawn.get("light"),
+        cameras=drawn.get("camera", {}),
+        colours=drawn.get("colour", {}),
+    )
+
+
+def table_of(scene: Scene) -> str:
+    """Return the entity that is the table, ``table`` where none is."""
+    return next((entity for entity, shape in scene.shapes.items() if shape.kind == "table"), "table")
+
+
+def _friction(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, float]:
+    """Return coefficients of friction of the objects and the table."""
+    rng, table = np.random.default_rng(seed), table_of(scene)
+    entities = [*objects, *([table] if table in scene.shapes else [])]
+    return {entity: scene.material(entity).friction * float(rng.uniform(*scene.vary.friction)) for entity in entities}
+
+
+def _mass(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, float]:
+    """Return what the objects that can be moved weigh, in kilograms."""
+    rng = np.random.default_rng(seed)
+    free = [entity for entity in objects if entity not in scene.fixed and not scene.shapes[entity].traits.furniture]
+    return {entity: weight(scene, entity) * float(rng.uniform(*scene.vary.mass)) for entity in free}
+
+
+def _light(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> Vector:
+    """Return a direction to the light, evenly among those at most so far turned away from the usual one."""
+    rng = np.random.default_rng(seed)
+    usual = np.array(USUAL_LIGHT) / np.linalg.norm(USUAL_LIGHT)
+    aside = np.cross(usual, (1.0, 0.0, 0.0))
+    aside /= np.linalg.norm(aside)
+    cosine = float(rng.uniform(math.cos(math.radians(scene.vary.light)), 1.0))
+    turn = float(rng.uniform(0.0, 2 * math.pi))
+    around = math.cos(turn) * aside + math.sin(turn) * np.cross(usual, aside)
+    x, y, z = (cosine * usual + math.sqrt(1 - cosine**2) * around).tolist()
+    return (x, y, z)
+
+
+def _camera(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, tuple[Vector, Vector]]:
+    """Return where each camera is and what it looks at, both moved within a ball."""
+    rng = np.random.default_rng(seed)
+    found = {}
+    for name in sorted(scene.cameras):
+        camera = scene.cameras[name]
+        most = scene.vary.camera * math.dist(camera.at, camera.look_at)
+        found[name] = (_moved(rng, camera.at, most), _moved(rng, camera.look_at, most))
+    return found
+
+
+def _colour(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, str]:
+    """Return colours of the objects and the table, moved in CIELAB within a ball."""
+    rng = np.random.default_rng(seed)
+    given = {entity: scene.colors[entity] for entity in objects if entity in scene.colors}
+    given[table_of(scene)] = scene.table.color
+    found = {}
+    for entity, color in given.items():
+        lightness, a, b = to_lab(color).tolist()
+        found[entity] = from_lab(np.array(_moved(rng, (lightness, a, b), scene.vary.colour)))
+    return found
+
+
+def _moved(rng: np.random.Generator, point: Vector, most: float) -> Vector:
+    """Return a point moved evenly within a ball of a radius."""
+    way = rng.normal(size=3)
+    way *= most * float(rng.uniform()) ** (1 / 3) / np.linalg.norm(way)
+    x, y, z = (np.array(point) + way).tolist()
+    return (x, y, z)
+
+
+_DRAWERS: Mapping[str, Any] = {
+    "friction": _friction, "mass": _mass, "light": _light, "camera": _camera, "colour": _colour,
+}  # fmt: skip

@@ -1,0 +1,215 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prag_asp import load_domain, load_scene
+from prag_asp.errors import QueryError
+from prag_asp.physics import Demonstration
+from prag_asp.physics.filming.film import film, subgoal_at
+from prag_asp.physics.filming.staging import Staging
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.geometry import Pose, compose
+
+RECORDINGS = Path(__file__).parents[1] / "old_form"
+OBJECTS = ("bin_1", "brick_1", "brick_2", "can_1", "cube_1", "cube_2", "tray_1")
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    return Demonstration.load(RECORDINGS / "one_robot.npz")
+
+
+@pytest.fixture(scope="module")
+def filmed(recorded, tabletop):
+    """A recording with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
+    return film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
+
+
+def test_a_film_has_a_picture_for_every_so_many_frames(filmed):
+    footage = filmed.footage
+    assert footage.frames.tolist() == [0, 10, 20, 30]
+    assert footage.legend == ("nothing", "table_1", "panda", *OBJECTS)
+    assert list(footage.films) == ["front", "wrist"]
+    for shot in footage.films.values():
+        assert shot.rgb.shape == (4, 48, 64, 3) and shot.rgb.dtype == np.uint8
+        assert shot.depth.shape == (4, 48, 64) and shot.segmentation.shape == (4, 48, 64)
+        assert shot.segmentation.max() < len(footage.legend)
+        assert ((shot.depth > 0) == (shot.segmentation > 0)).all()
+    seen = set(np.unique(footage.films["front"].segmentation).tolist())
+    assert {0, 1, 2} < seen and len(seen) > 6, "nothing, the table, the robot and most objects"
+
+
+def test_a_film_that_is_taken_again_is_the_same_and_survives_its_file(filmed, recorded, tabletop, tmp_path):
+    again = film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
+    assert again == filmed
+    filmed.save(tmp_path / "a.npz")
+    again.save(tmp_path / "b.npz")
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+    assert Demonstration.load(tmp_path / "a.npz") == filmed
+    assert filmed != recorded and replace(filmed, footage=None) == recorded
+    with np.load(tmp_path / "a.npz") as arrays:
+        assert (arrays["front/rgb"] == filmed.footage.films["front"].rgb).all()
+        assert arrays["cameras"].tolist() == ["front", "wrist"]
+
+
+def test_a_recording_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):
+    recorded.save(tmp_path / "before.npz")
+    replace(filmed, footage=None).save(tmp_path / "after.npz")
+    assert (tmp_path / "before.npz").read_bytes() == (tmp_path / "after.npz").read_bytes()
+    with np.load(tmp_path / "before.npz") as arrays:
+        assert "cameras" not in arrays.files and "frames" not in arrays.files
+
+
+def test_the_middle_of_an_object_is_where_intrinsics_and_extrinsics_say(filmed):
+    footage = filmed.footage
+    shot, checked = footage.films["front"], 0
+    for n, frame in enumerate(footage.frames):
+        for entity, pose in zip(filmed.objects, filmed.poses[frame], strict=True):
+            x, y, z = (np.linalg.inv(shot.extrinsics[n]) @ (*pose[:3], 1.0))[:3]
+            u, v, _ = shot.intrinsics @ (x / z, y / z, 1.0)
+            shown = shot.segmentation[n] == footage.legend.index(entity)
+            if shown.sum() >= 6 and entity not in ("tray_1", "bin_1"):
+                rows, columns = np.nonzero(shown)
+                assert math.hypot(columns.mean() + 0.5 - u, rows.mean() + 0.5 - v) < 1.0, entity
+                assert abs(float(np.median(shot.depth[n][shown])) - z) < 0.07, entity
+                checked += 1
+    assert checked >= 12
+
+
+def test_the_camera_at_the_wrist_moves_with_the_tool(filmed, tabletop):
+    camera, footage = tabletop.cameras["wrist"], filmed.footage
+    for tool, extrinsics in zip(footage.tools[:, 0], footage.films["wrist"].extrinsics, strict=True):
+        pose = compose(Pose(tuple(tool[:3]), tuple(tool[3:])), Pose(camera.at))
+        assert extrinsics[:3, 3] == pytest.approx(pose.position, abs=1e-5)
+    assert np.ptp(footage.films["front"].extrinsics, axis=0).max() == 0
+
+
+def test_what_the_hand_does_from_picture_to_picture_adds_up(filmed):
+    footage = filmed.footage
+    moved = footage.tools[-1, 0, :3] - footage.tools[0, 0, :3]
+    assert footage.deltas[:, 0, :3].sum(axis=0) == pytest.approx(moved, abs=1e-5)
+    assert (footage.deltas[-1] == 0).all() and np.abs(footage.deltas[:-1]).max() > 0.01
+    assert (footage.grippers == filmed.widths[footage.frames]).all()
+
+
+def test_each_picture_says_for_which_subgoal_is_worked(recorded):
+    ends = np.array([1, 10, 20], dtype=np.int32)
+    shown = replace(recorded, ends=ends)
+    assert [subgoal_at(shown, frame) for frame in (0, 1, 2, 10, 11, 20, 39)] == [0, 0, 0, 0, 1, 1, 1]
+
+
+def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
+    shown = Demonstration.load(RECORDINGS / "two_robots.npz")
+    scene = load_scene(load_domain("two_arms"))
+    footage = film(shown, scene, Staging(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
+    assert footage.tools.shape == (2, 2, 7)
+    assert footage.legend[:4] == ("nothing", "table", "left", "right") and "middle" in footage.legend
+    poses = [shot.extrinsics[0, :3, 3] for shot in footage.films.values()]
+    assert np.linalg.norm(poses[0] - poses[1]) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"vary": ("color",)}, r"color cannot vary; did you mean colour\?"),
+        ({"cameras": ("front", "front")}, "the camera front is named 2 times; name it once"),
+        ({"cameras": ("front",), "rate": 3}, "film at 1, 2, 4, 5, 10, 20; got 3"),
+        ({"cameras": ("front",), "rate": 0}, "film at 1, 2, 4, 5, 10, 20; got 0"),
+        ({"cameras": ("front",), "size": (8, 128)}, "has 16 to 2048 pixels a side; got 8x128"),
+    ],
+)
+def test_what_cannot_be_filmed_is_told(asked, told):
+    with pytest.raises(QueryError, match=told):
+        Staging(**asked)
+
+
+def test_an_unknown_camera_is_told(tabletop):
+    with pytest.raises(QueryError, match=r"the scene has no camera frnt; did you mean front\?"):
+        Staging(("frnt",)).cameras_of(tabletop)
+
+
+def test_every_camera_has_its_own_size_unless_one_is_asked_for(tabletop):
+    scene = replace(tabletop, cameras={"small": Camera((1, 0, 1), (0, 0, 0), size=(20, 30))})
+    assert Staging(("small",)).cameras_of(scene)["small"].size == (20, 30)
+    assert Staging(("small",), (40, 50)).cameras_of(scene)["small"].size == (40, 50)
+
+
+def rewritten(path, target, change):
+    """Write an archive again with other arrays: `change` is given all of them by their names."""
+    with np.load(path) as arrays:
+        found = {name: arrays[name] for name in arrays.files}
+    change(found)
+    np.savez_compressed(target, **found)
+    return target
+
+
+BROKEN = {
+    "it has no tools": lambda found: found.pop("tools"),
+    "it has no front/rgb": lambda found: found.pop("front/rgb"),
+    "it has no wrist/limits": lambda found: found.pop("wrist/limits"),
+    "it has no side/intrinsics": lambda found: found.update(cameras=np.array(["front", "side"])),
+    "cameras has to hold a list of names": lambda found: found.update(cameras=np.arange(2)),
+    "front/depth is not an array of float16": lambda found: found.update(
+        {"front/depth": found["front/depth"].astype(np.float32)}
+    ),
+    "front/segmentation is not an array": lambda found: found.update(
+        {"front/segmentation": found["front/segmentation"][:-1]}
+    ),
+    "front/intrinsics tells of pictures of": lambda found: found.update(
+        {"front/intrinsics": found["front/intrinsics"] * 1e6}
+    ),
+    "front/extrinsics has to hold finite numbers": lambda found: found.update(
+        {"front/extrinsics": found["front/extrinsics"] * np.nan}
+    ),
+    "frames has to hold numbers of frames": lambda found: found.update(frames=found["frames"] + 100),
+    "deltas has the shape": lambda found: found.update(deltas=found["deltas"][:, :, :3]),
+    "subgoals has to hold whole numbers": lambda found: found.update(subgoals=found["subgoals"] * 0.5),
+    "varied.mass.cube_1: needs a positive number": lambda found: found.update(
+        varied=np.array('{"mass": {"cube_1": 0}}')
+    ),
+    "varied has to hold a text": lambda found: found.update(varied=np.arange(3)),
+}
+
+
+@pytest.mark.parametrize("told", BROKEN)
+def test_a_film_of_another_form_is_told_in_a_line(filmed, tmp_path, told):
+    filmed.save(tmp_path / "a.npz")
+    wrong = rewritten(tmp_path / "a.npz", tmp_path / "b.npz", BROKEN[told])
+    with pytest.raises(QueryError) as caught:
+        Demonstration.load(wrong)
+    (line,) = str(caught.value).splitlines()
+    assert line.startswith(f"{wrong}: this is not a demonstration: {told}")
+
+
+def test_a_film_that_numpy_wrote_again_is_read_as_before(filmed, tmp_path):
+    filmed.save(tmp_path / "a.npz")
+    again = Demonstration.load(rewritten(tmp_path / "a.npz", tmp_path / "b.npz", lambda found: None))
+    for name, shot in filmed.footage.films.items():
+        assert (again.footage.films[name].rgb == shot.rgb).all()
+        assert (again.footage.films[name].depth == shot.depth).all()
+
+
+def test_a_file_that_was_cut_off_or_changed_anywhere_is_told_when_it_is_read(filmed, tmp_path, chance):
+    filmed.save(tmp_path / "a.npz")
+    content = (tmp_path / "a.npz").read_bytes()
+    rng = np.random.default_rng(chance.seed(5))
+    for _ in range(chance.examples(25)):
+        broken = bytearray(content)
+        if rng.uniform() < 0.3:
+            broken = broken[: rng.integers(len(content))]
+        else:
+            broken[rng.integers(len(content))] ^= 1 << rng.integers(8)
+        (tmp_path / "b.npz").write_bytes(broken)
+        try:
+            found = Demonstration.load(tmp_path / "b.npz")
+            for shot in found.footage.films.values() if found.footage else ():
+                for _ in shot.pictures():
+                    pass
+        except QueryError:
+            continue
+        assert replace(found, footage=None) == replace(filmed, footage=None), "what nobody reads was changed"
