@@ -15,18 +15,24 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.dataset.filtering import feasible
+    from prag_asp.dataset.generating import generate
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
     from prag_asp.dataset.language import instruction
     from prag_asp.dataset.learning import Learned, learn
     from prag_asp.dataset.rechecking import Outcome, recheck
+    from prag_asp.dataset.store.dataset import Dataset
+    from prag_asp.dataset.store.entry import Entry
     from prag_asp.dataset.tally import Tally
 
 __all__ = [
+    "Dataset",
+    "Entry",
     "Learned",
     "Outcome",
     "Record",
     "Tally",
     "feasible",
+    "generate",
     "instruction",
     "learn",
     "read_lines",
@@ -37,10 +43,13 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.dataset.filtering": ("feasible",),
+    "prag_asp.dataset.generating": ("generate",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
     "prag_asp.dataset.language": ("instruction",),
     "prag_asp.dataset.learning": ("Learned", "learn"),
     "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
+    "prag_asp.dataset.store.dataset": ("Dataset",),
+    "prag_asp.dataset.store.entry": ("Entry",),
     "prag_asp.dataset.tally": ("Tally",),
 }
 
