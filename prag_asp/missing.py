@@ -41,7 +41,8 @@ def require_pyarrow() -> None:
     try:
         import_module("pyarrow.parquet")
     except ImportError as error:
-        told = "data sets need pyarrow" if error.name == "pyarrow" else f"pyarrow cannot be loaded: {error}"
+        missing = (error.name or "").startswith("pyarrow")
+        told = "data sets need pyarrow" if missing else f"pyarrow cannot be loaded: {' '.join(str(error).split())}"
         raise DatasetsMissingError(f'{told}; install it: pip install "prag_asp[datasets]"') from None
 
 

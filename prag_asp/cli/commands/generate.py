@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -16,6 +20,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset import Dataset
+    from prag_asp.dataset.store.manifest import Manifest
 
 SHARD = 1000
 
@@ -44,7 +49,9 @@ SHARD = 1000
 )  # fmt: skip
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
 @options.looks
-@click.option("--demonstrate", is_flag=True, help="Let the robot perform each task, and keep recordings (.npz).")
+@click.option(
+    "--demonstrate", "performed", is_flag=True, help="Let the robot perform each task, and keep recordings (.npz)."
+)
 @click.option("--shard", type=click.IntRange(min=1), default=SHARD, show_default=True, help="Tasks of a file, at most.")
 @click.option(
     "--max-draws", type=click.IntRange(min=1), metavar="K", help="Give a part up after K draws.  [1000 a task]"
@@ -65,7 +72,7 @@ def generate(
     starts: int,
     physics: bool | None,
     checking: Checking,
-    demonstrate: bool,
+    performed: bool,
     shard: int,
     max_draws: int | None,
     output: str,
@@ -82,15 +89,16 @@ def generate(
     require_pyarrow()
     checking.tries()
     shares = None if split is None else parse_shares_option(split)
-    with progress() as tell, whole_lines():
+    with progress() as tell, whole_lines(), _warnings_as_lines():
         space = asked.spaces(tell)
         looks = physics if physics is not None else bool(space.domain.settings.scene)
         if not looks:
-            checking.refuse_without_physics({"--demonstrate": demonstrate, "--starts": starts > 1})
+            checking.refuse_without_physics({"--demonstrate": performed, "--starts": starts > 1})
+        _tell_what_is_there(output)
         try:
             made = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
-                demonstrate=demonstrate, evenly=evenly, **weighing.arguments(space.domain), physics=looks,
+                demonstrate=performed, evenly=evenly, **weighing.arguments(space.domain), physics=looks,
                 budget=checking.limits() if looks else None, workers=checking.workers, shard=shard,
                 max_draws=max_draws, progress=tell,
             )  # fmt: skip
@@ -113,6 +121,31 @@ def parse_shares_option(text: str) -> dict[str, str]:
             raise QueryError(f"--split {text}: write different names with their shares, such as train=0.8,test=0.2")
         found[name] = share
     return found
+
+
+@contextmanager
+def _warnings_as_lines() -> Iterator[None]:
+    """Tell each warning at once, in one line."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        warnings.showwarning = lambda message, *_, **__: tell_line(f"warning: {message}")
+        yield
+
+
+def _tell_what_is_there(output: str) -> None:
+    """Say that a run goes on with what another one has left."""
+    from prag_asp.dataset.store.manifest import read_manifest
+
+    manifest = read_manifest(Path(output))
+    if manifest is not None and not manifest.complete:
+        tell_line(f"{output}: goes on after a run that was broken off, which has left {_tasks(manifest)}")
+    elif manifest is not None:
+        tell_line(f"{output}: has {_tasks(manifest)} already")
+
+
+def _tasks(manifest: Manifest) -> str:
+    """Return how many tasks stand in shards that a data set has."""
+    return plural(manifest.rows("tasks"), "task")
 
 
 def _show(made: Dataset) -> None:
