@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 PICTURES = "pictures"
-STRIPS, COLUMNS = 3, 4
-"""How many tasks are shown, and how many states side by side."""
+STRIPS, STATES = 2, 4
+"""How many tasks are shown, and how many states of each: drawing one takes as long as some dozen verdicts."""
 
 SIZE = (240, 210)
 """Pixels of a state."""
@@ -45,7 +45,9 @@ def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[KeptF
         task = data.task(number)
         headings = [sentence(action, language) if action.name in language else None for action in task.actions]
         try:
-            strip = film_strip(task, data.witness(number), scene, columns=COLUMNS, size=SIZE, headings=headings)
+            strip = film_strip(
+                task, data.witness(number), scene, frames=STATES, columns=STATES, size=SIZE, headings=headings
+            )
         except PicturesMissingError:
             return []
         name = f"{PICTURES}/{number:03d}.png"
