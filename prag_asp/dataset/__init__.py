@@ -20,12 +20,10 @@ if TYPE_CHECKING:
     from prag_asp.dataset.language import instruction
     from prag_asp.dataset.learning import Learned, learn
     from prag_asp.dataset.rechecking import Outcome, recheck
-    from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.dataset.store.entry import Entry
     from prag_asp.dataset.tally import Tally
 
 __all__ = [
-    "Dataset",
     "Entry",
     "Learned",
     "Outcome",
@@ -48,7 +46,6 @@ _HOMES = {
     "prag_asp.dataset.language": ("instruction",),
     "prag_asp.dataset.learning": ("Learned", "learn"),
     "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
-    "prag_asp.dataset.store.dataset": ("Dataset",),
     "prag_asp.dataset.store.entry": ("Entry",),
     "prag_asp.dataset.tally": ("Tally",),
 }

@@ -19,7 +19,7 @@ from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset import Dataset
+    from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.dataset.store.manifest import Manifest
 
 SHARD = 1000
