@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     __version__: str
 
     from prag_asp.atom import Atom, parse_atom
+    from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.domain.load import Domain, load_domain, load_scene
     from prag_asp.domain.scaffold import write_new_domain
     from prag_asp.errors import (
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Atom",
     "Condition",
+    "Dataset",
     "Domain",
     "DomainError",
     "EngineError",
@@ -72,6 +74,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.atom": ("Atom", "parse_atom"),
+    "prag_asp.dataset.store.dataset": ("Dataset",),
     "prag_asp.processes.bounding": ("bounded",),
     "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
     "prag_asp.domain.scaffold": ("write_new_domain",),

@@ -8,7 +8,8 @@ PragError
 ├── SceneError         the scene or a body of it cannot be built
 ├── MissingError       a package that is needed is not installed; the message says how to install it
 │   ├── PhysicsMissingError
-│   └── PicturesMissingError
+│   ├── PicturesMissingError
+│   └── DatasetsMissingError
 ├── NotFound           less was found than was asked for
 ├── WorkerError        the processes that validate tasks died again and again, or could not be started
 └── OutputError        a result could not be written
@@ -90,6 +91,10 @@ class PhysicsMissingError(MissingError):
 
 class PicturesMissingError(MissingError):
     """Pictures need Pillow."""
+
+
+class DatasetsMissingError(MissingError):
+    """Data sets need pyarrow."""
 
 
 class NotFound(PragError):

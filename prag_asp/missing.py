@@ -1,4 +1,7 @@
-"""PyBullet and frankik, or what to do where they are missing: a new Python comes long before their wheels."""
+"""What to do where a package is missing.
+
+PyBullet and frankik may be, because a new Python comes long before their wheels; pyarrow, because few need it.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import sys
 from importlib import import_module
 from types import ModuleType
 
-from prag_asp.errors import PhysicsMissingError
+from prag_asp.errors import DatasetsMissingError, PhysicsMissingError
 
 NEWEST = (3, 13)
 """The newest Python that both have wheels for; pyproject.toml says so, too."""
@@ -27,6 +30,20 @@ def needed(module: str) -> ModuleType:
         else:
             told = f"physics needs {module}, which cannot be loaded: {' '.join(str(error).split())}; install it anew"
         raise PhysicsMissingError(told) from None
+
+
+def require_pyarrow() -> None:
+    """Check that data sets can be written and read.
+
+    Raises:
+        DatasetsMissingError: pyarrow is not installed, or cannot be loaded.
+    """
+    try:
+        import_module("pyarrow.parquet")
+    except ImportError as error:
+        missing = (error.name or "").startswith("pyarrow")
+        told = "data sets need pyarrow" if missing else f"pyarrow cannot be loaded: {' '.join(str(error).split())}"
+        raise DatasetsMissingError(f'{told}; install it: pip install "prag_asp[datasets]"') from None
 
 
 def advice(version: tuple[int, int]) -> str:

@@ -29,7 +29,7 @@ GROUND = frozenset(
 OURS = re.compile(r"prag_asp(\.|$)")
 
 ROOMS: Mapping[str, frozenset[str]] = {
-    "": GROUND | {"program", "scene", "domain", "logic", "space", "versions", "bounding"},
+    "": GROUND | {"program", "scene", "domain", "logic", "space", "dataset", "versions", "bounding"},
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
@@ -51,7 +51,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "space": GROUND | {"program", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
-    "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics"},
+    "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
     | {"program", "scene", "grammar", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
@@ -67,7 +67,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
         "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "explain", "drawing", "shared",
-        "task_space", "task_spaces",
+        "task_space", "task_spaces", "ordered",
     ),
     "physics": (
         "bullet", "required", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",
@@ -78,9 +78,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 """The rooms within a room, from the ground up: each imports only what stands below it."""
 
 PUBLIC = {
-    "Atom", "Condition", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached", "Limits", "OutputError",
-    "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__", "bounded",
-    "explain", "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
+    "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached", "Limits",
+    "OutputError", "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__",
+    "bounded", "explain", "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
 }  # fmt: skip
 HEAVY = {
     "inflect",
@@ -94,6 +94,7 @@ HEAVY = {
     "multiprocessing",
     "pysat",
     "pyganak",
+    "pyarrow",
     "difflib",
     "importlib.metadata",
 }

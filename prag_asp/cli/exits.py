@@ -23,7 +23,7 @@ class Exit(IntEnum):
 
 MEANINGS = {
     Exit.DONE: "done",
-    Exit.NOT_FOUND: "found less than asked for: tasks fail validate, sample finds too few, explain is given no plan",
+    Exit.NOT_FOUND: "found less than asked for: tasks fail validate, sample or generate find few, explain gets no plan",
     Exit.BAD_INPUT: "wrong input: the domain, a file, or what is asked of it",
     Exit.LIMIT: "a limit on time or memory was reached",
     Exit.OUTPUT: "the output could not be written; after a closed pipe, quietly",

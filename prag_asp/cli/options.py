@@ -158,7 +158,7 @@ class Checking:
     workers: int
     budget: str
     tier: str
-    demonstrate: str | None
+    demonstrate: str | None = None
 
     def refuse_without_physics(self, others: Mapping[str, bool]) -> None:
         """Refuse options of physics where it is not asked; `others` of a command say whether they are given.
@@ -206,6 +206,11 @@ class Checking:
 def checks(function: Function) -> Function:
     """Give a command the options of physics, as one value `checking`."""
     return bundled(function, "checking", Checking, CHECKS)
+
+
+def looks(function: Function) -> Function:
+    """Give a command the options of physics, but for the folder of recordings, as one value `checking`."""
+    return _bundled(function, "checking", Checking, CHECKS[:-1])
 
 
 def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Function], Function]:

@@ -22,6 +22,7 @@ COMMANDS = {
     "enumerate": "enumerate",
     "explain": "explain",
     "export": "export",
+    "generate": "generate",
     "learn": "learn",
     "new": "domains",
     "render": "render",

@@ -15,15 +15,18 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.dataset.filtering import feasible
+    from prag_asp.dataset.generating import generate
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
     from prag_asp.dataset.language.plain import instruction
     from prag_asp.dataset.language.reader import Reading, read_instruction
     from prag_asp.dataset.language.teller import Instructions, Teller, teller_of
     from prag_asp.dataset.learning import Learned, learn
     from prag_asp.dataset.rechecking import Outcome, recheck
+    from prag_asp.dataset.store.entry import Entry
     from prag_asp.dataset.tally import Tally
 
 __all__ = [
+    "Entry",
     "Instructions",
     "Learned",
     "Outcome",
@@ -32,6 +35,7 @@ __all__ = [
     "Tally",
     "Teller",
     "feasible",
+    "generate",
     "instruction",
     "learn",
     "read_instruction",
@@ -44,12 +48,14 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.dataset.filtering": ("feasible",),
+    "prag_asp.dataset.generating": ("generate",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
     "prag_asp.dataset.language.plain": ("instruction",),
     "prag_asp.dataset.language.reader": ("Reading", "read_instruction"),
     "prag_asp.dataset.language.teller": ("Instructions", "Teller", "teller_of"),
     "prag_asp.dataset.learning": ("Learned", "learn"),
     "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
+    "prag_asp.dataset.store.entry": ("Entry",),
     "prag_asp.dataset.tally": ("Tally",),
 }
 

@@ -38,11 +38,11 @@ def feasible(
     """Yield the feasible tasks among those drawn from a space, each with its verdict and its witness, without end.
 
     `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.draw` takes beside the
-    seed. It ends after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot
-    performs each task, and recordings are written into that folder, which is made where it is missing, with what
-    `staging` asks for: cameras that film, and what varies. What is
-    yielded depends on the seed alone, not on the number of `workers`. A `tally` that has counted draws before goes on
-    after those.
+    seed; with ``distinct=True`` (and weights alone), no task is drawn twice, and it ends with the last one. It ends
+    after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot performs each
+    task, and recordings are written into that folder, which is made where it is missing, with what `staging` asks for:
+    cameras that film, and what varies. What is yielded depends on the seed alone, not on the number of `workers`. A
+    `tally` that has counted draws before goes on after those.
 
     Raises:
         SceneError: the domain has no scene, or a task speaks of something for which the scene has no shape.
@@ -80,10 +80,23 @@ def draws_looked_at(
         require_demonstrated(staging, demonstrate)
         staging.cameras_of(scene)
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
-    asked, kept = tee(islice(space.draw(seed=seed, **drawing), tally.seen, draws))
+    asked, kept = tee(islice(drawn_tasks(space, seed=seed, **drawing), tally.seen, draws))
     numbered = enumerate(asked, tally.seen)
     verdicts = validate_numbered(numbered, scene, seed=seed, workers=workers, budget=budget, staging=staging)
     return _recorded(kept, verdicts, Recordings(demonstrate), tally)
+
+
+def drawn_tasks(space: TaskSpace | TaskSpaces, *, seed: int, distinct: bool = False, **drawing: Any) -> Iterator[Task]:
+    """Yield tasks as `TaskSpace.draw` does; with `distinct`, each among those that are left, until none is.
+
+    Raises:
+        QueryError: there is nothing to draw, or the draw is asked for in a wrong way.
+    """
+    if not distinct:
+        return space.draw(seed=seed, **drawing)
+    from prag_asp.space.ordered import distinct_tasks
+
+    return distinct_tasks(space, seed=seed, **drawing)
 
 
 def _feasible(looked_at: Generator[Record | None, None, None]) -> Generator[Record, None, None]:

@@ -20,7 +20,7 @@ MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
 def domain_digest(domain: Domain) -> str:
     """Return a digest of all that tasks of a domain and verdicts on them depend on, the files of its scene included."""
     settings = domain.settings
-    files = {str(path): _hashed(path) for path in _files(settings.scene, settings.path.parent)}
+    files = {str(path): _hashed(path) for path in scene_files(settings.scene, settings.path.parent)}
     told = [
         domain.name,
         domain.program.text,
@@ -50,7 +50,7 @@ def _hashed(path: Path) -> str:
     return blake2b(read_bytes(path)).hexdigest()
 
 
-def _files(table: object, folder: Path) -> Iterator[Path]:
+def scene_files(table: object, folder: Path) -> Iterator[Path]:
     """Yield the files that a table of a scene names, and those that these name."""
     for text in sorted(set(_texts(table))):
         path = folder / text

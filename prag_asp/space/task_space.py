@@ -238,6 +238,19 @@ class TaskSpace:
             raise QueryError(f"{told}; prag-asp explain says why it is no plan, where it is none")
         return rank
 
+    def word(self, rank: int) -> tuple[str, ...]:
+        """Return the task of a rank from 0 to ``count() - 1`` as the texts of its actions."""
+        return self._engine("task").unrank(self.length, rank)
+
+    def rank_of(self, word: tuple[str, ...]) -> int:
+        """Return the rank of a task given as the texts of its actions, at once where it has its canonical names.
+
+        Raises:
+            QueryError: it is no task of this space.
+        """
+        rank = self._engine("task").rank(word)
+        return self.index(word) if rank is None else rank
+
     def readings(self, task: Task) -> Readings:
         """Return the ways to read a task's plan as whole composites and free actions; its validity is not checked."""
         from prag_asp.space.plans.readings import Readings

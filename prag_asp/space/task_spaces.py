@@ -51,6 +51,11 @@ class TaskSpaces:
         """The domain."""
         return self._space.domain
 
+    @property
+    def condition(self) -> Condition:
+        """What all tasks satisfy."""
+        return self._space.condition
+
     def at(self, length: int) -> TaskSpace:
         """Return the space of one length, which shares all that was computed."""
         return self._space.at(length)

@@ -21,6 +21,7 @@ SETUP = {
     ". .venv/bin/activate",
     ".venv/bin/pip install '.[pictures]'",
     ".venv/bin/pip install '.[sharp]'",
+    ".venv/bin/pip install '.[datasets]'",
     ".venv/bin/pip install -e '.[docs]' && .venv/bin/mkdocs build --strict",
     "python -m tests.fuzz --count 10000 --seed 7",
 }

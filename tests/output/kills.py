@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import random
 import shutil
@@ -27,14 +28,30 @@ from tests.processes import computed, family
 OLD = b"% what was there before\n"
 
 TASKS = ("sample", "tabletop", "-n", "3", "--seed", "3", "--format", "jsonl")
+DATA = ("generate", "tabletop", "-n", "1..2", "--seed", "3", "--tasks", "10", "--budget", "2x2")
 COMMANDS: Mapping[str, tuple[str, ...]] = {
     "sample": (*TASKS, "--count", "12", "--demonstrate", "recorded", "-o", "drawn.jsonl"),
     "enumerate": ("enumerate", "prag", "-n", "7", "--format", "jsonl", "--limit", "30000", "-o", "listed.jsonl"),
     "validate": ("validate", "tasks.jsonl", "-o", "report.txt"),
     "split": ("split", "prag", "-n", "8", "train=0.8", "test=0.2", "--count", "15000", "-o", "parts"),
     "render": ("render", "tasks.jsonl", *map(str, range(1, 9)), "--size", "160x120", "-o", "pictures"),
+    "generate": (
+        *DATA,
+        "--split",
+        "train=0.5,test=0.5",
+        "--shard",
+        "2",
+        "--starts",
+        "2",
+        "--demonstrate",
+        "-o",
+        "data",
+    ),
     "learn": ("learn", "mine", "-n", "2", "--count", "12", "--write"),
 }
+GROWS = frozenset(["data/dataset.json"])
+"""Files that say how far a run is: each is whole JSON at every moment, and has its last bytes at the end."""
+
 BEFORE = {
     "enumerate": ["listed.jsonl"],
     "validate": ["report.txt"],
@@ -106,6 +123,8 @@ def seconds(process: subprocess.Popen[str]) -> float:
 def faults(found: Mapping[str, bytes], before: Mapping[str, bytes], whole: Mapping[str, bytes]) -> list[str]:
     """Return the files that are neither what they were nor what they are to be; parts are not looked into."""
     ours = {name: text for name, text in found.items() if not name.endswith((".part", ".run"))}
+    for name in GROWS & ours.keys():
+        assert json.loads(ours.pop(name))
     return [name for name, text in ours.items() if text not in (before.get(name), whole.get(name))]
 
 

@@ -18,7 +18,7 @@ from prag_asp.cli.runs import run_of
 from prag_asp.cli.telling import Telling, tells
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.cli.writing import require_writable, writer
-from prag_asp.errors import NotFound
+from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ DRAWS_FOR_EACH = 1000
     help="Draw a skeleton (or a goal) uniformly first, then a task that has it.",
 )
 @click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
+@click.option("--distinct", is_flag=True, help="No task twice: each is drawn among those that are left.")
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
 @options.checks
 @films
@@ -55,6 +56,7 @@ def sample(
     weighing: Weighing,
     over: Any,
     by: Any,
+    distinct: bool,
     physics: bool | None,
     checking: Checking,
     filming: Filming,
@@ -67,6 +69,7 @@ def sample(
     Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end; a run that was broken
     off goes on where it was when it is started again.
     """
+    from prag_asp.dataset.filtering import drawn_tasks
     from prag_asp.dataset.jsonl import Record
 
     telling.check()
@@ -82,20 +85,37 @@ def sample(
 
             require_physics(f"the scene of {space.domain.name} needs physics (--no-physics draws without)")
         line = telling.line(space.domain, seed)
-        drawing = {"by": by, "over": over, **weighing.arguments(space.domain)}
+        drawing = _distinct(over, by) if distinct else {"by": by, "over": over}
+        drawing.update(weighing.arguments(space.domain))
         run = run_of(space.domain, told=[physics]) if output or checking.demonstrate else None
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
-            drawn = space.draw(seed=seed, **drawing) if wanted else iter(())
+            drawn = drawn_tasks(space, seed=seed, **drawing) if wanted else iter(())
             with writer(output, run, lambda lines, _: lines <= wanted) as out:
+                found = out.lines
                 for task in islice(drawn, out.lines, wanted):
                     out.write(line(Record(task)))
+                    found += 1
+            if found < wanted:
+                raise NotFound(f"only {found} of {plural(wanted, 'task')}: no others are left to draw")
             return
         from prag_asp.dataset.scenes import scene_of
 
         staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_FOR_EACH * wanted
         _feasible(_Drawing(space, wanted, limit, seed, {**drawing, "staging": staging}), checking, output, run, line,
                   tell)  # fmt: skip
+
+
+def _distinct(over: str | None, by: str) -> dict[str, Any]:
+    """Return the arguments of a draw of different tasks.
+
+    Raises:
+        QueryError: something else is to be drawn, or first.
+    """
+    if over is not None or by != "task":
+        given = f"--over {over}" if over is not None else f"--by {by}"
+        raise QueryError(f"--distinct draws tasks among those that are left; leave {given} out")
+    return {"distinct": True}
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,12 @@ class Automaton:
         """The source of each edge."""
         return np.repeat(np.arange(self.states), np.diff(self.offsets))
 
+    @cached_property
+    def edges(self) -> list[tuple[list[int], list[int]]]:
+        """The letters and the targets of the edges of each state, as lists: those are read one by one fast."""
+        letters, targets, offsets = self.letters.tolist(), self.targets.tolist(), self.offsets.tolist()
+        return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
+
     def step(self, state: int, letter: int) -> int | None:
         """Return the edge that a state has for a letter, if any."""
         first, last = int(self.offsets[state]), int(self.offsets[state + 1])
@@ -221,20 +227,12 @@ class Ranking:
         self.total = count_words(completions, length)
         completions.row(length)
 
-    @cached_property
-    def _edges(self) -> list[tuple[list[int], list[int]]]:
-        """The letters and the targets of the edges of each state."""
-        automaton = self._completions.automaton
-        letters, targets = automaton.letters.tolist(), automaton.targets.tolist()
-        offsets = automaton.offsets.tolist()
-        return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
-
     def unrank(self, rank: int) -> Word:
         """Return the word of a rank from 0 to total - 1."""
         word, state = [], 0
         for left in range(self._length - 1, -1, -1):
             row = self._completions.row(left)
-            letters, targets = self._edges[state]
+            letters, targets = self._completions.automaton.edges[state]
             place, behind = 0, int(row[targets[0]])
             while rank >= behind:
                 rank -= behind
@@ -251,7 +249,7 @@ class Ranking:
             return None
         for left, letter in zip(range(self._length - 1, -1, -1), word, strict=True):
             row = self._completions.row(left)
-            letters, targets = self._edges[state]
+            letters, targets = self._completions.automaton.edges[state]
             place = letters.index(letter)
             rank += sum(int(row[target]) for target in targets[:place])
             state = targets[place]

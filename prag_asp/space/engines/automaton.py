@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 WORTH_KEEPING = 0.2
 """Seconds of exploring from which what was found is kept for the next run."""
 
+RANKED = 8
+"""Lengths whose rankings are kept."""
+
 LONG = 10_000
 """From this length on counting says how far it is."""
 
@@ -58,7 +61,7 @@ class AutomatonEngine:
         self._plain = Explorer(model, level, progress, merge=False)
         self._shelf = _shelf_for(model, level, merge) if limits.cached else None
         self._reached: Reach | None = self._shelf.read() if self._shelf else None
-        self._ranked: tuple[int, Ranking | MergedRanking] | None = None
+        self._ranked: dict[int, Ranking | MergedRanking] = {}
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
         begun = monotonic()
         if self._reached is None:
@@ -202,13 +205,14 @@ class AutomatonEngine:
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking:
-        """Return the ranking of a length, and keep the last one made."""
-        if self._ranked is None or self._ranked[0] != length:
+        """Return the ranking of a length, and keep the last ones made: tasks of several lengths are told by turns."""
+        if length not in self._ranked:
             reach = self.explored(length)
             stage("ranking")
-            made = _merged_ranking(reach, length) or Ranking(reach.completions, length)
-            self._ranked = (length, made)
-        return self._ranked[1]
+            while len(self._ranked) >= RANKED:
+                del self._ranked[next(iter(self._ranked))]
+            self._ranked[length] = _merged_ranking(reach, length) or Ranking(reach.completions, length)
+        return self._ranked[length]
 
     def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
         from prag_asp.logic.step.hindsight import Hindsight, numbered_goals

@@ -57,8 +57,11 @@ class Narrator:
         size = 1
         while batch := list(islice(waiting, size)):
             told = self._told([word for word, _ in batch])
-            for (word, log_probability), numbers in zip(batch, told, strict=True):
-                yield self._task([self._actions[text] for text in word], numbers, log_probability)
+            # All at once: whoever tells other plans before the next task is asked for may have the states forgotten.
+            yield from [
+                self._task([self._actions[text] for text in word], numbers, log_probability)
+                for (word, log_probability), numbers in zip(batch, told, strict=True)
+            ]
             size = min(2 * size, BATCH, max(BATCH_STATES // (len(batch[0][0]) + 1), 1))
 
     def last_states(self, words: Sequence[Sequence[str]]) -> list[Known]:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from random import Random
 
-from prag_asp import TaskSpace, load_domain
+import pytest
+
+from prag_asp import TaskSpace, TaskSpaces, load_domain
+from prag_asp.logic.step import plan_states
 from tests.chance import Chance
 
 BITS, LENGTH, PLANS = 20, 50, 1400
@@ -38,3 +42,12 @@ def test_states_that_are_remembered_are_few_however_many_tasks_are_told(chance: 
         remembered.append(len(space._shared.narrator._states))
     assert len(passed) > 52_000
     assert max(remembered) < 50_000
+
+
+def test_tasks_that_are_told_by_turns_are_those_told_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    spaces = TaskSpaces(load_domain("prag"), (2, 3))
+    words = {length: [*islice(spaces.at(length).words(), 40)] for length in spaces.lengths}
+    alone = {length: [*spaces.at(length).narrate(iter(words[length]))] for length in spaces.lengths}
+    monkeypatch.setattr(plan_states, "ENTRIES", 3)
+    by_turns = zip(*(spaces.at(length).narrate(iter(words[length])) for length in spaces.lengths), strict=True)
+    assert [*by_turns] == [*zip(*alone.values(), strict=True)]

@@ -1,0 +1,281 @@
+"""A data set that was made before, read as it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from prag_asp.dataset.store.entry import Entry, entry_of
+from prag_asp.dataset.store.kept import kept_domain
+from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest
+from prag_asp.errors import QueryError
+from prag_asp.fields import decoded
+from prag_asp.missing import require_pyarrow
+from prag_asp.reading import is_inside
+from prag_asp.space.ordered import Division, order_of
+from prag_asp.space.task_space import TaskSpace
+from prag_asp.wording import unknown
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.store.tables import Tables
+    from prag_asp.domain.load import Domain
+    from prag_asp.physics import Demonstration, Witness
+    from prag_asp.task import Task
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """The tasks of a folder that `generate` has written; nothing of a table is read before it is asked for.
+
+    Numbers count the tasks of all `parts` in their order, from 0. `manifest` is what dataset.json says, `conditions`
+    what the tasks satisfy that are looked at.
+    """
+
+    folder: Path
+    manifest: Manifest = field(repr=False)
+    trust: bool = field(default=False, repr=False)
+    parts: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+
+    @classmethod
+    def open(cls, folder: str | Path, *, trust: bool = False) -> Dataset:
+        """Open a data set; with `trust`, physics may run the Python files of its domain.
+
+        Raises:
+            QueryError: there is none, it is damaged, or the run that makes it has not ended.
+            DatasetsMissingError: pyarrow is not installed.
+        """
+        require_pyarrow()
+        path = Path(folder)
+        manifest = read_manifest(path)
+        if manifest is None:
+            raise QueryError(f"{path}: is no data set, for it has no {NAME}; make one with prag-asp generate -o {path}")
+        if not manifest.complete:
+            raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
+        return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
+
+    @cached_property
+    def domain(self) -> Domain:
+        """The domain of the tasks, from the files in the folder alone.
+
+        Raises:
+            DomainError: they are not what dataset.json says.
+        """
+        return kept_domain(self.folder, self.manifest.domain, trust=self.trust)
+
+    def part(self, name: str) -> Dataset:
+        """Return the tasks of one part.
+
+        Raises:
+            QueryError: there is no such part.
+        """
+        if name not in self.parts:
+            raise QueryError(unknown(name, self.parts, "part"))
+        return replace(self, parts=(name,))
+
+    def where(self, *conditions: str) -> Dataset:
+        """Return the tasks that satisfy all of some conditions, such as ``uses apple``.
+
+        Raises:
+            QueryError: a condition is none, or speaks of something that the domain does not have.
+        """
+        chosen = replace(self, conditions=(*self.conditions, *conditions))
+        assert chosen._space  # what cannot be asked is told now
+        return chosen
+
+    def count(self) -> int:
+        """Return how many tasks there are."""
+        if self.conditions:
+            return len(self._chosen)
+        return sum(note.rows("tasks") for note in self._notes)
+
+    def task(self, number: int) -> Task:
+        """Return the task of a number.
+
+        Raises:
+            IndexError: there is none.
+        """
+        return self.entry(number).task
+
+    def entry(self, number: int) -> Entry:
+        """Return all that is told of the task of a number.
+
+        Raises:
+            IndexError: there is none.
+        """
+        note, row = self._row(number)
+        return self._entry(note, row)
+
+    def tasks(self) -> Iterator[Task]:
+        """Yield the tasks, in their order."""
+        return (entry.task for entry in self.entries())
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield all that is told of each task, in their order."""
+        return (self._entry(note, row) for note, row in self._rows("tasks"))
+
+    def refused(self) -> Iterator[Entry]:
+        """Yield what is told of each task that was drawn and did not pass, in the order of the draws."""
+        return (self._entry(note, row) for note, row in self._rows("refused"))
+
+    def by_rank(self, length: int, rank: int) -> Entry:
+        """Return what is told of the task that has a rank among all tasks of its length.
+
+        Raises:
+            QueryError: the data set does not have it.
+        """
+        for note, row in self._ranked(length, rank):
+            entry = self._entry(note, row)
+            if self._fits(row["plan"]):
+                return entry
+        raise QueryError(f"{self.folder}: no task of length {length} with the rank {rank} in it")
+
+    def witness(self, number: int, start: int = 0) -> Witness:
+        """Return the witness of the task of a number, from one of its first states.
+
+        Raises:
+            IndexError: there is no such task.
+            QueryError: there is no such witness.
+        """
+        row = self._start("witnesses", number, start)
+        return _witness(row["witness"])
+
+    def witnesses(self) -> Iterator[tuple[Entry, int, Witness]]:
+        """Yield each task, the number of a first state, and the witness from there, in their order."""
+        for entry, row in self._starts("witnesses"):
+            yield entry, row["start"], _witness(row["witness"])
+
+    def demonstration(self, number: int, start: int = 0) -> Demonstration:
+        """Return the recording of the task of a number, from one of its first states.
+
+        Raises:
+            IndexError: there is no such task.
+            QueryError: there is no such recording, or its file is damaged.
+        """
+        return self._recording(self._start("recordings", number, start)["file"])
+
+    def demonstrations(self) -> Iterator[tuple[Entry, int, Demonstration]]:
+        """Yield each task, the number of a first state, and the recording from there, in their order."""
+        for entry, row in self._starts("recordings"):
+            yield entry, row["start"], self._recording(row["file"])
+
+    @cached_property
+    def _notes(self) -> list[PartNote]:
+        return [note for note in self.manifest.parts if note.name in self.parts]
+
+    def _entry(self, note: PartNote, row: Mapping[str, Any]) -> Entry:
+        return entry_of(row, note.name, self.manifest.domain.constants)
+
+    def _row(self, number: int) -> tuple[PartNote, Mapping[str, Any]]:
+        """Return the part and the row of the task of a number.
+
+        Raises:
+            IndexError: there is none.
+        """
+        if self.conditions:
+            number = self._chosen[number]
+        size = sum(note.rows("tasks") for note in self._notes)
+        if not -size <= number < size:
+            raise IndexError(f"task {number} of {size}")
+        number %= size
+        for note in self._notes:
+            if number < note.rows("tasks"):
+                break
+            number -= note.rows("tasks")
+        shard, place = self._tables.place(note, "tasks", number)
+        return note, self._tables.row("tasks", shard, place)
+
+    def _rows(self, table: str) -> Iterator[tuple[PartNote, Mapping[str, Any]]]:
+        """Yield the rows of a table of tasks that satisfy the conditions."""
+        for note in self._notes:
+            for row in self._tables.rows(note, table):
+                if self._fits(row["plan"]):
+                    yield note, row
+
+    def _fits(self, plan: Sequence[str]) -> bool:
+        return not self.conditions or plan in self._space.at(len(plan))
+
+    @cached_property
+    def _space(self) -> TaskSpace:
+        """The tasks that satisfy the conditions."""
+        return TaskSpace(self.domain, 0).where(*self.conditions)
+
+    @cached_property
+    def _chosen(self) -> list[int]:
+        """The numbers of the tasks that satisfy the conditions, among all of these parts."""
+        plans = chain.from_iterable(self._tables.rows(note, "tasks", ["plan"]) for note in self._notes)
+        return [number for number, row in enumerate(plans) if self._fits(row["plan"])]
+
+    def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartNote, Mapping[str, Any]]]:
+        """Yield the row of the task of a rank, where there is one.
+
+        Where the draw is uniform, and parts differ by tasks alone, it is known which draw it was.
+        """
+        asked, lengths = self.manifest.asked, [space.length for space in self.manifest.spaces if space.tasks != "0"]
+        known = not asked["weights"] and not asked["skeletons"] and asked["hold_out"] is None
+        if known and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
+            return
+        for note in self._notes:
+            draw = None
+            if known:
+                division = Division.parse(asked["split"])
+                sizes = [self._sizes[each] for each in lengths]
+                order = order_of(sizes, division, note.name, asked["seed"], evenly=asked["evenly"])
+                draw = order.number(lengths.index(length), rank)
+                if draw is None:
+                    continue
+            yield from ((note, row) for row in self._tables.found(note, length, rank, draw))
+
+    @cached_property
+    def _sizes(self) -> dict[int, int]:
+        """How many tasks there are of each length."""
+        return {space.length: int(space.tasks) for space in self.manifest.spaces}
+
+    def _start(self, table: str, number: int, start: int) -> Mapping[str, Any]:
+        """Return the row of a first state of a task.
+
+        Raises:
+            QueryError: there is none.
+        """
+        note, row = self._row(number)
+        for found in self._tables.starts(note, table, row):
+            if found["start"] == start:
+                return found
+        raise QueryError(f"{self.folder}: task {number} has nothing of the first state {start} in {table}")
+
+    def _starts(self, table: str) -> Iterator[tuple[Entry, Mapping[str, Any]]]:
+        """Yield tasks with each of their rows in a table of first states."""
+        for note in self._notes:
+            rows = self._tables.rows(note, table)
+            waiting = next(rows, None)
+            for row in self._tables.rows(note, "tasks"):
+                fits = self._fits(row["plan"])
+                entry = self._entry(note, row) if fits else None
+                while waiting is not None and waiting["task"] == row["task"]:
+                    if entry is not None:
+                        yield entry, waiting
+                    waiting = next(rows, None)
+
+    def _recording(self, name: str) -> Demonstration:
+        from prag_asp.physics import Demonstration
+
+        path = self.folder / name
+        if not is_inside(path, self.folder):
+            raise QueryError(f"{path}: leads out of the data set; copy it once more")
+        return Demonstration.load(path)
+
+    @cached_property
+    def _tables(self) -> Tables:
+        from prag_asp.dataset.store.tables import Tables
+
+        return Tables(self.folder)
+
+
+def _witness(text: str) -> Witness:
+    from prag_asp.physics import Witness
+
+    return Witness.from_json(decoded(text))

@@ -1,0 +1,73 @@
+"""What a data set says of one task, and the way back from a row to values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from prag_asp.atom import parse_atom
+from prag_asp.physics.verdict import Verdict
+from prag_asp.task import FrozenDict, Task
+
+if TYPE_CHECKING:
+    from prag_asp.atom import Atom
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A task of a data set: its part, its number there from 0 (None where it was refused), and its draw.
+
+    `rank` is its place among all tasks of its length. `instruction` has it in words, by how much they say, and
+    `subgoals` a sentence for each action. `verdict` is None where physics was not asked, and has no witness: these
+    have a table of their own, `starts` many of the task.
+    """
+
+    part: str
+    number: int | None
+    draw: int
+    rank: int
+    task: Task
+    verdict: Verdict | None
+    instruction: Mapping[str, str]
+    subgoals: tuple[str, ...]
+    starts: int = 0
+
+
+def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
+    """Return what a row of a table of tasks says."""
+    return Entry(
+        part,
+        row.get("task"),
+        row["draw"],
+        int(row["rank"]),
+        task_of(row, constants),
+        None if row["verdict"] is None else _verdict(row["verdict"]),
+        {each["level"]: each["text"] for each in row["instruction"]},
+        tuple(row["subgoal_instructions"]),
+        row.get("starts", 0),
+    )
+
+
+def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
+    """Return the task of a row."""
+    return Task(
+        domain=row["domain"],
+        actions=tuple(map(parse_atom, row["plan"])),
+        entities=FrozenDict({each["entity"]: each["class"] for each in row["entities"]}),
+        initial=_known(row["initial"]),
+        states=tuple(map(_known, row["states"])),
+        subgoals=tuple(map(_known, row["subgoals"])),
+        goal=_known(row["goal"]),
+        log_probability=row["log_probability"],
+        constants=FrozenDict(constants),
+    )
+
+
+def _known(facts: Sequence[Mapping[str, Any]]) -> FrozenDict[Atom, bool]:
+    return FrozenDict({parse_atom(fact["fluent"]): fact["value"] for fact in facts})
+
+
+def _verdict(told: Mapping[str, Any]) -> Verdict:
+    causes = {each["cause"]: each["count"] for each in told["causes"]}
+    return Verdict.from_json({**told, "causes": causes, "witness": None})

@@ -1,0 +1,46 @@
+"""What is known of a draw: the values that go into rows, and into the journal of a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+NOTHING = msgspec.Raw(b"null")
+
+
+class Recorded(msgspec.Struct):
+    """A recording of a first state, as its row says."""
+
+    file: str
+    sha256: str
+    frames: int
+    seconds: float
+    ends: list[int]
+
+
+class Start(msgspec.Struct):
+    """A first state of a task: the index of its search, and where there are some a witness as JSON and a recording."""
+
+    index: int
+    witness: msgspec.Raw = NOTHING
+    recording: Recorded | None = None
+
+    @property
+    def text(self) -> str | None:
+        """The witness as JSON, None where there is none."""
+        return None if bytes(self.witness) == bytes(NOTHING) else bytes(self.witness).decode()
+
+
+class Looked(msgspec.Struct):
+    """What is known of a draw: the verdict on it, without the witness, and what was found for each first state."""
+
+    part: str
+    draw: int
+    verdict: dict[str, Any] | None
+    starts: list[Start]
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is a task of the data set, and not one of those refused."""
+        return self.verdict is None or self.verdict["status"] == "feasible"

@@ -1,0 +1,205 @@
+"""dataset.json: what a data set is of, how it was made, how much of the space it covers, and its files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from prag_asp.dataset.store.kept import KeptDomain, KeptFile
+from prag_asp.errors import QueryError
+from prag_asp.fields import Whole, decoded, read
+from prag_asp.output import replace_file
+from prag_asp.reading import read_bytes
+
+NAME, FORMAT = "dataset.json", "prag_asp dataset"
+VERSION = 1
+"""The form of dataset.json and of the tables; another one is not read."""
+
+
+class Cause(msgspec.Struct):
+    """How many attempts failed for a cause."""
+
+    cause: str
+    count: Whole
+
+
+class Reason(msgspec.Struct):
+    """How many tasks were refused for a reason."""
+
+    status: str
+    reason: str
+    count: Whole
+
+
+class LengthTally(msgspec.Struct):
+    """What became of the draws of one length; those that physics was not asked of count as feasible."""
+
+    length: Whole
+    drawn: Whole = 0
+    feasible: Whole = 0
+    not_found: Whole = 0
+    infeasible: Whole = 0
+    witnesses: Whole = 0
+    pass_rate: float = 0.0
+    causes: list[Cause] = []
+    reasons: list[Reason] = []
+
+
+class ShardFile(msgspec.Struct):
+    """A file of rows: its path in the folder, its rows, its size and its SHA-256."""
+
+    path: str
+    rows: Whole
+    bytes: Whole
+    sha256: str
+
+
+class Shard(msgspec.Struct):
+    """The rows of some draws of a part, from `first` to before `end`, by their tables; one that is not full grows."""
+
+    number: Whole
+    first: Whole
+    end: Whole
+    full: bool
+    files: dict[str, ShardFile]
+    tally: list[LengthTally]
+    versions: str
+
+    def rows(self, table: str) -> int:
+        """Return how many rows of a table it has."""
+        return self.files[table].rows if table in self.files else 0
+
+
+class Share(msgspec.Struct):
+    """A share, exactly, and as a float for reading."""
+
+    numerator: str
+    denominator: str
+    value: float
+
+
+class PartNote(msgspec.Struct):
+    """A part: how many tasks there are to draw, how many were wanted, what came of them, and its shards.
+
+    `tail` is a shard that was not full, while more rows are added to it.
+    """
+
+    name: str
+    size: str
+    wanted: Whole
+    draws: Whole = 0
+    tasks: Whole = 0
+    covered: Share | None = None
+    lengths: list[LengthTally] = []
+    shards: list[Shard] = []
+    tail: Shard | None = None
+
+    def rows(self, table: str) -> int:
+        """Return how many rows of a table it has."""
+        return sum(shard.rows(table) for shard in self.shards)
+
+
+class SpaceNote(msgspec.Struct):
+    """The exact number of tasks of a length."""
+
+    length: Whole
+    tasks: str
+
+
+class Manifest(msgspec.Struct):
+    """What dataset.json says."""
+
+    format: str
+    version: Whole
+    complete: bool
+    identity: str
+    wanted: Whole
+    asked: dict[str, Any]
+    domain: KeptDomain
+    spaces: list[SpaceNote]
+    parts: list[PartNote]
+    covered: Share | None = None
+    pictures: list[KeptFile] = []
+    versions: str = ""
+
+    def rows(self, table: str) -> int:
+        """Return how many rows of a table there are in all parts."""
+        return sum(part.rows(table) for part in self.parts)
+
+    @property
+    def size(self) -> int:
+        """How many tasks there are in the space."""
+        return sum(int(space.tasks) for space in self.spaces)
+
+
+def share_of(some: int, whole: int) -> Share:
+    """Return which share some are of the whole."""
+    share = Fraction(some, whole) if whole else Fraction(0)
+    return Share(str(share.numerator), str(share.denominator), float(share))
+
+
+def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
+    """Return tallies with those of one length added up, each with its pass rate."""
+    found: dict[int, LengthTally] = {}
+    for each in tallies:
+        into = found.setdefault(each.length, LengthTally(each.length))
+        for name in ("drawn", "feasible", "not_found", "infeasible", "witnesses"):
+            setattr(into, name, getattr(into, name) + getattr(each, name))
+        into.pass_rate = into.feasible / into.drawn if into.drawn else 0.0
+        causes = {cause.cause: cause.count for cause in into.causes}
+        for cause in each.causes:
+            causes[cause.cause] = causes.get(cause.cause, 0) + cause.count
+        into.causes = [Cause(name, count) for name, count in sorted(causes.items())]
+        reasons = {(reason.status, reason.reason): reason.count for reason in into.reasons}
+        for reason in each.reasons:
+            reasons[reason.status, reason.reason] = reasons.get((reason.status, reason.reason), 0) + reason.count
+        into.reasons = [Reason(*key, count) for key, count in sorted(reasons.items())]
+    return [found[length] for length in sorted(found)]
+
+
+def write_manifest(folder: Path, manifest: Manifest) -> None:
+    """Write dataset.json, whole, with what follows from its shards.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    for part in manifest.parts:
+        part.draws = part.shards[-1].end if part.shards else 0
+        part.tasks = part.rows("tasks")
+        part.covered = share_of(part.tasks, int(part.size))
+        part.lengths = summed(tally for shard in part.shards for tally in shard.tally)
+    manifest.covered = share_of(manifest.rows("tasks"), manifest.size)
+    content = json.dumps(msgspec.to_builtins(manifest), indent=1, ensure_ascii=False)
+    replace_file(folder / NAME, f"{content}\n".encode(), follow=False)
+
+
+def read_manifest(folder: Path) -> Manifest | None:
+    """Return what dataset.json says, None where there is none.
+
+    Raises:
+        QueryError: it is damaged, of another program, or of another version.
+    """
+    path = folder / NAME
+    try:
+        text = read_bytes(path, within=folder).decode()
+    except FileNotFoundError:
+        return None
+    except UnicodeDecodeError:
+        raise QueryError(f"{path}: it is not UTF-8; copy the data set once more") from None
+    except OSError as error:
+        raise QueryError(f"{path}: cannot be read: {error.strerror or error}; name a folder of a data set") from None
+    try:
+        told = decoded(text)
+        if not isinstance(told, dict) or told.get("format") != FORMAT:
+            raise QueryError(f"is no data set of prag_asp, for it has no format {FORMAT!r}")
+        if told.get("version") != VERSION:
+            form = told.get("version")
+            raise QueryError(f"has the form {form!r}, but {VERSION} is read; use the prag_asp that made it")
+        return read(told, Manifest, "")
+    except QueryError as error:
+        raise QueryError(f"{path}: {error}") from None

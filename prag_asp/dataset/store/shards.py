@@ -1,0 +1,62 @@
+"""The files of a data set's tables: each is written whole, and named by its part and number."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from prag_asp.dataset.store.manifest import ShardFile
+from prag_asp.dataset.store.schema import FOLDERS, ROW_GROUP, SCHEMAS
+from prag_asp.errors import QueryError
+from prag_asp.output import file_in, make_folder, replace_file
+from prag_asp.reading import is_inside, open_binary
+
+MEND = "make the data set anew, or copy it once more"
+
+
+def shard_name(table: str, part: str, number: int) -> str:
+    """Return the path of a shard in the folder of its data set."""
+    return f"{FOLDERS[table]}/{part}-{number:05d}.parquet"
+
+
+def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table) -> ShardFile:
+    """Write rows as a shard, whole, and return what dataset.json says of it.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    buffer = BytesIO()
+    pq.write_table(rows, buffer, compression="zstd", row_group_size=ROW_GROUP[table], version="2.6")
+    content, name = buffer.getvalue(), shard_name(table, part, number)
+    make_folder(folder / FOLDERS[table])
+    replace_file(file_in(folder, name), content, follow=False)
+    return ShardFile(name, rows.num_rows, len(content), sha256(content).hexdigest())
+
+
+@contextmanager
+def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.ParquetFile]:
+    """Open a shard to read it, without reading its rows.
+
+    Raises:
+        QueryError: it is missing, is not what dataset.json says, or its bytes are damaged.
+    """
+    file = folder / shard.path
+    if not is_inside(file, folder):
+        raise QueryError(f"{file}: leads out of the data set; {MEND}")
+    try:
+        with open_binary(file) as stream, pq.ParquetFile(stream) as opened:
+            if not opened.schema_arrow.equals(SCHEMAS[table]):
+                raise QueryError(f"{file}: its columns are not those of {table}; {MEND}")
+            if opened.metadata.num_rows != shard.rows:
+                rows = opened.metadata.num_rows
+                raise QueryError(f"{file}: has {rows} rows, but dataset.json says {shard.rows}; {MEND}")
+            yield opened
+    except (OSError, pa.ArrowException) as error:
+        why = getattr(error, "strerror", None) or " ".join(str(error).split())
+        raise QueryError(f"{file}: cannot be read: {why}; {MEND}") from None

@@ -1,0 +1,57 @@
+"""Film strips of the first tasks of a data set, for its card."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from prag_asp.dataset.language import sentence
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.dataset.store.kept import KeptFile
+from prag_asp.errors import PicturesMissingError
+from prag_asp.output import make_folder
+from prag_asp.processes.stage import stage
+from prag_asp.reading import read_bytes
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.store.manifest import Manifest
+    from prag_asp.domain.load import Domain
+
+PICTURES = "pictures"
+STRIPS, STATES = 2, 4
+"""How many tasks are shown, and how many states of each: drawing one takes as long as some dozen verdicts."""
+
+SIZE = (240, 210)
+"""Pixels of a state."""
+
+
+def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[KeptFile]:
+    """Write pictures of the first tasks that have a witness, each whole; none where Pillow is not installed.
+
+    Raises:
+        OutputError: one cannot be written.
+    """
+    if not manifest.rows("witnesses"):
+        return []
+    from prag_asp.physics import film_strip
+    from prag_asp.physics.pictures.saving import save_picture
+
+    stage("drawing pictures")
+    data = Dataset(folder, manifest, parts=tuple(part.name for part in manifest.parts))
+    scene, language, written = scene_of(domain), domain.settings.language, []
+    for number in range(min(STRIPS, data.count())):
+        task = data.task(number)
+        headings = [sentence(action, language) if action.name in language else None for action in task.actions]
+        try:
+            strip = film_strip(
+                task, data.witness(number), scene, frames=STATES, columns=STATES, size=SIZE, headings=headings
+            )
+        except PicturesMissingError:
+            return []
+        name = f"{PICTURES}/{number:03d}.png"
+        save_picture(strip, make_folder(folder / PICTURES) / Path(name).name)
+        content = read_bytes(folder / name)
+        written.append(KeptFile(name, len(content), sha256(content).hexdigest()))
+    return written

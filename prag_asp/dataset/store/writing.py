@@ -1,0 +1,173 @@
+"""The rows of a part of a data set while they are being written, shard by shard."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import pyarrow as pa
+
+from prag_asp.dataset.store.columns import Rows
+from prag_asp.dataset.store.kept import digest_of
+from prag_asp.dataset.store.looked import Looked, Start
+from prag_asp.dataset.store.manifest import Cause, LengthTally, PartNote, Reason, Shard, summed
+from prag_asp.dataset.store.schema import SCHEMAS
+from prag_asp.dataset.store.shards import open_shard, write_shard
+from prag_asp.dataset.store.told import told
+from prag_asp.errors import PragError
+from prag_asp.processes.stage import stage
+from prag_asp.space.drawing.draws import log_probability
+from prag_asp.versions import versions
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.space.ordered import Placed
+    from prag_asp.task import Task
+
+LIMITS: Mapping[str, int] = {"tasks": 1, "refused": 10, "witnesses": 4}
+"""How many times the rows of tasks in a full shard its other tables have at most, about."""
+
+
+SUMMED_TOGETHER = 256
+"""Draws that are counted together."""
+
+
+class PartWriter:
+    """Takes the draws of a part in their order, and writes a shard whenever one is full."""
+
+    def __init__(self, folder: Path, domain: Domain, seed: int, note: PartNote, shard: int) -> None:
+        """Go on after the shards that a part has; `shard` is how many tasks a full one has at most."""
+        self._folder, self._domain, self._seed, self._limit, self.note = folder, domain, seed, shard, note
+        self._begin()
+        self._take_up(note.tail)
+
+    @property
+    def next(self) -> int:
+        """The number of the draw that comes next."""
+        return self._first + self._draws
+
+    @property
+    def tasks(self) -> int:
+        """How many tasks the part has."""
+        return self.note.rows("tasks") + self._rows["tasks"].count
+
+    @property
+    def full(self) -> bool:
+        """Whether the shard is to be written before another draw is added."""
+        return any(self._rows[table].count >= times * self._limit for table, times in LIMITS.items())
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing to be written."""
+        return not self._draws
+
+    def add(self, placed: Placed, task: Task, looked: Looked) -> None:
+        """Add a draw, and what is known of it."""
+        row = self._row(placed, task, looked)
+        if looked.passed:
+            number = self.tasks
+            starts = sum(start.text is not None for start in looked.starts)
+            self._rows["tasks"].add({**row, "task": number, "starts": starts})
+            for start, each in enumerate(looked.starts):
+                self._add_start(number, start, each)
+        else:
+            self._rows["refused"].add(row)
+        self._tally(len(task), looked)
+        self._draws += 1
+
+    def write(self) -> None:
+        """Write the shard, and note it with the part; dataset.json has to be written next.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        stage("writing the data set")
+        number = self.note.shards[-1].number + 1 if self.note.shards else 0
+        files = {
+            table: write_shard(self._folder, table, self.note.name, number, rows.table())
+            for table, rows in self._rows.items()
+            if rows.count
+        }
+        tally = summed(self._tallies)
+        self.note.shards.append(Shard(number, self._first, self.next, self.full, files, tally, versions()))
+        self.note.tail = None
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin a shard."""
+        self._first = self.note.shards[-1].end if self.note.shards else 0
+        self._draws = 0
+        self._rows = {table: Rows(table) for table in SCHEMAS}
+        self._tallies: list[LengthTally] = []
+
+    def _take_up(self, tail: Shard | None) -> None:
+        """Begin with the rows of a shard that was not full, where its files are what dataset.json says."""
+        if tail is None:
+            return
+        try:
+            if any(digest_of(self._folder / file.path) != file.sha256 for file in tail.files.values()):
+                return  # a run that was killed has written more rows, and did not note it
+            before = {}
+            for table, file in tail.files.items():
+                with open_shard(self._folder, table, file) as opened:
+                    before[table] = opened.read()
+        except (OSError, PragError, pa.ArrowException):
+            return
+        self._rows = {table: Rows(table, before.get(table)) for table in SCHEMAS}
+        self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
+
+    def _row(self, placed: Placed, task: Task, looked: Looked) -> dict[str, Any]:
+        """Return what tables of tasks say of a draw."""
+        words = told(self._domain, task, seed=self._seed, index=looked.draw)
+        return {
+            "draw": looked.draw,
+            "domain": task.domain,
+            "length": len(task),
+            "rank": str(placed.rank),
+            "log_probability": log_probability(placed.probability),
+            "plan": placed.word,
+            "skeleton": task.skeleton,
+            "entities": [{"entity": name, "class": kind} for name, kind in task.entities.items()],
+            "initial": task.initial,
+            "states": task.states,
+            "subgoals": task.subgoals,
+            "goal": task.goal,
+            "instruction": [{"level": level, "text": text} for level, text in words.whole],
+            "subgoal_instructions": words.subgoals,
+            "verdict": None if looked.verdict is None else _verdict_row(looked.verdict),
+        }
+
+    def _add_start(self, task: int, start: int, found: Start) -> None:
+        """Add a first state of a task."""
+        of_it = {"task": task, "start": start}
+        if (text := found.text) is not None:
+            self._rows["witnesses"].add({**of_it, "index": found.index, "witness": text})
+        if found.recording is not None:
+            self._rows["recordings"].add({**of_it, **msgspec.structs.asdict(found.recording)})
+
+    def _tally(self, length: int, looked: Looked) -> None:
+        """Count a draw."""
+        verdict = looked.verdict or {"status": "feasible", "causes": {}, "reason": ""}
+        status, reason = verdict["status"], verdict["reason"]
+        self._tallies.append(
+            LengthTally(
+                length,
+                drawn=1,
+                feasible=status == "feasible",
+                not_found=status == "not_found",
+                infeasible=status == "infeasible",
+                witnesses=sum(start.text is not None for start in looked.starts),
+                causes=[Cause(cause, count) for cause, count in verdict["causes"].items()],
+                reasons=[] if looked.passed else [Reason(status, reason, 1)],
+            )
+        )
+        if len(self._tallies) >= SUMMED_TOGETHER:
+            self._tallies = summed(self._tallies)
+
+
+def _verdict_row(verdict: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a verdict as its column has it."""
+    causes = [{"cause": cause, "count": count} for cause, count in verdict["causes"].items()]
+    return {**verdict, "causes": causes, "details": verdict.get("details", [])}

@@ -1,0 +1,81 @@
+"""What a data set is to hold: all that identifies it, and how many tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+from prag_asp.errors import QueryError
+from prag_asp.space.ordered import Division, lengths_of
+
+if TYPE_CHECKING:
+    from prag_asp.physics import Budget
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.space.task_spaces import TaskSpaces
+    from prag_asp.space.weighing.temperature import Temperature
+    from prag_asp.space.weighing.weights import Number
+
+SHARD = 1000
+"""Tasks of a full shard, if no other number is asked for."""
+
+DRAWS_FOR_EACH = 1000
+"""Draws after which a part is given up, for each task wanted."""
+
+LARGEST_SEED = 2**63 - 1
+"""The largest seed that a column of whole numbers holds."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a data set is to hold, beside the space: what identifies it, but for the number of `tasks` and of draws."""
+
+    tasks: int
+    seed: int
+    division: Division
+    budget: Budget | None
+    starts: int = 1
+    demonstrate: bool = False
+    evenly: bool = False
+    weights: Mapping[str, Number] | None = None
+    temperature: Temperature = 1
+    shard: int = SHARD
+    max_draws: int | None = None
+
+    def __post_init__(self) -> None:
+        numbers = {"tasks": self.tasks, "starts": self.starts, "shard": self.shard}
+        for name, number in numbers.items():
+            if number < 1:
+                raise QueryError(f"{name} {number}: a data set needs at least 1")
+        if not 0 <= self.seed <= LARGEST_SEED:
+            raise QueryError(f"seed {self.seed}: give one from 0 to {LARGEST_SEED}")
+
+    def of(self, share: Fraction) -> int:
+        """Return how many tasks a part of some share is to have, rounded up, so that more never means fewer."""
+        return ceil(self.tasks * share)
+
+    def draws(self, share: Fraction) -> int:
+        """Return after how many draws a part of some share is given up."""
+        return self.max_draws or DRAWS_FOR_EACH * self.of(share)
+
+    def asked(self, space: TaskSpace | TaskSpaces) -> dict[str, Any]:
+        """Return all that identifies the data set of a space, as values of JSON."""
+        weights = space.domain.settings.weights if self.weights is None else self.weights
+        division = self.division
+        return {
+            "lengths": list(lengths_of(space)),
+            "where": [str(clause) for clause in space.condition.clauses],
+            "seed": self.seed,
+            "weights": {key: str(weight) for key, weight in weights.items()},
+            "temperature": str(self.temperature),
+            "evenly": self.evenly,
+            "split": {name: str(share) for name, share in division.shares.items()},
+            "skeletons": division.skeletons,
+            "hold_out": division.hold_out,
+            "budget": None if self.budget is None else self.budget.to_json(),
+            "starts": self.starts,
+            "demonstrate": self.demonstrate,
+            "shard": self.shard,
+        }

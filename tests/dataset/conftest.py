@@ -1,0 +1,40 @@
+"""Small data sets that several tests look at, and nobody changes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from prag_asp import Dataset, Domain, TaskSpaces, load_domain
+from prag_asp.dataset import generate
+from prag_asp.physics import Budget
+
+POOR = Budget(1, 1)
+"""A budget with which some tasks are not found."""
+
+
+@pytest.fixture(scope="package")
+def tabletop() -> Domain:
+    return load_domain("tabletop")
+
+
+@pytest.fixture(scope="package")
+def spaces(tabletop: Domain) -> TaskSpaces:
+    return TaskSpaces(tabletop, range(1, 3))
+
+
+@pytest.fixture(scope="package")
+def small(spaces: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    """Return 12 tasks in three shards and two parts, some of them refused, each from two first states."""
+    folder = tmp_path_factory.mktemp("data") / "small"
+    shares = {"train": "3/4", "test": "1/4"}
+    return generate(spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4)
+
+
+@pytest.fixture(scope="package")
+def numbers(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a data set without physics, of a domain that has weights."""
+    folder = tmp_path_factory.mktemp("data") / "numbers"
+    generate(TaskSpaces(load_domain("kitchen"), range(1, 4)), folder, tasks=9, seed=1, physics=False, shard=4)
+    return folder

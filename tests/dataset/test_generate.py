@@ -1,0 +1,231 @@
+"""Data sets as they are made: what is drawn, what is kept, and that it goes on where it was broken off."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from prag_asp import Dataset, Domain, OutputError, QueryError, Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp.dataset import generate, generating, looking
+from prag_asp.errors import NotFound
+from prag_asp.physics import Budget, Verdict
+from tests.dataset.conftest import POOR
+from tests.output.faults import Disk, content, killed
+
+SAMPLES = 8
+"""At how many moments a run is broken off, of all at which it asks something of the disk."""
+
+HALVES = {"train": "0.5", "test": "0.5"}
+SHARES = {"train": "3/4", "test": "1/4"}
+
+
+@pytest.fixture(scope="module")
+def kitchen() -> TaskSpaces:
+    spaces = TaskSpaces(load_domain("kitchen"), range(1, 4))
+    assert spaces.count() == 14
+    return spaces
+
+
+@pytest.fixture(scope="module")
+def plain(kitchen: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Return what makes a data set without physics, in a folder."""
+
+    def make(folder: Path, tasks: int) -> Path:
+        generate(
+            kitchen,
+            folder,
+            tasks=tasks,
+            seed=3,
+            weights={},
+            physics=False,
+            shard=2,
+            split={"train": "0.5", "test": "0.5"},
+        )
+        return folder
+
+    return make
+
+
+def test_tasks_are_different_feasible_and_have_their_ranks_and_shares(small: Dataset, spaces: TaskSpaces) -> None:
+    manifest = small.manifest
+    assert [(part.name, part.tasks) for part in manifest.parts] == [("train", 9), ("test", 3)]
+    entries = list(small.entries())
+    assert len({(len(entry.task), entry.rank) for entry in entries}) == 12
+    for entry in entries:
+        assert spaces.at(len(entry.task)).index(entry.task) == entry.rank
+        assert entry.verdict is not None and entry.verdict.feasible and entry.verdict.budget == POOR
+        assert (entry.verdict.seed, entry.verdict.index) == (5, entry.draw)
+        assert entry.instruction["exact"].startswith(entry.subgoals[0]) and len(entry.subgoals) == len(entry.task)
+    assert sum(int(space.tasks) for space in manifest.spaces) == spaces.count() == manifest.size
+    assert manifest.covered is not None
+    assert int(manifest.covered.denominator) * manifest.rows("tasks") == spaces.count() * int(
+        manifest.covered.numerator
+    )
+
+
+def test_refused_tasks_are_kept_with_their_causes_and_each_draw_is_one_or_the_other(small: Dataset) -> None:
+    refused = list(small.refused())
+    assert refused and all(entry.verdict is not None and not entry.verdict.feasible for entry in refused)
+    assert all(entry.verdict is not None and entry.verdict.reason for entry in refused)
+    for part in small.manifest.parts:
+        kept = [entry.draw for entry in small.part(part.name).entries()]
+        others = [entry.draw for entry in refused if entry.part == part.name]
+        assert sorted(kept + others) == list(range(part.draws))
+        assert sum(each.drawn for each in part.lengths) == part.draws
+        assert sum(reason.count for each in part.lengths for reason in each.reasons) == len(others)
+
+
+def test_several_workers_and_going_on_make_the_same_bytes(small: Dataset, spaces: TaskSpaces, tmp_path: Path) -> None:
+    for tasks, workers in ((5, 1), (12, 2)):
+        generate(
+            spaces, tmp_path / "same", tasks=tasks, seed=5, split=SHARES, starts=2, budget=POOR, shard=4,
+            workers=workers,
+        )  # fmt: skip
+    assert content(tmp_path / "same") == content(small.folder)
+
+
+def test_more_tasks_leave_full_shards_untouched(plain: Callable[..., Path], tmp_path: Path) -> None:
+    folder = plain(tmp_path / "grown", 6)
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*-0000[01].parquet") if path.name[-9] == "0"}
+    assert len(before) == 2
+    assert content(plain(folder, 12)) == content(plain(tmp_path / "whole", 12))
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
+def test_the_same_once_more_writes_nothing(plain: Callable[..., Path], tmp_path: Path) -> None:
+    folder = plain(tmp_path / "twice", 6)
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    plain(folder, 6)
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path != folder} == before
+
+
+def test_at_each_failure_of_the_disk_the_same_command_goes_on_to_the_same_bytes(
+    plain: Callable[..., Path], tmp_path: Path
+) -> None:
+    whole = content(plain(tmp_path / "whole", 8))
+    with Disk().working() as counted:
+        plain(tmp_path / "counted", 8)
+    for number in range(1, len(counted.asked), len(counted.asked) // SAMPLES):
+        folder = tmp_path / str(number)
+        with Disk(number).working(), pytest.raises(OutputError):
+            plain(folder, 8)
+        assert content(plain(folder, 8)) == whole
+        shutil.rmtree(folder)
+
+
+def test_at_each_moment_of_a_kill_the_same_command_goes_on_to_the_same_bytes(
+    plain: Callable[..., Path], tmp_path: Path
+) -> None:
+    first = content(plain(tmp_path / "before", 4))
+    whole = content(plain(tmp_path / "whole", 10))
+    folder = Path(shutil.copytree(tmp_path / "before", tmp_path / "counted"))
+    with Disk().working() as counted:
+        plain(folder, 10)
+    for number in range(2, len(counted.asked), len(counted.asked) // SAMPLES):
+        folder = Path(shutil.copytree(tmp_path / "before", tmp_path / str(number)))
+        assert killed(number, partial(plain, folder, 10))
+        for name, text in content(folder).items():
+            assert name in whole or name.endswith((".part", ".run")) or first.get(name) == text
+        assert content(plain(folder, 10)) == whole
+        shutil.rmtree(folder)
+
+
+def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
+    small: Dataset, spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+    really = looking.validate_numbered
+
+    def counted(tasks: Iterable[tuple[int, Task]], *given: Any, **more: Any) -> Iterator[Verdict]:
+        def noted() -> Iterator[tuple[int, Task]]:
+            for index, task in tasks:
+                asked.append(index)
+                if len(asked) == 10:
+                    raise KeyboardInterrupt
+                yield index, task
+
+        return really(noted(), *given, **more)
+
+    monkeypatch.setattr(looking, "validate_numbered", counted)
+
+    def make() -> None:
+        generate(spaces, tmp_path / "broken", tasks=12, seed=5, split=SHARES, starts=2, budget=POOR, shard=4)
+
+    with pytest.raises(KeyboardInterrupt):
+        make()
+    assert list((tmp_path / "broken").glob("journal.jsonl.*"))
+    with pytest.raises(QueryError, match="has not ended; the same command"):
+        Dataset.open(tmp_path / "broken")
+    make()
+    assert content(tmp_path / "broken") == content(small.folder)
+    searches = 2 * 12 + sum(1 for _ in small.refused())
+    assert searches < len(asked) <= searches + 2  # that of the draw that was broken off
+
+
+def test_all_tasks_of_a_space_make_a_data_set_and_one_more_is_told_to_be_missing(
+    kitchen: TaskSpaces, tmp_path: Path
+) -> None:
+    def make(tasks: int) -> Dataset:
+        return generate(kitchen, tmp_path / "all", tasks=tasks, weights={}, physics=False)
+
+    assert make(14).count() == 14 and {*make(14).tasks()} == {*make(14).tasks()}
+    with pytest.raises(NotFound, match="only 14 of 15 tasks for train found in 14 draws, which are all that there are"):
+        make(15)
+    assert Dataset.open(tmp_path / "all").count() == 14
+
+
+def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(tabletop: Domain, tmp_path: Path) -> None:
+    def make(draws: int) -> Dataset:
+        return generate(TaskSpace(tabletop, 1), tmp_path / "few", tasks=3, seed=1, max_draws=draws)
+
+    with pytest.raises(NotFound, match=r"only 1 of 3 tasks for train found in 1 draw; raise --max-draws"):
+        make(1)
+    assert Dataset.open(tmp_path / "few").count() == 1
+    assert make(9).count() == 3
+
+
+def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numbers: Path, tmp_path: Path) -> None:
+    def refused(match: str, folder: Path = tmp_path / "none", **more: object) -> None:
+        with pytest.raises((QueryError, OutputError), match=match) as error:
+            generate(kitchen, folder, **{"tasks": 3, "physics": False, **more})  # type: ignore[arg-type]
+        assert len(error.value.lines) == 1
+
+    refused("needs at least 1", tasks=0)
+    refused("give one from 0 to 9223372036854775807", seed=2**63)
+    refused("uniform", evenly=True)
+    refused("add up to 1", split={"train": 0.5})
+    refused("need physics", starts=2)
+    refused("need physics", demonstrate=True)
+    refused("need physics", budget=Budget())
+    refused("whole skeletons need shares", skeletons=True)
+    refused("leave one of them out", skeletons=True, hold_out="open", split=SHARES)
+    refused("the parts are train and test", hold_out="open", split={"a": "0.5", "b": "0.5"})
+    refused("write a name of letters", split={"../a": "0.5", "b": "0.5"})
+    refused("nosuch", hold_out="nosuch")
+    assert not (tmp_path / "none").exists()
+    refused("is a data set made with other seed .1.; give a new folder", numbers, tasks=9, seed=2)
+    refused("has 9 tasks already; ask for at least as many", numbers, seed=1, shard=4)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").write_text("dear")
+    refused("holds letter.txt, and is no data set; give a new folder", tmp_path / "mine")
+    refused("cannot be made", Path("/dev/null/folder"))
+    with pytest.raises(OutputError, match="is a data set of kitchen, not of blocks"):
+        generate(TaskSpace(load_domain("blocks"), 2), numbers, tasks=1)
+
+
+def test_another_run_that_writes_the_same_folder_is_told(numbers: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from prag_asp.output import Lines, part
+
+    monkeypatch.setattr(part, "PATIENCE", 0.0)
+    other = Lines(numbers / generating.JOURNAL, "other")
+    try:
+        with pytest.raises(OutputError, match="another run is writing it"):
+            generate(TaskSpaces(load_domain("kitchen"), range(1, 4)), numbers, tasks=9, seed=1, physics=False, shard=4)
+    finally:
+        other.suspend()
+        other.close()
