@@ -289,6 +289,8 @@ def _require_ours(folder: Path) -> None:
     Raises:
         OutputError: it holds something else.
     """
+    if folder.exists() and not folder.is_dir():
+        raise OutputError(f"{folder}: is no folder; give a new one")
     if not folder.is_dir() or (folder / NAME).is_file():
         return
     begun = {f"{name}{end}" for name in (NAME, JOURNAL) for end in (".part", ".run", ".run.part")}

@@ -20,6 +20,7 @@ from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.space.drawing.drawers import Over
+    from prag_asp.space.drawing.lengths import Portion
     from prag_asp.space.weighing.temperature import Temperature
 
 
@@ -45,6 +46,7 @@ class TaskSpaces:
             raise QueryError(f"lengths {lengths}: give at least one, and each once")
         self._space = TaskSpace(domain, min(lengths), engine=engine, progress=progress, limits=limits)
         self.lengths = lengths
+        self._portioned: tuple[tuple[str | None, ...], list[Portion]] | None = None
 
     @property
     def domain(self) -> Domain:
@@ -67,6 +69,7 @@ class TaskSpaces:
             QueryError: a condition is none, or speaks of something that the domain does not have.
         """
         spaces = copy(self)
+        spaces._portioned = None
         spaces._space = self._space.where(*conditions)
         return spaces
 
@@ -171,11 +174,25 @@ class TaskSpaces:
         Raises:
             QueryError: there is nothing to draw, or it cannot be drawn so.
         """
-        from prag_asp.space.drawing.drawers import OverSkeletons
-        from prag_asp.space.drawing.lengths import Portion, drawn_batches
+        from prag_asp.space.drawing.lengths import drawn_batches
 
         if over == "goals":
             raise QueryError("over goals, tasks of one length are drawn; give one, or draw over skeletons")
+        key = (repr(weights), by, str(temperature), over)
+        if self._portioned is None or self._portioned[0] != key:
+            self._portioned = (key, self._portions(weights, by, temperature, over))
+        portions = self._portioned[1]
+        if not portions:
+            raise QueryError(f"there is no {by} of the lengths {', '.join(map(str, self.lengths))} to draw")
+        return drawn_batches(portions, self._space.letters(by), seed)
+
+    def _portions(
+        self, weights: Mapping[str, Number] | None, by: Level, temperature: Temperature, over: Over | None
+    ) -> list[Portion]:
+        """Return what is drawn of each length, without those that weigh nothing."""
+        from prag_asp.space.drawing.drawers import OverSkeletons
+        from prag_asp.space.drawing.lengths import Portion
+
         portions = []
         for length in sorted(self.lengths, reverse=True):  # what is explored for the longest holds for all
             space = self.at(length)
@@ -184,9 +201,7 @@ class TaskSpaces:
                 drawer = space.drawer(weights=weights, by=by, temperature=temperature, over=over)
                 share = Fraction(drawer.count) if isinstance(drawer, OverSkeletons) else weight
                 portions.append(Portion(length, share, drawer))
-        if not portions:
-            raise QueryError(f"there is no {by} of the lengths {', '.join(map(str, self.lengths))} to draw")
-        return drawn_batches(portions[::-1], self._space.letters(by), seed)
+        return portions[::-1]
 
     def _told(self, batches: Iterable[Sequence[Draw]]) -> Iterator[Task]:
         """Yield the task of each draw; those of one length are told together."""

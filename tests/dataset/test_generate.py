@@ -10,10 +10,12 @@ from typing import Any
 
 import pytest
 
-from prag_asp import Dataset, Domain, OutputError, QueryError, Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp import Dataset, OutputError, QueryError, Task, TaskSpace, TaskSpaces, load_domain
 from prag_asp.dataset import generate, generating, looking
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.dataset.store import writing
 from prag_asp.errors import NotFound
-from prag_asp.physics import Budget, Verdict
+from prag_asp.physics import Budget, Verdict, check_demonstration
 from tests.dataset.conftest import POOR
 from tests.output.faults import Disk, content, killed
 
@@ -95,6 +97,25 @@ def test_more_tasks_leave_full_shards_untouched(plain: Callable[..., Path], tmp_
     assert len(before) == 2
     assert content(plain(folder, 12)) == content(plain(tmp_path / "whole", 12))
     assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
+def test_another_version_of_the_program_goes_on_and_is_noted(
+    plain: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = plain(tmp_path / "grown", 6)
+    monkeypatch.setattr(writing, "versions", lambda: "prag_asp 9.9")
+    (part, _) = Dataset.open(plain(folder, 12)).manifest.parts
+    assert [shard.versions == "prag_asp 9.9" for shard in part.shards] == [False, True, True]
+
+
+def test_recordings_stand_beside_their_witnesses(spaces: TaskSpaces, tmp_path: Path) -> None:
+    data = generate(spaces.at(1), tmp_path / "shown", tasks=2, seed=2, starts=2, demonstrate=True)
+    found = [(entry.number, start, demonstration) for entry, start, demonstration in data.demonstrations()]
+    assert [key[:2] for key in found] == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    scene = scene_of(spaces.domain)
+    for number, start, demonstration in found:
+        assert demonstration == data.demonstration(number, start)
+        assert demonstration.success and check_demonstration(data.task(number), demonstration, scene) == []
 
 
 def test_the_same_once_more_writes_nothing(plain: Callable[..., Path], tmp_path: Path) -> None:
@@ -179,9 +200,9 @@ def test_all_tasks_of_a_space_make_a_data_set_and_one_more_is_told_to_be_missing
     assert Dataset.open(tmp_path / "all").count() == 14
 
 
-def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(tabletop: Domain, tmp_path: Path) -> None:
+def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(spaces: TaskSpaces, tmp_path: Path) -> None:
     def make(draws: int) -> Dataset:
-        return generate(TaskSpace(tabletop, 1), tmp_path / "few", tasks=3, seed=1, max_draws=draws)
+        return generate(spaces.at(1), tmp_path / "few", tasks=3, seed=1, max_draws=draws)
 
     with pytest.raises(NotFound, match=r"only 1 of 3 tasks for train found in 1 draw; raise --max-draws"):
         make(1)
@@ -192,12 +213,12 @@ def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(tabletop: D
 def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numbers: Path, tmp_path: Path) -> None:
     def refused(match: str, folder: Path = tmp_path / "none", **more: object) -> None:
         with pytest.raises((QueryError, OutputError), match=match) as error:
-            generate(kitchen, folder, **{"tasks": 3, "physics": False, **more})  # type: ignore[arg-type]
+            generate(kitchen, folder, **{"tasks": 3, "physics": False, "weights": {}, **more})  # type: ignore[arg-type]
         assert len(error.value.lines) == 1
 
     refused("needs at least 1", tasks=0)
     refused("give one from 0 to 9223372036854775807", seed=2**63)
-    refused("uniform", evenly=True)
+    refused("uniform", evenly=True, weights={"open": 2})
     refused("add up to 1", split={"train": 0.5})
     refused("need physics", starts=2)
     refused("need physics", demonstrate=True)
@@ -208,24 +229,27 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numb
     refused("write a name of letters", split={"../a": "0.5", "b": "0.5"})
     refused("nosuch", hold_out="nosuch")
     assert not (tmp_path / "none").exists()
-    refused("is a data set made with other seed .1.; give a new folder", numbers, tasks=9, seed=2)
-    refused("has 9 tasks already; ask for at least as many", numbers, seed=1, shard=4)
+    refused("is a data set made with other seed .1.; give a new folder", numbers, tasks=6, seed=2, weights=None)
+    refused("has 6 tasks already; ask for at least as many", numbers, seed=1, shard=4, weights=None)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
     refused("holds letter.txt, and is no data set; give a new folder", tmp_path / "mine")
     refused("cannot be made", Path("/dev/null/folder"))
+    refused("is no folder; give a new one", numbers / "dataset.json")
     with pytest.raises(OutputError, match="is a data set of kitchen, not of blocks"):
         generate(TaskSpace(load_domain("blocks"), 2), numbers, tasks=1)
 
 
-def test_another_run_that_writes_the_same_folder_is_told(numbers: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_run_that_writes_the_same_folder_is_told(
+    kitchen: TaskSpaces, numbers: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from prag_asp.output import Lines, part
 
     monkeypatch.setattr(part, "PATIENCE", 0.0)
     other = Lines(numbers / generating.JOURNAL, "other")
     try:
         with pytest.raises(OutputError, match="another run is writing it"):
-            generate(TaskSpaces(load_domain("kitchen"), range(1, 4)), numbers, tasks=9, seed=1, physics=False, shard=4)
+            generate(kitchen, numbers, tasks=6, seed=1, physics=False, shard=4)
     finally:
         other.suspend()
         other.close()

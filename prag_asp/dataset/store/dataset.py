@@ -58,6 +58,9 @@ class Dataset:
             raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
         return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.folder, self.manifest, self.trust, self.parts, self.conditions)
+
     @cached_property
     def domain(self) -> Domain:
         """The domain of the tasks, from the files in the folder alone.
