@@ -16,8 +16,7 @@ import numpy as np
 from PIL import Image, ImageOps
 
 from prag_asp import TaskSpace, load_domain, load_scene
-from prag_asp.dataset import feasible
-from prag_asp.dataset.language import sentence
+from prag_asp.dataset import feasible, teller_of
 from prag_asp.physics import Demonstration, Picture, Staging, film_strip, validate_task
 from prag_asp.scene.colours import more_colours
 
@@ -70,8 +69,8 @@ def draw(strip: Strip) -> Image.Image:
     drawn = space.draw(seed=strip.seed, weights=strip.weights)
     checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in drawn)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
-    headings = [sentence(action, domain.settings.language) for action in task.actions]
-    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, headings=headings)
+    told = teller_of(domain).captions(task)
+    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, told=told)
     if not strip.start:
         subgoals = picture.crop((picture.width // (strip.length + 1), 0, picture.width, picture.height))
         bottom = ImageOps.invert(subgoals.convert("L")).getbbox()[3]

@@ -210,7 +210,7 @@ def checks(function: Function) -> Function:
 
 def looks(function: Function) -> Function:
     """Give a command the options of physics, but for the folder of recordings, as one value `checking`."""
-    return _bundled(function, "checking", Checking, CHECKS[:-1])
+    return bundled(function, "checking", Checking, CHECKS[:-1])
 
 
 def asks(options: Sequence[Callable[[Function], Function]]) -> Callable[[Function], Function]:

@@ -188,7 +188,10 @@ class GrammarReader:
         return {(name, arity): self.forms(self._default(name, arity), arity) for name, arity in self.fluent_arguments}
 
     def _default(self, name: str, arity: int) -> Mapping[str, Any]:
-        """Return the forms that any fluent has: its name, and what it speaks of."""
+        """Return the forms that any fluent has: its name, and what it speaks of.
+
+        They tell nothing from others: nobody knows whether a picture shows it.
+        """
         defaults = _below(self.words.table, "defaults")
         every = _joined([f"{{{index}}}" for index in range(arity)], defaults.get("all", (", ", ", ")))
         forms = _below(defaults, "state" if arity == 0 else "property" if arity == 1 else "fact")

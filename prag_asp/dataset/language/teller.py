@@ -94,8 +94,12 @@ class Teller:
         """
         handled = {argument for action in task.actions for argument in action.arguments} - self.tongue.looks.seen
         known = {fluent: True for fluent, value in task.initial.items() if value}
-        told = [fluent for fluent in worth_telling(known, self.tongue) if not handled.isdisjoint(fluent.arguments)]
         view = self.tongue.view(start_of(task))
+        told = [
+            fluent
+            for fluent in worth_telling(known, self.tongue)
+            if not handled.isdisjoint(fluent.arguments) and fluent not in self._said_by_names(view, fluent)
+        ]
         captions = [(self._frame("start"), self._caption(view, dict.fromkeys(told[:START_FACTS], True), None))]
         for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
             before = self.tongue.view(start_of(task, number - 1))
@@ -104,6 +108,13 @@ class Teller:
             moved = topic is not None and before.describe(topic).relation is not None
             captions.append((f"{number}. {heading}", self._caption(before, made, topic if moved else None)))
         return captions
+
+    def _said_by_names(self, view: View, fluent: Atom) -> Iterator[Atom]:
+        """Yield what the descriptions of the things that a fluent speaks of say already."""
+        for thing in fluent.arguments:
+            relation = view.describe(thing).relation if thing in self.tongue.looks.nouns else None
+            if relation is not None:
+                yield relation.about(thing)
 
     def _caption(self, view: View, facts: State, topic: str | None) -> str:
         told = [text for fluent, value in facts.items() for text in self._told(view, fluent, value, topic, None)]
