@@ -55,7 +55,7 @@ class Filming:
                 raise QueryError(f"{option} {value} is for --cameras; name some, such as --cameras front")
         for option, value in (("--cameras", self.cameras), ("--vary", self.vary)):
             if value is not None and demonstrate is None:
-                raise QueryError(f"{option} {value} is for demonstrations; add --demonstrate DIR")
+                raise QueryError(f"{option} {value} is for demonstrations; add --demonstrate")
 
     def staging(self, *scenes: Scene) -> Staging | None:
         """Return what is asked of demonstrations in some scenes, None where nothing is.

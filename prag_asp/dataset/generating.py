@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from prag_asp.dataset.filtering import budget_of
+from prag_asp.dataset.filtering import budget_of, require_demonstrated
 from prag_asp.dataset.looking import Drawn, Look, looked_at
 from prag_asp.dataset.recordings import Recordings, remove_after
 from prag_asp.dataset.scenes import scene_of
@@ -28,6 +28,7 @@ from prag_asp.dataset.store.manifest import (
     read_manifest,
     write_manifest,
 )  # fmt: skip
+from prag_asp.dataset.store.told import telling_of
 from prag_asp.dataset.wanted import SHARD, Wanted
 from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
@@ -42,7 +43,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.writing import PartWriter
-    from prag_asp.physics import Verdict
+    from prag_asp.physics import Staging, Verdict
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.space.weighing.temperature import Temperature
@@ -51,7 +52,8 @@ if TYPE_CHECKING:
 JOURNAL = "journal.jsonl"
 """What physics has said since the last shard, so that a run that was broken off goes on there. It goes at the end."""
 
-RECORDINGS = "recordings"
+RECORDINGS = "demonstrations"
+"""The folder of recordings, beside that of the table that has one row for each."""
 
 Told = Callable[[str, int, int], None]
 """Is told how far things are: in words, how many tasks there are, and how many there are to be."""
@@ -75,6 +77,8 @@ def generate(
     budget: Budget | None = None,
     workers: int = 1,
     shard: int = SHARD,
+    language: str = "en",
+    staging: Staging | None = None,
     max_draws: int | None = None,
     progress: Told = lambda words, done, total: None,
 ) -> Dataset:
@@ -83,8 +87,9 @@ def generate(
     Tasks are drawn without replacement, by the weights of the domain unless others are given; lengths have their exact
     share or come `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task (with
     `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has something. `starts` are the first states
-    that a witness is looked for from, for each task. With `demonstrate`, the robot performs each. Without `physics`,
-    which is asked where the domain has a scene, all tasks are taken as they are drawn.
+    that a witness is looked for from, for each task. With `demonstrate`, the robot performs each, with what `staging`
+    asks for: cameras that film, and what varies. Without `physics`, which is asked where the domain has a scene, all
+    tasks are taken as they are drawn. Instructions are in a `language` of the domain.
 
     What was begun goes on; a larger number of `tasks` adds to what is there. All depends on the seed alone, not on the
     number of `workers`. A `shard` holds so many tasks at most.
@@ -102,12 +107,16 @@ def generate(
         physics = bool(space.domain.settings.scene)
     if not physics and (demonstrate or starts > 1 or budget is not None):
         raise QueryError("demonstrations, first states and a budget need physics; leave them out")
+    if staging is not None:
+        require_demonstrated(staging, "" if demonstrate else None)
+        staging.cameras_of(scene_of(space.domain))
     if physics:
         require_physics()
     chosen = budget_of(budget or Budget(), "" if demonstrate else None) if physics else None
     division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
     wanted = Wanted(
-        tasks, seed, division, chosen, starts, demonstrate, evenly, weights, temperature, shard, max_draws
+        tasks, seed, division, chosen, starts, demonstrate, evenly, weights, temperature, shard, language, staging,
+        max_draws,
     )  # fmt: skip
     return _Run(space, Path(folder), wanted, workers, progress).done()
 
@@ -128,6 +137,7 @@ class _Run:
             PragError: as `generate` does.
         """
         asked = self._wanted.asked(self._space)
+        self._telling = telling_of(self._space.domain, self._wanted.language, self._wanted.seed)
         self._told, self._files = kept(self._space.domain)
         identity = digest([msgspec.to_builtins(self._told), asked])
         _require_ours(self._folder)
@@ -196,7 +206,7 @@ class _Run:
         wanted = self._wanted
         left = list(self._left())
         for note in self._manifest.parts:
-            writer = PartWriter(self._folder, self._space.domain, wanted.seed, note, wanted.shard)
+            writer = PartWriter(self._folder, self._telling, note, wanted.shard)
             self._fill(writer, parts[note.name], [looked for looked in left if looked.part == note.name])
             if not writer.empty:
                 writer.write()
@@ -254,7 +264,7 @@ class _Run:
                 yield draw, Looked(name, draw[0], None, [])
             return
         scene = scene_of(self._space.domain)
-        look = Look(scene, wanted.seed, wanted.budget, wanted.starts, self._workers)
+        look = Look(scene, wanted.seed, wanted.budget, wanted.starts, self._workers, wanted.staging)
         with closing(looked_at(drawn, look)) as found:
             for draw, verdicts in found:
                 yield draw, self._noted(writer, draw[0], verdicts)

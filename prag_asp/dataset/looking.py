@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from prag_asp.physics import Budget, Verdict, validate_numbered
 
 if TYPE_CHECKING:
+    from prag_asp.physics import Staging
     from prag_asp.scene.model import Scene
     from prag_asp.space.ordered import Placed
     from prag_asp.task import Task
@@ -24,13 +25,14 @@ Drawn = tuple[int, "Placed", "Task"]
 
 @dataclass(frozen=True)
 class Look:
-    """How physics looks at tasks: the scene, the seed, the budget, first states a task, and the workers."""
+    """How physics looks at tasks: the scene, the seed, the budget, first states a task, the workers, and cameras."""
 
     scene: Scene
     seed: int
     budget: Budget
     starts: int
     workers: int
+    staging: Staging | None = None
 
 
 @dataclass
@@ -74,7 +76,9 @@ def looked_at(drawn: Iterator[Drawn], look: Look) -> Generator[tuple[Drawn, list
             yield number + start * START, task
 
     while True:
-        found = validate_numbered(feed(), look.scene, seed=look.seed, workers=look.workers, budget=look.budget)
+        found = validate_numbered(
+            feed(), look.scene, seed=look.seed, workers=look.workers, budget=look.budget, staging=look.staging
+        )
         with closing(found) as verdicts:
             for verdict in verdicts:
                 pending, start = handed.popleft()

@@ -8,11 +8,13 @@ from fractions import Fraction
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
+import msgspec
+
 from prag_asp.errors import QueryError
 from prag_asp.space.ordered import Division, lengths_of
 
 if TYPE_CHECKING:
-    from prag_asp.physics import Budget
+    from prag_asp.physics import Budget, Staging
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.space.weighing.temperature import Temperature
@@ -42,6 +44,8 @@ class Wanted:
     weights: Mapping[str, Number] | None = None
     temperature: Temperature = 1
     shard: int = SHARD
+    language: str = "en"
+    staging: Staging | None = None
     max_draws: int | None = None
 
     def __post_init__(self) -> None:
@@ -78,4 +82,6 @@ class Wanted:
             "starts": self.starts,
             "demonstrate": self.demonstrate,
             "shard": self.shard,
+            "language": self.language,
+            "staging": None if self.staging is None else msgspec.to_builtins(self.staging),
         }

@@ -65,7 +65,7 @@ def test_an_unknown_camera_is_told_before_tasks_of_a_file_are_filmed(folder):
     assert done.returncode == 2 and done.stderr.startswith("the scene has no camera side; ")
     assert not (folder / "never").exists()
     done = run("validate", "shown.jsonl", "--cameras", "front", cwd=folder)
-    assert done.returncode == 2 and "add --demonstrate DIR" in done.stderr
+    assert done.returncode == 2 and "add --demonstrate" in done.stderr
 
 
 def test_in_python_cameras_without_demonstrations_are_refused_at_once():
@@ -80,8 +80,8 @@ def test_in_python_cameras_without_demonstrations_are_refused_at_once():
     ("options", "told"),
     [
         (("--cameras", "frnt", "--demonstrate", "new"), "the scene has no camera frnt; did you mean front?"),
-        (("--cameras", "front"), "--cameras front is for demonstrations; add --demonstrate DIR"),
-        (("--vary", "mass"), "--vary mass is for demonstrations; add --demonstrate DIR"),
+        (("--cameras", "front"), "--cameras front is for demonstrations; add --demonstrate"),
+        (("--vary", "mass"), "--vary mass is for demonstrations; add --demonstrate"),
         (("--size", "64x64", "--demonstrate", "new"), "--size 64x64 is for --cameras; name some"),
         (("--rate", "5", "--demonstrate", "new"), "--rate 5 is for --cameras; name some"),
         (("--cameras", "front", "--size", "64", "--demonstrate", "new"), "--size 64: write WIDTHxHEIGHT in pixels"),

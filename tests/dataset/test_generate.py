@@ -62,7 +62,8 @@ def test_tasks_are_different_feasible_and_have_their_ranks_and_shares(small: Dat
         assert spaces.at(len(entry.task)).index(entry.task) == entry.rank
         assert entry.verdict is not None and entry.verdict.feasible and entry.verdict.budget == POOR
         assert (entry.verdict.seed, entry.verdict.index) == (5, entry.draw)
-        assert entry.instruction["exact"].startswith(entry.subgoals[0]) and len(entry.subgoals) == len(entry.task)
+        assert list(entry.instruction) == ["vague", "default", "exact"] and not entry.named
+        assert len(entry.subgoals) == len(entry.task)
     assert sum(int(space.tasks) for space in manifest.spaces) == spaces.count() == manifest.size
     assert manifest.covered is not None
     assert int(manifest.covered.denominator) * manifest.rows("tasks") == spaces.count() * int(

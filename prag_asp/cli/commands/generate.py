@@ -13,6 +13,7 @@ import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.films import Filming, films
 from prag_asp.cli.options import Checking, Weighing, asks
 from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
 from prag_asp.errors import NotFound, QueryError
@@ -52,6 +53,11 @@ SHARD = 1000
 @click.option(
     "--demonstrate", "performed", is_flag=True, help="Let the robot perform each task, and keep recordings (.npz)."
 )
+@films
+@click.option(
+    "--language", default="en", show_default=True, metavar="LANGUAGE", shell_complete=complete.languages,
+    help="Language of instructions: en, or one that the domain has words for, such as de.",
+)  # fmt: skip
 @click.option("--shard", type=click.IntRange(min=1), default=SHARD, show_default=True, help="Tasks of a file, at most.")
 @click.option(
     "--max-draws", type=click.IntRange(min=1), metavar="K", help="Give a part up after K draws.  [1000 a task]"
@@ -73,6 +79,8 @@ def generate(
     physics: bool | None,
     checking: Checking,
     performed: bool,
+    filming: Filming,
+    language: str,
     shard: int,
     max_draws: int | None,
     output: str,
@@ -84,23 +92,26 @@ def generate(
     bytes.
     """
     from prag_asp.dataset.generating import generate as make
+    from prag_asp.dataset.scenes import scene_of
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
     checking.tries()
+    filming.refuse_at_odds(output if performed else None)
     shares = None if split is None else parse_shares_option(split)
     with progress() as tell, whole_lines(), _warnings_as_lines():
         space = asked.spaces(tell)
         looks = physics if physics is not None else bool(space.domain.settings.scene)
         if not looks:
             checking.refuse_without_physics({"--demonstrate": performed, "--starts": starts > 1})
+        staging = filming.staging(*([scene_of(space.domain)] if filming.asked else []))
         _tell_what_is_there(output)
         try:
             made = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
                 demonstrate=performed, evenly=evenly, **weighing.arguments(space.domain), physics=looks,
                 budget=checking.limits() if looks else None, workers=checking.workers, shard=shard,
-                max_draws=max_draws, progress=tell,
+                language=language, staging=staging, max_draws=max_draws, progress=tell,
             )  # fmt: skip
         except NotFound:
             tell_line(f"{output}: holds what was found")

@@ -19,7 +19,8 @@ class Entry:
     """A task of a data set: its part, its number there from 0 (None where it was refused), and its draw.
 
     `rank` is its place among all tasks of its length. `instruction` has it in words, by how much they say, and
-    `subgoals` a sentence for each action. `verdict` is None where physics was not asked, and has no witness: these
+    `subgoals` a sentence for each action; `named` are the entities that these call by their names, since nothing that
+    can be seen tells them from others. `verdict` is None where physics was not asked, and has no witness: these
     have a table of their own, `starts` many of the task.
     """
 
@@ -31,6 +32,7 @@ class Entry:
     verdict: Verdict | None
     instruction: Mapping[str, str]
     subgoals: tuple[str, ...]
+    named: tuple[str, ...] = ()
     starts: int = 0
 
 
@@ -45,6 +47,7 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
         None if row["verdict"] is None else _verdict(row["verdict"]),
         {each["level"]: each["text"] for each in row["instruction"]},
         tuple(row["subgoal_instructions"]),
+        tuple(row["named"]),
         row.get("starts", 0),
     )
 

@@ -56,6 +56,7 @@ _OF_A_TASK = [
     ("goal", FACTS),
     ("instruction", pa.list_(pa.struct([("level", pa.string()), ("text", pa.string())]))),
     ("subgoal_instructions", pa.list_(pa.string())),
+    ("named", pa.list_(pa.string())),
     ("verdict", VERDICT),
 ]
 

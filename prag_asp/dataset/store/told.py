@@ -2,24 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
-from prag_asp.dataset.language import instruction, sentence
+from prag_asp.dataset.language import instruction, sentence, teller_of
+from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.task import Task
 
+LEVELS = ("vague", "default", "exact")
 
-class Instructions(NamedTuple):
-    """A task in words by how much they say, and each of its actions as a sentence."""
+
+class Told(NamedTuple):
+    """A task in words by how much they say, a sentence for each action, and what had to be called by its name."""
 
     whole: tuple[tuple[str, str], ...]
     subgoals: tuple[str, ...]
+    named: tuple[str, ...]
 
 
-def told(domain: Domain, task: Task, *, seed: int, index: int) -> Instructions:
-    """Return a task in words; `seed` and `index` choose among phrasings, where there are some."""
-    templates = domain.settings.language
-    sentences = tuple(sentence(action, templates) for action in task.actions)
-    return Instructions((("exact", instruction(task, templates)),), sentences)
+def telling_of(domain: Domain, language: str, seed: int) -> Callable[[Task], Told]:
+    """Return what tells tasks of a domain in a language; the seed chooses among phrasings.
+
+    A task that cannot be told without a sentence that means something else as well is told plainly, by the names of its
+    entities, at one level alone: ``plain``.
+
+    Raises:
+        QueryError: the domain does not speak the language.
+    """
+    teller = teller_of(domain, language)
+
+    def told(task: Task) -> Told:
+        try:
+            found = teller.instructions(task, seed)
+        except QueryError:
+            templates = domain.settings.language
+            plain = tuple(sentence(action, templates) for action in task.actions)
+            return Told((("plain", instruction(task, templates)),), plain, tuple(task.entities))
+        return Told(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
+
+    return told

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,14 +15,13 @@ from prag_asp.dataset.store.looked import Looked, Start
 from prag_asp.dataset.store.manifest import Cause, LengthTally, PartNote, Reason, Shard, summed
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import open_shard, write_shard
-from prag_asp.dataset.store.told import told
 from prag_asp.errors import PragError
 from prag_asp.processes.stage import stage
 from prag_asp.space.drawing.draws import log_probability
 from prag_asp.versions import versions
 
 if TYPE_CHECKING:
-    from prag_asp.domain.load import Domain
+    from prag_asp.dataset.store.told import Told
     from prag_asp.space.ordered import Placed
     from prag_asp.task import Task
 
@@ -37,9 +36,9 @@ SUMMED_TOGETHER = 256
 class PartWriter:
     """Takes the draws of a part in their order, and writes a shard whenever one is full."""
 
-    def __init__(self, folder: Path, domain: Domain, seed: int, note: PartNote, shard: int) -> None:
+    def __init__(self, folder: Path, told: Callable[[Task], Told], note: PartNote, shard: int) -> None:
         """Go on after the shards that a part has; `shard` is how many tasks a full one has at most."""
-        self._folder, self._domain, self._seed, self._limit, self.note = folder, domain, seed, shard, note
+        self._folder, self._told, self._limit, self.note = folder, told, shard, note
         self._begin()
         self._take_up(note.tail)
 
@@ -120,7 +119,7 @@ class PartWriter:
 
     def _row(self, placed: Placed, task: Task, looked: Looked) -> dict[str, Any]:
         """Return what tables of tasks say of a draw."""
-        words = told(self._domain, task, seed=self._seed, index=looked.draw)
+        words = self._told(task)
         return {
             "draw": looked.draw,
             "domain": task.domain,
@@ -136,6 +135,7 @@ class PartWriter:
             "goal": task.goal,
             "instruction": [{"level": level, "text": text} for level, text in words.whole],
             "subgoal_instructions": words.subgoals,
+            "named": words.named,
             "verdict": None if looked.verdict is None else _verdict_row(looked.verdict),
         }
 
