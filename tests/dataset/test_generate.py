@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, Task, TaskSpace, TaskSpaces, load_domain
-from prag_asp.dataset import generate, generating, looking
+from prag_asp.dataset import Teller, generate, generating, instruction, looking
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.dataset.store import writing
+from prag_asp.dataset.store import told, writing
 from prag_asp.errors import NotFound
-from prag_asp.physics import Budget, Verdict, check_demonstration
+from prag_asp.physics import Budget, Staging, Verdict, check_demonstration
 from tests.dataset.conftest import POOR
 from tests.output.faults import Disk, content, killed
 
@@ -110,13 +110,32 @@ def test_another_version_of_the_program_goes_on_and_is_noted(
 
 
 def test_recordings_stand_beside_their_witnesses(spaces: TaskSpaces, tmp_path: Path) -> None:
-    data = generate(spaces.at(1), tmp_path / "shown", tasks=2, seed=2, starts=2, demonstrate=True)
+    staging = Staging(("front",), (32, 32), rate=1)
+    data = generate(
+        spaces.at(1), tmp_path / "shown", tasks=2, seed=2, starts=2, demonstrate=True, staging=staging, language="de"
+    )
+    assert all(set(entry.instruction) == {"vague", "default", "exact"} for entry in data.entries())
+    assert "den" in " ".join(data.entry(0).instruction.values()).split()
     found = [(entry.number, start, demonstration) for entry, start, demonstration in data.demonstrations()]
     assert [key[:2] for key in found] == [(0, 0), (0, 1), (1, 0), (1, 1)]
     scene = scene_of(spaces.domain)
     for number, start, demonstration in found:
         assert demonstration == data.demonstration(number, start)
         assert demonstration.success and check_demonstration(data.task(number), demonstration, scene) == []
+        assert demonstration.footage is not None
+
+
+def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
+    spaces: TaskSpaces, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unsure(self: object, *_: object) -> None:
+        raise QueryError("it could mean something else")
+
+    task = spaces.at(1)[0]
+    monkeypatch.setattr(Teller, "instructions", unsure)
+    found = told.telling_of(spaces.domain, "en", 0)(task)
+    assert found.whole == (("plain", instruction(task, spaces.domain.settings.language)),)
+    assert found.subgoals == (found.whole[0][1],) and set(found.named) == set(task.entities)
 
 
 def test_the_same_once_more_writes_nothing(plain: Callable[..., Path], tmp_path: Path) -> None:
@@ -223,6 +242,8 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numb
     refused("add up to 1", split={"train": 0.5})
     refused("need physics", starts=2)
     refused("need physics", demonstrate=True)
+    refused("cameras film demonstrations; ask for them", staging=Staging(("front",)))
+    refused("does not speak|speaks", language="xx")
     refused("need physics", budget=Budget())
     refused("whole skeletons need shares", skeletons=True)
     refused("leave one of them out", skeletons=True, hold_out="open", split=SHARES)

@@ -10,9 +10,9 @@ import click
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.bundles.telling import Telling, tells
 from prag_asp.cli.options import asks
 from prag_asp.cli.runs import run_of
-from prag_asp.cli.telling import Telling, tells
 from prag_asp.cli.terminal import progress
 from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError

@@ -13,7 +13,7 @@ import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
-from prag_asp.cli.films import Filming, films
+from prag_asp.cli.bundles.films import Filming, films
 from prag_asp.cli.options import Checking, Weighing, asks
 from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
 from prag_asp.errors import NotFound, QueryError

@@ -12,10 +12,10 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.asked import Asked
-from prag_asp.cli.films import Filming, films
+from prag_asp.cli.bundles.films import Filming, films
+from prag_asp.cli.bundles.telling import Telling, tells
 from prag_asp.cli.options import Checking, Weighing, asks
 from prag_asp.cli.runs import run_of
-from prag_asp.cli.telling import Telling, tells
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import NotFound, QueryError

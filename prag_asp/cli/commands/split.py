@@ -13,9 +13,9 @@ import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.bundles.telling import Telling, tells
 from prag_asp.cli.options import asks
 from prag_asp.cli.runs import run_of
-from prag_asp.cli.telling import Telling, tells
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.cli.words import domain_and_others
 from prag_asp.cli.writing import writer

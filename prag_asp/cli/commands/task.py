@@ -10,8 +10,8 @@ import click
 from prag_asp.atom import split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.bundles.telling import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, Telling, tells_in
 from prag_asp.cli.options import asks
-from prag_asp.cli.telling import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, Telling, tells_in
 from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import QueryError
 from prag_asp.wording import plural

@@ -10,8 +10,8 @@ import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.bundles.films import Filming, films
 from prag_asp.cli.exits import Exit
-from prag_asp.cli.films import Filming, films
 from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.runs import domains_of, run_on_file
 from prag_asp.cli.terminal import progress

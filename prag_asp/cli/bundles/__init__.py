@@ -1,0 +1,1 @@
+"""Options that go together, each bundle as one value."""
