@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.demonstration.footage import Film, Footage, Picture
     from prag_asp.physics.demonstration.perform import demonstrate
     from prag_asp.physics.facts import physical_task
+    from prag_asp.physics.filming.check import check_footage
     from prag_asp.physics.filming.film import film
     from prag_asp.physics.filming.staging import Staging
     from prag_asp.physics.motion.transit import travel
@@ -62,6 +63,7 @@ __all__ = [
     "WorkerError",
     "animate",
     "check_demonstration",
+    "check_footage",
     "check_witness",
     "demonstrate",
     "film",
@@ -93,6 +95,7 @@ _HOMES = {
     "prag_asp.physics.demonstration.perform": ("demonstrate",),
     "prag_asp.physics.facts": ("physical_task",),
     "prag_asp.physics.required": ("require_physics",),
+    "prag_asp.physics.filming.check": ("check_footage",),
     "prag_asp.physics.filming.film": ("film",),
     "prag_asp.physics.filming.staging": ("Staging",),
     "prag_asp.physics.motion.transit": ("travel",),

@@ -55,6 +55,12 @@ class Film:
     packed: tuple[Packed, Packed, Packed]
 
     @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of a picture in pixels."""
+        _, height, width = self.packed[1].shape
+        return width, height
+
+    @property
     def rgb(self) -> NDArray[np.uint8]:
         """All pictures, shape (N, H, W, 3)."""
         return self.packed[0].array()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -34,18 +34,28 @@ def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demons
         QueryError: the scene has no such camera.
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
     """
-    sized, drawn = demonstration.sized(scene), demonstration.variation
-    cameras, light = staging.cameras_of(sized), USUAL_LIGHT if drawn is None or drawn.light is None else drawn.light
     frames = range(0, len(demonstration.times), FRAMES_A_SECOND // staging.rate)
+    footage = filmed(demonstration, scene, staging.cameras_of(demonstration.sized(scene)), frames)
+    return replace(demonstration, footage=footage)
+
+
+def filmed(demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Camera], frames: Sequence[int]) -> Footage:
+    """Return what cameras see in some frames of a recording.
+
+    Raises:
+        SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
+    """
+    drawn = demonstration.variation
+    light = USUAL_LIGHT if drawn is None or drawn.light is None else drawn.light
     tools = [_tools(demonstration, scene, frame) for frame in frames]
-    with open_studio(sized, demonstration.objects, light) as studio:
+    with open_studio(demonstration.sized(scene), demonstration.objects, light) as studio:
         reels = {name: _Reel(camera, len(frames), studio.legend) for name, camera in cameras.items()}
         for frame in frames:
             studio.show(moment_of(demonstration, frame))
             for reel in reels.values():
                 reel.add(studio.take(reel.camera), studio.pose(reel.camera))
         legend = studio.legend
-    footage = Footage(
+    return Footage(
         frames=np.array(frames, dtype=np.int32),
         tools=np.array([[[*p.position, *p.quaternion] for p in row] for row in tools], dtype=np.float32),
         deltas=_deltas(tools),
@@ -54,7 +64,6 @@ def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demons
         legend=legend,
         films={name: reel.film() for name, reel in reels.items()},
     )
-    return replace(demonstration, footage=footage)
 
 
 def subgoal_at(demonstration: Demonstration, frame: int) -> int:

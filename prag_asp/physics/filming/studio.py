@@ -12,6 +12,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
 from prag_asp.physics.filming.backdrop import AMBIENT, DIFFUSE, Backdrop, Floats, backdrop, patches
@@ -46,6 +47,11 @@ class Studio:
 
     def __init__(self, scene: Scene, objects: Sequence[str], client: int, light: Vector = USUAL_LIGHT):
         self._scene, self._client, self._light = scene, client, light
+        for entity in objects:
+            if entity not in scene.shapes or not scene.shapes[entity].traits.body:
+                raise SceneError(
+                    f"{entity} is to be filmed; give its class the shape of an object under [scene.shapes]"
+                )
         start_world(client)
         self._robots = {name: robot_of(scene, name) for name in scene.robots}
         self._arms = {
@@ -178,7 +184,7 @@ def open_studio(scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGH
     """Open a world to look at some objects of a scene in, and close it afterwards.
 
     Raises:
-        SceneError: a robot cannot be loaded, or PyBullet refuses a body.
+        SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has none.
     """
     with open_client() as client:
         with silenced(STDOUT):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from prag_asp import load_domain, load_scene
-from prag_asp.errors import QueryError
+from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics import Demonstration
 from prag_asp.physics.filming.film import film, subgoal_at
 from prag_asp.physics.filming.staging import Staging
@@ -131,6 +131,13 @@ def test_what_cannot_be_filmed_is_told(asked, told):
 def test_an_unknown_camera_is_told(tabletop):
     with pytest.raises(QueryError, match=r"the scene has no camera frnt; did you mean front\?"):
         Staging(("frnt",)).cameras_of(tabletop)
+
+
+def test_a_recording_of_another_scene_is_told(recorded, prag):
+    with pytest.raises(SceneError, match="bin_1 is to be filmed; give its class the shape of an object"):
+        film(recorded, prag, Staging(("front",), (16, 16), rate=1))
+    with pytest.raises(SceneError, match="there is no robot panda"):
+        film(recorded, load_scene(load_domain("two_arms")), Staging(("front",), (16, 16), rate=1))
 
 
 def test_every_camera_has_its_own_size_unless_one_is_asked_for(tabletop):
