@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MISSES = 50_000
 """Draws in a row that bring nothing new, after which those by weight end."""
 
-TOLD_TOGETHER = 128
+TOLD_TOGETHER = 512
 """Tasks of which the states are worked out together, at most."""
 
 WHOLE = "train"
@@ -215,7 +215,7 @@ def tell(space: TaskSpace | TaskSpaces, placed: Iterator[Placed]) -> Iterator[tu
         alike: dict[int, list[Draw]] = {}
         for each in batch:
             alike.setdefault(len(each.word), []).append(Draw(each.word, each.probability))
-        told = {length: _at(space, length).narrate_draws(draws) for length, draws in alike.items()}
+        told = {length: iter(_at(space, length).tasks_of(draws)) for length, draws in alike.items()}
         for each in batch:
             yield each, next(told[len(each.word)])
         size = min(2 * size, TOLD_TOGETHER)
