@@ -10,10 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from prag_asp.dataset.filtering import budget_of
-from prag_asp.dataset.looking import Drawn, Look, looked_at
 from prag_asp.dataset.recordings import Recordings, remove_after
-from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store.card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.kept import digest_of, kept, write_kept
@@ -41,6 +38,7 @@ from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.looking import Drawn
     from prag_asp.dataset.store.writing import PartWriter
     from prag_asp.physics import Verdict
     from prag_asp.space.task_space import TaskSpace
@@ -104,12 +102,18 @@ def generate(
         raise QueryError("demonstrations, first states and a budget need physics; leave them out")
     if physics:
         require_physics()
-    chosen = budget_of(budget or Budget(), "" if demonstrate else None) if physics else None
+    chosen = _budget(budget, demonstrate) if physics else None
     division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
     wanted = Wanted(
         tasks, seed, division, chosen, starts, demonstrate, evenly, weights, temperature, shard, max_draws
     )  # fmt: skip
     return _Run(space, Path(folder), wanted, workers, progress).done()
+
+
+def _budget(given: Budget | None, demonstrate: bool) -> Budget:
+    """Return a budget with the tier of demonstrations where these are to be recorded."""
+    budget = given or Budget()
+    return Budget(budget.restarts, budget.samples, "demonstration") if demonstrate else budget
 
 
 class _Run:
@@ -253,6 +257,9 @@ class _Run:
             for draw in drawn:
                 yield draw, Looked(name, draw[0], None, [])
             return
+        from prag_asp.dataset.looking import Look, looked_at
+        from prag_asp.dataset.scenes import scene_of
+
         scene = scene_of(self._space.domain)
         look = Look(scene, wanted.seed, wanted.budget, wanted.starts, self._workers)
         with closing(looked_at(drawn, look)) as found:

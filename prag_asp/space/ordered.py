@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from prag_asp.errors import QueryError
 from prag_asp.space.drawing.order import ByShare, Evenly, Order
@@ -235,6 +235,15 @@ def distinct_tasks(
     """
     parts = ordered_parts(space, Division.parse(None), seed=seed, weights=weights, temperature=temperature)
     return (task for _, task in tell(space, parts[WHOLE].draws()))
+
+
+def drawn_tasks(space: TaskSpace | TaskSpaces, *, seed: int, distinct: bool = False, **drawing: Any) -> Iterator[Task]:
+    """Yield tasks as `TaskSpace.draw` does; with `distinct`, each among those that are left, until none is.
+
+    Raises:
+        QueryError: there is nothing to draw, or the draw is asked for in a wrong way.
+    """
+    return distinct_tasks(space, seed=seed, **drawing) if distinct else space.draw(seed=seed, **drawing)
 
 
 def lengths_of(space: TaskSpace | TaskSpaces) -> Sequence[int]:
