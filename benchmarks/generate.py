@@ -79,6 +79,9 @@ def main() -> None:
         for _ in validate_tasks(drawn, scene_of(spaces.domain), seed=0, workers=given.workers):
             pass
 
+    def one(folder: Path) -> None:
+        generate(spaces, folder, tasks=1)
+
     def whole(folder: Path) -> None:
         generate(spaces, folder, tasks=given.tasks, workers=given.workers)
 
@@ -92,6 +95,7 @@ def main() -> None:
             pairs.append(along / alone)
             say(f"{given.tasks} tasks, seconds computed: {alone:.2f} for verdicts, {along:.2f} in all: {pairs[-1]:.3f}")
         say(f"median ratio {median(pairs):.3f}")
+        say(f"of which a data set of one task takes {computed(partial(one, folder / 'one')):.2f} s")
         for tasks in (given.large // 10, given.large):
             done = subprocess.run(
                 [sys.executable, "-c", MEASURE, str(folder / f"large{tasks}"), str(tasks)], check=True,

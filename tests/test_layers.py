@@ -308,6 +308,11 @@ def test_what_computes_no_motion_loads_no_simulator() -> None:
     assert not {"pybullet", "frankik"} & loaded_by("check", "tabletop")
 
 
+def test_a_data_set_without_physics_loads_no_simulator(tmp_path: Path) -> None:
+    loaded = loaded_by("generate", "blocks", "-n", "2", "--tasks", "2", "-o", str(tmp_path / "data"))
+    assert "pyarrow" in loaded and not loaded & {"pybullet", "frankik", "PIL"}
+
+
 def test_asking_for_help_loads_no_solver() -> None:
     assert not loaded_by("--help") & {"clingo", "numpy", "pybullet"}
 

@@ -63,6 +63,12 @@ def test_draws_are_the_same_without_physics(python: Path) -> None:
     assert (done.returncode, done.stdout.splitlines()) == (0, list(map(str, tasks)))
 
 
+def test_what_needs_pyarrow_says_so_in_a_line(python: Path, tmp_path: Path) -> None:
+    done = prag(python, "generate", "blocks", "-n", "2", "--tasks", "1", "-o", tmp_path / "data")
+    assert done.returncode == 2 and not (tmp_path / "data").exists()
+    assert done.stderr == 'data sets need pyarrow; install it: pip install "prag_asp[datasets]"\n'
+
+
 @pytest.fixture(scope="module")
 def tasks(python: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("tasks") / "tasks.jsonl"

@@ -14,6 +14,7 @@ from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.tally import Tally
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
+from prag_asp.space.ordered import drawn_tasks
 
 if TYPE_CHECKING:
     from prag_asp.scene.model import Scene
@@ -84,19 +85,6 @@ def draws_looked_at(
     numbered = enumerate(asked, tally.seen)
     verdicts = validate_numbered(numbered, scene, seed=seed, workers=workers, budget=budget, staging=staging)
     return _recorded(kept, verdicts, Recordings(demonstrate), tally)
-
-
-def drawn_tasks(space: TaskSpace | TaskSpaces, *, seed: int, distinct: bool = False, **drawing: Any) -> Iterator[Task]:
-    """Yield tasks as `TaskSpace.draw` does; with `distinct`, each among those that are left, until none is.
-
-    Raises:
-        QueryError: there is nothing to draw, or the draw is asked for in a wrong way.
-    """
-    if not distinct:
-        return space.draw(seed=seed, **drawing)
-    from prag_asp.space.ordered import distinct_tasks
-
-    return distinct_tasks(space, seed=seed, **drawing)
 
 
 def _feasible(looked_at: Generator[Record | None, None, None]) -> Generator[Record, None, None]:

@@ -10,10 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from prag_asp.dataset.filtering import budget_of, require_demonstrated
-from prag_asp.dataset.looking import Drawn, Look, looked_at
 from prag_asp.dataset.recordings import Recordings, remove_after
-from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store.card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.kept import digest_of, kept, write_kept
@@ -42,6 +39,7 @@ from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.looking import Drawn
     from prag_asp.dataset.store.writing import PartWriter
     from prag_asp.physics import Staging, Verdict
     from prag_asp.space.task_space import TaskSpace
@@ -107,18 +105,23 @@ def generate(
         physics = bool(space.domain.settings.scene)
     if not physics and (demonstrate or starts > 1 or budget is not None):
         raise QueryError("demonstrations, first states and a budget need physics; leave them out")
-    if staging is not None:
-        require_demonstrated(staging, "" if demonstrate else None)
-        staging.cameras_of(scene_of(space.domain))
     if physics:
         require_physics()
-    chosen = budget_of(budget or Budget(), "" if demonstrate else None) if physics else None
+    if staging is not None:
+        _require_cameras(staging, space, demonstrate)
+    chosen = _budget(budget, demonstrate) if physics else None
     division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
     wanted = Wanted(
         tasks, seed, division, chosen, starts, demonstrate, evenly, weights, temperature, shard, language, staging,
         max_draws,
     )  # fmt: skip
     return _Run(space, Path(folder), wanted, workers, progress).done()
+
+
+def _budget(given: Budget | None, demonstrate: bool) -> Budget:
+    """Return a budget with the tier of demonstrations where these are to be recorded."""
+    budget = given or Budget()
+    return Budget(budget.restarts, budget.samples, "demonstration") if demonstrate else budget
 
 
 class _Run:
@@ -263,6 +266,9 @@ class _Run:
             for draw in drawn:
                 yield draw, Looked(name, draw[0], None, [])
             return
+        from prag_asp.dataset.looking import Look, looked_at
+        from prag_asp.dataset.scenes import scene_of
+
         scene = scene_of(self._space.domain)
         look = Look(scene, wanted.seed, wanted.budget, wanted.starts, self._workers, wanted.staging)
         with closing(looked_at(drawn, look)) as found:
@@ -291,6 +297,20 @@ class _Run:
         ends = [int(frame) for frame in demonstration.ends]
         seconds = float(demonstration.times[-1])
         return Recorded(file, digest_of(self._folder / file), len(demonstration.times), seconds, ends)
+
+
+def _require_cameras(staging: Staging, space: TaskSpace | TaskSpaces, demonstrate: bool) -> None:
+    """Check that what is staged can be, before anything is written.
+
+    Raises:
+        QueryError: nothing is demonstrated, or the scene has no such camera.
+        SceneError: the domain has no scene.
+    """
+    from prag_asp.dataset.filtering import require_demonstrated
+    from prag_asp.dataset.scenes import scene_of
+
+    require_demonstrated(staging, "" if demonstrate else None)
+    staging.cameras_of(scene_of(space.domain))
 
 
 def _require_ours(folder: Path) -> None:

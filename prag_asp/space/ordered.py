@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from prag_asp.errors import QueryError
 from prag_asp.space.drawing.order import ByShare, Evenly, Order
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MISSES = 50_000
 """Draws in a row that bring nothing new, after which those by weight end."""
 
-TOLD_TOGETHER = 128
+TOLD_TOGETHER = 512
 """Tasks of which the states are worked out together, at most."""
 
 WHOLE = "train"
@@ -215,7 +215,7 @@ def tell(space: TaskSpace | TaskSpaces, placed: Iterator[Placed]) -> Iterator[tu
         alike: dict[int, list[Draw]] = {}
         for each in batch:
             alike.setdefault(len(each.word), []).append(Draw(each.word, each.probability))
-        told = {length: _at(space, length).narrate_draws(draws) for length, draws in alike.items()}
+        told = {length: iter(_at(space, length).tasks_of(draws)) for length, draws in alike.items()}
         for each in batch:
             yield each, next(told[len(each.word)])
         size = min(2 * size, TOLD_TOGETHER)
@@ -235,6 +235,15 @@ def distinct_tasks(
     """
     parts = ordered_parts(space, Division.parse(None), seed=seed, weights=weights, temperature=temperature)
     return (task for _, task in tell(space, parts[WHOLE].draws()))
+
+
+def drawn_tasks(space: TaskSpace | TaskSpaces, *, seed: int, distinct: bool = False, **drawing: Any) -> Iterator[Task]:
+    """Yield tasks as `TaskSpace.draw` does; with `distinct`, each among those that are left, until none is.
+
+    Raises:
+        QueryError: there is nothing to draw, or the draw is asked for in a wrong way.
+    """
+    return distinct_tasks(space, seed=seed, **drawing) if distinct else space.draw(seed=seed, **drawing)
 
 
 def lengths_of(space: TaskSpace | TaskSpaces) -> Sequence[int]:

@@ -267,6 +267,12 @@ class TaskSpace:
 
         return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
 
+    def tasks_of(self, draws: Sequence[Draw]) -> list[Task]:
+        """Return the tasks of some draws, which are told together: that is faster than one by one."""
+        from prag_asp.space.drawing.draws import log_probability
+
+        return self._shared.narrator.told([(draw.word, log_probability(draw.probability)) for draw in draws])
+
     def sample(
         self,
         count: int,

@@ -209,6 +209,6 @@ class TaskSpaces:
             alike: dict[int, list[Draw]] = {}
             for draw in batch:
                 alike.setdefault(len(draw.word), []).append(draw)
-            tasks = {length: self._space.narrate_draws(draws) for length, draws in alike.items()}
+            tasks = {length: iter(self._space.tasks_of(draws)) for length, draws in alike.items()}
             for draw in batch:
                 yield next(tasks[len(draw.word)])

@@ -69,8 +69,8 @@ def sample(
     Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end; a run that was broken
     off goes on where it was when it is started again.
     """
-    from prag_asp.dataset.filtering import drawn_tasks
     from prag_asp.dataset.jsonl import Record
+    from prag_asp.space.ordered import drawn_tasks
 
     telling.check()
     require_writable(output)

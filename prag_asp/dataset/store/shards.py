@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from hashlib import sha256
-from io import BytesIO
 from pathlib import Path
 
 import pyarrow as pa
@@ -31,9 +30,9 @@ def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table
     Raises:
         OutputError: it cannot be written.
     """
-    buffer = BytesIO()
+    buffer = pa.BufferOutputStream()
     pq.write_table(rows, buffer, compression="zstd", row_group_size=ROW_GROUP[table], version="2.6")
-    content, name = buffer.getvalue(), shard_name(table, part, number)
+    content, name = buffer.getvalue().to_pybytes(), shard_name(table, part, number)
     make_folder(folder / FOLDERS[table])
     replace_file(file_in(folder, name), content, follow=False)
     return ShardFile(name, rows.num_rows, len(content), sha256(content).hexdigest())
@@ -50,7 +49,8 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
     if not is_inside(file, folder):
         raise QueryError(f"{file}: leads out of the data set; {MEND}")
     try:
-        with open_binary(file) as stream, pq.ParquetFile(stream) as opened:
+        open_binary(file).close()  # a regular file; Arrow's threads must not need Python's lock when the program ends
+        with pa.OSFile(str(file)) as stream, pq.ParquetFile(stream) as opened:
             if not opened.schema_arrow.equals(SCHEMAS[table]):
                 raise QueryError(f"{file}: its columns are not those of {table}; {MEND}")
             if opened.metadata.num_rows != shard.rows:

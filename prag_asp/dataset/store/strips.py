@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.dataset.language import sentence
-from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.kept import KeptFile
 from prag_asp.errors import PicturesMissingError
@@ -35,6 +34,7 @@ def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[KeptF
     """
     if not manifest.rows("witnesses"):
         return []
+    from prag_asp.dataset.scenes import scene_of
     from prag_asp.physics import film_strip
     from prag_asp.physics.pictures.saving import save_picture
 

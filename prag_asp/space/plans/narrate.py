@@ -56,13 +56,25 @@ class Narrator:
         waiting = iter(words)
         size = 1
         while batch := list(islice(waiting, size)):
-            told = self._told([word for word, _ in batch])
-            # All at once: whoever tells other plans before the next task is asked for may have the states forgotten.
-            yield from [
-                self._task([self._actions[text] for text in word], numbers, log_probability)
-                for (word, log_probability), numbers in zip(batch, told, strict=True)
-            ]
-            size = min(2 * size, BATCH, max(BATCH_STATES // (len(batch[0][0]) + 1), 1))
+            yield from self.told(batch)
+            size = min(2 * size, _most(batch[0][0]))
+
+    def told(self, words: Sequence[tuple[Sequence[str], float | None]]) -> list[Task]:
+        """Return the task of each of some plans of one length, told together.
+
+        They are told at once: whoever tells others before they are used may have the states forgotten.
+        """
+        size = _most(words[0][0]) if words else 1
+        return [
+            self._task([self._actions[text] for text in word], numbers, log_probability)
+            for first in range(0, len(words), size)
+            for (word, log_probability), numbers in self._numbered(words[first : first + size])
+        ]
+
+    def _numbered(
+        self, words: Sequence[tuple[Sequence[str], float | None]]
+    ) -> Iterator[tuple[tuple[Sequence[str], float | None], list[int]]]:
+        return zip(words, self._told([word for word, _ in words]), strict=True)
 
     def last_states(self, words: Sequence[Sequence[str]]) -> list[Known]:
         """Return what is known of the last state of each of some plans."""
@@ -150,6 +162,11 @@ class Narrator:
 
     def _mentioned(self, symbol: clingo.Symbol) -> Entities:
         return reduce(or_, (1 << self._places[entity] for entity in mentioned_entities(symbol, self._places)), 0)
+
+
+def _most(word: Sequence[str]) -> int:
+    """Return how many plans as long as one are told together at most."""
+    return min(BATCH, max(BATCH_STATES // (len(word) + 1), 1))
 
 
 def _values(values: Assignment) -> Known:
