@@ -7,7 +7,7 @@ from itertools import combinations
 from typing import Any, NamedTuple
 
 from prag_asp.errors import QueryError
-from prag_asp.grammar.read import PARTS, GrammarReader, Signature, tables
+from prag_asp.grammar.read import FIRST, PARTS, GrammarReader, Signature, languages, tables
 from prag_asp.grammar.template import Template, agrees, parse_template
 from prag_asp.grammar.whole import form_problems, kind_problems
 from prag_asp.grammar.words import shipped_languages
@@ -27,25 +27,33 @@ class Fault(NamedTuple):
 
 
 def grammar_problems(settings: Settings, facts: Facts) -> Iterator[Fault]:
-    """Yield what is wrong with the languages of a domain."""
-    for code, table in tables(settings).items():
-        faults = list(_shape_problems(code, table))
-        yield from faults
-        if faults:
-            continue
-        try:
-            reader = GrammarReader(settings, facts, code)
-        except QueryError as error:
-            yield Fault((code,), str(error))
-            continue
-        wrong = [Fault((code, "words", name), text) for name, text in form_problems(reader.words)]
-        yield from wrong
-        if wrong:
-            continue
-        found = list(_Judge(reader, code).problems())
-        yield from found
-        if not any(not each.warning for each in found):
-            yield from _Judge(reader, code).missing()
+    """Yield what is wrong with the languages of a domain, and with the sentences right under ``[language]``."""
+    known = tables(settings)
+    for code in languages(settings):
+        for fault in _problems(settings, facts, code, known.get(code, {})):
+            yield fault._replace(text=f"language {code}: {fault.text}")
+
+
+def _problems(settings: Settings, facts: Facts, code: str, table: Mapping[str, Any]) -> Iterator[Fault]:
+    """Yield what is wrong with one language of a domain, of its parts first."""
+    faults = list(_shape_problems(code, table))
+    yield from faults
+    if faults:
+        return
+    try:
+        reader = GrammarReader(settings, facts, code)
+    except QueryError as error:
+        yield Fault((code,), str(error))
+        return
+    wrong = [Fault((code, "words", name), text) for name, text in form_problems(reader.words)] if table else []
+    yield from wrong
+    if wrong:
+        return
+    judge = _Judge(reader, code)
+    found = list(judge.problems())
+    yield from found
+    if all(each.warning for each in found):
+        yield from judge.missing()
 
 
 def _shape_problems(code: str, table: Mapping[str, Any]) -> Iterator[Fault]:
@@ -161,7 +169,8 @@ class _Judge:
 
     def _alike(self) -> Iterator[Fault]:
         """Yield the actions that a sentence does not tell apart."""
-        given = dict(self._entries("actions"))
+        own = dict(self._entries("actions"))
+        given = {**(self.reader.settings.language if self.code == FIRST else {}), **own}
         known = self.reader.actions()
         ordered = sorted((each for each in known if each[0] in given), key=lambda each: list(given).index(each[0]))
         spelled = [(signature, template) for signature in ordered for template in known[signature]]
@@ -175,15 +184,18 @@ class _Judge:
                     if one != other
                     else f"two sentences of {one[0]} are alike"
                 )
-                yield self._fault(
-                    "actions", other[0], f"{what}; nobody could tell them apart: change one", "sounds-alike"
-                )
+                text = f"{what}; nobody could tell them apart: change one"
+                yield Fault(self._place(other[0], own), text, "sounds-alike")
         for signature, template in spelled:
             left = self._left_open(signature, template)
             if left is not None and (signature[0], "") not in told:
                 told.add((signature[0], ""))
                 text = f"a sentence of {signature[0]} leaves {{{left}}} open, so that two actions sound alike; name it"
-                yield self._fault("actions", signature[0], text, "sounds-alike")
+                yield Fault(self._place(signature[0], own), text, "sounds-alike")
+
+    def _place(self, action: str, own: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return the keys that lead to the sentences of an action: the language's own, or those right under it all."""
+        return (self.code, "actions", action) if action in own else (action,)
 
     def _overlap(self, one: Signature, first: Template, other: Signature, second: Template) -> bool:
         """Tell whether two sentences can be the same text for different actions."""

@@ -101,12 +101,12 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
             text = f"sentence of {name} has braces that name no argument; use {places}"
             yield _problem(settings, "language", name, text)
-    if any(isinstance(each, Mapping) for each in settings.grammar.values()):
+    if settings.grammar:
         from prag_asp.grammar.problems import grammar_problems  # noqa: PLC0415 - many domains have no language
 
         for fault in grammar_problems(settings, facts):
             line = settings.line_of("language", *fault.keys)
-            yield Problem(settings.path, line, f"language {fault.keys[0]}: {fault.text}", fault.warning)
+            yield Problem(settings.path, line, fault.text, fault.warning)
 
 
 def _sentences(given: object) -> Sequence[str]:

@@ -7,6 +7,7 @@ doubt, so that neither word tells it from something of the other colour.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -85,7 +86,7 @@ def looks_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | None 
         )
         for entity, kind in entities.items()
     }
-    names = _names(entities)
+    names = _names(entities, nouns)
     if not domain.settings.scene:
         return Looks(nouns, names)
     scene = load_scene(domain)
@@ -113,13 +114,12 @@ def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> lis
     return found
 
 
-def _names(entities: Mapping[str, str]) -> dict[str, str]:
-    """Return what tells each entity from others of its class: its name, without that of the class before it."""
+def _names(entities: Mapping[str, str], nouns: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+    """Return what tells each entity from others with its noun: its name, without that of its class before it."""
     short = {entity: plain(entity.removeprefix(kind).lstrip("_(") or entity) for entity, kind in entities.items()}
-    taken: dict[tuple[str, str], int] = {}
-    for entity, name in short.items():
-        taken[entities[entity], name] = taken.get((entities[entity], name), 0) + 1
-    return {entity: name if taken[entities[entity], name] == 1 else entity for entity, name in short.items()}
+    spelled = {entity: (nouns[entity][:1], name) for entity, name in short.items()}
+    taken = Counter(spelled.values())
+    return {entity: name if taken[spelled[entity]] == 1 else entity for entity, name in short.items()}
 
 
 def _colors(scene: Scene) -> Iterator[tuple[str, str]]:

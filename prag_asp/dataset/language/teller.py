@@ -77,7 +77,8 @@ class Teller:
             subgoals.append(capital(self._frame("subgoal").format(action=clause)))
             self._note(here, [action], named)
         goal = self.goal(task)
-        self._note(view, [*task.actions, *goal], named)
+        aims = [fluent for subgoal in task.subgoals for fluent in worth_telling(subgoal, self.tongue)]
+        self._note(view, [*task.actions, *goal, *aims], named)
         return Instructions(
             self._vague(view, goal, vague),
             self._default(view, task.actions, default),

@@ -21,6 +21,7 @@ LINES = [
     ["task", "timed", "-n", "1", "--rank-of", "take(arm,cup(1))"],
     ["sample", "closed", "-n", "2", "--count", "3", "--weight", "move=2", "--temperature", "0.5"],
     ["sample", "timed", "-n", "2..3", "--count", "2", "--over", "goals", "--seed", "3", "--format", "sentences"],
+    ["task", "scene", "-n", "1", "--index", "0", "--format", "instructions", "--language", "en", "--level", "exact"],
     ["split", "timed", "-n", "3", "train=0.8", "test=0.2"],
     ["split", "timed", "-n", "3", "--hold-out", "pour", "--count", "2", "-o", "parts"],
     ["stats", "timed", "-n", "3", "--format", "json"],

@@ -218,7 +218,7 @@ def settings(chance: Random, number: int) -> Mutant:
     files["domain.toml"] = content
     then: tuple[Command, ...] = ()
     if chance.random() < 0.3:
-        then = (("sample", NAME, "-n", "1", "--count", "1", "--no-physics", "--format", "sentences"),)
+        then = (("sample", NAME, "-n", "1", "--count", "1", "--no-physics", "--format", "instructions"),)
     return Mutant("settings", number, under(files), (("check", NAME), *then), placed=True, owes_output=not then)
 
 
