@@ -180,10 +180,10 @@ class Case:
             "invariants": self._allowed,
             "impossible": list(filter(self.toy.allowed, self._allowed)),
             "start": [state for state in self._having(self.toy.initially) if self._asked(0, state)],
-            "lacking": list(filter(self._lacks, self._having(self.toy.initially))),
             "ending": [state for state in self._every if self.ending(self.named(state))],
             "last": [state for state in self._having(self.toy.goal) if self._asked(-1, state)],
         }
+        said["lacking"] = list(filter(self._lacks, said["start"]))
         for name, action in zip(self.actions, self.toy.actions, strict=True):
             said["before", name], said["after", name] = self._having(action.before), self._having(action.after)
         for place, clause in enumerate(self.clauses):
@@ -193,8 +193,15 @@ class Case:
 
     @property
     def sensible(self) -> bool:
-        """Whether all actions can occur in some state and lead to some."""
-        return all(self._said[when, name] for when in ("before", "after") for name in self.actions)
+        """Whether each action can occur at some time: another one says nothing of plans."""
+        occurring: set[int] = set()
+        seen = new = self.toy.start()
+        while new:
+            found = {i: self.toy.after(new, (), i) for i in range(len(self.actions))}
+            occurring |= {i for i, after in found.items() if after}
+            new = frozenset().union(*found.values()) - seen
+            seen |= new
+        return len(occurring) == len(self.actions)
 
     def _said_under(self, names: Names) -> object:
         """Return all that is said, with other names for the entities."""

@@ -206,8 +206,12 @@ class After:
         """Yield what the encoding is asked."""
         if self.steps:
             yield f"instant(1..{self.steps})"
-        for fluent, value in parse_conjunction(self.formula, map(str, facts.fluents)).items():
+        for fluent, value in self.conjunction(facts).items():
             yield f"after({self.steps},{fluent},{_spelled(value)})"
+
+    def conjunction(self, facts: Facts) -> Mapping[str, bool]:
+        """Return the values that the fluents have."""
+        return parse_conjunction(self.formula, map(str, facts.fluents))
 
 
 @dataclass(frozen=True)

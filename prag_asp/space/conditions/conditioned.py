@@ -9,7 +9,7 @@ from prag_asp.domain.load import Domain
 from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.sources import ADDED, Program, Source, read_sources
-from prag_asp.space.conditions.clauses import Achieves, Ends, asked_end, asked_start
+from prag_asp.space.conditions.clauses import Achieves, After, Clause, Ends, asked_end, asked_start
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.formula import Conjunction
 from prag_asp.space.conditions.meaning import known_where, shared, simplest, weakest
@@ -33,7 +33,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     achieved = [clause for clause in clauses if isinstance(clause, Achieves)]
     if achieved:
         files.append(Achieves.file)
-        asked += [f"asked({term})." for term in asked_start(_first_state(achieved, facts))]
+        asked += [f"asked({term})." for term in asked_start(_first_state(achieved, clauses, facts))]
     if achieved and conjunctions is None:
         conjunctions = [{}]
     if conjunctions is not None:
@@ -58,22 +58,25 @@ def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequenc
     part of the goal.
     """
     asked = [(clause, clause.conjunctions(facts)) for clause in ends]
-    goal = [value for _, found in asked if len(found) == 1 for value in _goal(found[0], facts)]
+    goal = [value for _, found in asked if len(found) == 1 for value in _assigned(found[0], facts)]
     choices = [clause.formula for clause, found in asked if len(found) != 1]
     if not choices:
         return tuple(goal), None
     together = Ends(", ".join(f"({formula})" for formula in choices)).conjunctions(facts)
     found = weakest(together, (*facts.goal, *goal), facts)
-    goal += _goal(shared(found, facts), facts)
+    goal += _assigned(shared(found, facts), facts)
     return tuple(goal), None if len(found) == 1 else found
 
 
-def _first_state(achieved: Sequence[Achieves], facts: Facts) -> Sequence[Conjunction]:
-    """Return the conjunctions one of which is known of a state where it is known to satisfy one of some formulas."""
-    return known_where([each for clause in achieved for each in clause.conjunctions(facts)], facts)
+def _first_state(achieved: Sequence[Achieves], clauses: Sequence[Clause], facts: Facts) -> Sequence[Conjunction]:
+    """Return the conjunctions one of which is known of a first state that is known to satisfy one of some formulas."""
+    starts = [each for clause in clauses if isinstance(clause, After) and not clause.steps
+              for each in _assigned(clause.conjunction(facts), facts)]  # fmt: skip
+    asked = [each for clause in achieved for each in clause.conjunctions(facts)]
+    return known_where(asked, (*facts.initially, *starts), facts)
 
 
-def _goal(conjunction: Conjunction, facts: Facts) -> Assignment:
-    """Return a conjunction as a goal."""
+def _assigned(conjunction: Conjunction, facts: Facts) -> Assignment:
+    """Return a conjunction as the values that fluents have."""
     fluents = {str(fluent): fluent for fluent in facts.fluents}
     return tuple((fluents[fluent], "true" if value else "false") for fluent, value in conjunction.items())

@@ -64,15 +64,15 @@ def shared(conjunctions: Sequence[Conjunction], facts: Facts) -> Conjunction:
     return {str(fluent): value for fluent, value in sorted(set.intersection(*closed))} if closed else {}
 
 
-def known_where(conjunctions: Sequence[Conjunction], facts: Facts) -> Sequence[Conjunction]:
-    """Return conjunctions: one is known of a first state wherever it is known that some given one holds there.
+def known_where(conjunctions: Sequence[Conjunction], given: Assignment, facts: Facts) -> Sequence[Conjunction]:
+    """Return conjunctions: of a state with the `given` values, one is known wherever some of others is known to hold.
 
     What is impossible is known not to be.
 
     Raises:
         QueryError: there are too many of them.
     """
-    found = _weakest(conjunctions, facts.initially, facts, invariant_graph(facts, impossible=True))
+    found = _weakest(conjunctions, given, facts, invariant_graph(facts, impossible=True))
     if found is None:
         raise QueryError(f"'achieves' has more than {MOST_TERMS} cases; ask for fewer things at once")
     return found
