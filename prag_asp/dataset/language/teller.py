@@ -8,11 +8,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from hashlib import blake2b
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
 from prag_asp.dataset.language.clauses import Clause
+from prag_asp.dataset.language.dice import Dice
 from prag_asp.dataset.language.reader import Reader, Reading, capital, start_of
 from prag_asp.dataset.language.tongue import Tongue
 from prag_asp.dataset.language.view import Start, View
@@ -22,7 +22,6 @@ from prag_asp.task import State, Task
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
-Option = TypeVar("Option")
 START_FACTS, CAPTION_FACTS = 4, 2
 """How many facts are told under a picture of the first state, and under the others."""
 
@@ -282,24 +281,3 @@ def worth_telling(facts: State, tongue: Tongue) -> Mapping[Atom, bool]:
     loud = {fluent: value for fluent, value in facts.items() if not forms[fluent.name, len(fluent.arguments)].silent}
     true = {fluent: value for fluent, value in loud.items() if value}
     return dict(sorted((true or loud).items()))
-
-
-class Dice:
-    """Picks among options by a text, the same on every machine: digits of its digest in a mixed base."""
-
-    def __init__(self, text: str) -> None:
-        self._seed = text.encode()
-        self._value, self._left = 0, 1
-
-    def number(self, options: int) -> int:
-        """Return a number below that of the options."""
-        if self._left < options << 32:
-            self._seed = blake2b(self._seed).digest()
-            self._value, self._left = int.from_bytes(self._seed, "big"), 1 << 512
-        self._value, found = divmod(self._value, options)
-        self._left //= options
-        return found
-
-    def pick(self, options: Sequence[Option]) -> Option:
-        """Return one of some options."""
-        return options[self.number(len(options))]
