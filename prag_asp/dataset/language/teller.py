@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from prag_asp.atom import Atom
 from prag_asp.dataset.language.clauses import Clause
 from prag_asp.dataset.language.dice import Dice
+from prag_asp.dataset.language.plain import sentence
 from prag_asp.dataset.language.reader import Reader, Reading, capital, start_of
 from prag_asp.dataset.language.tongue import Tongue
 from prag_asp.dataset.language.view import Start, View
@@ -103,11 +104,18 @@ class Teller:
         captions = [(self._frame("start"), self._caption(view, dict.fromkeys(told[:START_FACTS], True), None))]
         for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
             before = self.tongue.view(start_of(task, number - 1))
-            heading, topic = self._clause(before, action, True, None, None)
+            heading, topic = self._heading(before, action)
             made = dict(list(worth_telling(subgoal, self.tongue).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None
             captions.append((f"{number}. {heading}", self._caption(before, made, topic if moved else None)))
         return captions
+
+    def _heading(self, view: View, action: Atom) -> tuple[str, str | None]:
+        """Return an action in words; where none means nothing else, its sentence with the names of things."""
+        try:
+            return self._clause(view, action, True, None, None)
+        except QueryError:
+            return sentence(action, self.tongue.domain.settings.language), None
 
     def _said_by_names(self, view: View, fluent: Atom) -> Iterator[Atom]:
         """Yield what the descriptions of the things that a fluent speaks of say already."""
@@ -220,6 +228,9 @@ class Teller:
                 if (said.atom, said.value) == (atom, value):
                     return text, said.topic
         where = "actions" if of_actions else "facts"
+        if all(atom not in clause.atoms for clause in known):
+            kind = "action" if of_actions else "fluent"
+            raise QueryError(f"{atom} is no {kind} of {self.tongue.domain.name}; tell tasks of that domain")
         raise QueryError(
             f"no sentence for {atom} that means nothing else; write one that names all that it speaks of "
             f"under [language.{self.tongue.language}.{where}]"
@@ -278,6 +289,7 @@ def teller_of(domain: Domain, language: str = "en", colors: Mapping[str, str] | 
 def worth_telling(facts: State, tongue: Tongue) -> Mapping[Atom, bool]:
     """Return those of some facts that are told: what is so, or what is not where that is all."""
     forms = tongue.grammar.facts
-    loud = {fluent: value for fluent, value in facts.items() if not forms[fluent.name, len(fluent.arguments)].silent}
+    known = {fluent: forms.get((fluent.name, len(fluent.arguments))) for fluent in facts}
+    loud = {fluent: value for fluent, value in facts.items() if (form := known[fluent]) is not None and not form.silent}
     true = {fluent: value for fluent, value in loud.items() if value}
     return dict(sorted((true or loud).items()))
