@@ -170,9 +170,10 @@ class _Judge:
     def _alike(self) -> Iterator[Fault]:
         """Yield the actions that a sentence does not tell apart."""
         own = dict(self._entries("actions"))
-        given = {**(self.reader.settings.language if self.code == FIRST else {}), **own}
+        above = self.reader.settings.language if self.code == FIRST else {}
+        given = [*(name for name in above if name not in own), *own]
         known = self.reader.actions()
-        ordered = sorted((each for each in known if each[0] in given), key=lambda each: list(given).index(each[0]))
+        ordered = sorted((each for each in known if each[0] in given), key=lambda each: given.index(each[0]))
         spelled = [(signature, template) for signature in ordered for template in known[signature]]
         told = set[tuple[str, str]]()
         for (one, first), (other, second) in combinations(spelled, 2):

@@ -262,7 +262,7 @@ class GrammarReader:
     def missing(self) -> Iterator[tuple[str, str]]:
         """Yield the table and the name of what instructions in this language need, but the domain does not say."""
         table = self._table("actions")
-        if not self.plain():
+        if "action" not in _below(self.words.table, "defaults"):
             yield from (
                 ("actions", name) for name in dict.fromkeys(n for n, _ in self.action_arguments) if name not in table
             )

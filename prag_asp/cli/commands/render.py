@@ -164,10 +164,10 @@ class _Drawing:
         from prag_asp.physics.pictures.saving import save_picture
 
         scene, task = scene_of(domain), record.task
-        told = teller_of(domain).captions(task)
         animated = self.form in ANIMATED
         stage("drawing pictures")
         with told_with_place(record, domain):
+            told = teller_of(domain).captions(task)
             shown = self._shown(record, number, scene)
             if animated:
                 shown = self._performed(record, shown, scene)

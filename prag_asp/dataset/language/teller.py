@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from hashlib import blake2b
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
 from prag_asp.dataset.language.clauses import Clause
+from prag_asp.dataset.language.dice import Dice
+from prag_asp.dataset.language.plain import sentence
 from prag_asp.dataset.language.reader import Reader, Reading, capital, start_of
 from prag_asp.dataset.language.tongue import Tongue
 from prag_asp.dataset.language.view import Start, View
@@ -22,7 +23,6 @@ from prag_asp.task import State, Task
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
-Option = TypeVar("Option")
 START_FACTS, CAPTION_FACTS = 4, 2
 """How many facts are told under a picture of the first state, and under the others."""
 
@@ -104,11 +104,18 @@ class Teller:
         captions = [(self._frame("start"), self._caption(view, dict.fromkeys(told[:START_FACTS], True), None))]
         for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
             before = self.tongue.view(start_of(task, number - 1))
-            heading, topic = self._clause(before, action, True, None, None)
+            heading, topic = self._heading(before, action)
             made = dict(list(worth_telling(subgoal, self.tongue).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None
             captions.append((f"{number}. {heading}", self._caption(before, made, topic if moved else None)))
         return captions
+
+    def _heading(self, view: View, action: Atom) -> tuple[str, str | None]:
+        """Return an action in words; where none means nothing else, its sentence with the names of things."""
+        try:
+            return self._clause(view, action, True, None, None)
+        except QueryError:
+            return sentence(action, self.tongue.domain.settings.language), None
 
     def _said_by_names(self, view: View, fluent: Atom) -> Iterator[Atom]:
         """Yield what the descriptions of the things that a fluent speaks of say already."""
@@ -221,6 +228,9 @@ class Teller:
                 if (said.atom, said.value) == (atom, value):
                     return text, said.topic
         where = "actions" if of_actions else "facts"
+        if all(atom not in clause.atoms for clause in known):
+            kind = "action" if of_actions else "fluent"
+            raise QueryError(f"{atom} is no {kind} of {self.tongue.domain.name}; tell tasks of that domain")
         raise QueryError(
             f"no sentence for {atom} that means nothing else; write one that names all that it speaks of "
             f"under [language.{self.tongue.language}.{where}]"
@@ -279,27 +289,7 @@ def teller_of(domain: Domain, language: str = "en", colors: Mapping[str, str] | 
 def worth_telling(facts: State, tongue: Tongue) -> Mapping[Atom, bool]:
     """Return those of some facts that are told: what is so, or what is not where that is all."""
     forms = tongue.grammar.facts
-    loud = {fluent: value for fluent, value in facts.items() if not forms[fluent.name, len(fluent.arguments)].silent}
+    known = {fluent: forms.get((fluent.name, len(fluent.arguments))) for fluent in facts}
+    loud = {fluent: value for fluent, value in facts.items() if (form := known[fluent]) is not None and not form.silent}
     true = {fluent: value for fluent, value in loud.items() if value}
     return dict(sorted((true or loud).items()))
-
-
-class Dice:
-    """Picks among options by a text, the same on every machine: digits of its digest in a mixed base."""
-
-    def __init__(self, text: str) -> None:
-        self._seed = text.encode()
-        self._value, self._left = 0, 1
-
-    def number(self, options: int) -> int:
-        """Return a number below that of the options."""
-        if self._left < options << 32:
-            self._seed = blake2b(self._seed).digest()
-            self._value, self._left = int.from_bytes(self._seed, "big"), 1 << 512
-        self._value, found = divmod(self._value, options)
-        self._left //= options
-        return found
-
-    def pick(self, options: Sequence[Option]) -> Option:
-        """Return one of some options."""
-        return options[self.number(len(options))]

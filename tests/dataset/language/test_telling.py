@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import prag_asp.dataset.language
-from prag_asp import QueryError, Task, TaskSpace, load_domain, shipped_domains
+from prag_asp import QueryError, Task, TaskSpace, load_domain, parse_atom, shipped_domains
 from prag_asp.dataset.language import Instructions, Teller, start_of, teller_of
 from prag_asp.grammar.read import GrammarReader
 from tests.chance import Chance
@@ -166,3 +166,13 @@ def test_pictures_have_captions_in_the_same_words() -> None:
 
 def test_the_example_of_the_room_is_right() -> None:
     assert doctest.testmod(prag_asp.dataset.language) == (0, 4)
+
+
+def test_a_task_of_another_domain_is_told_in_one_line() -> None:
+    task = task_of("tabletop", *STACKED)
+    with pytest.raises(QueryError, match=r"^prag has no entity .*; did you mean .*\?$"):
+        teller("prag").instructions(task)
+    other = replace(task, actions=(parse_atom("fly(panda,can_1)"), *task.actions[1:]))
+    with pytest.raises(QueryError, match=r"^fly\(panda,can_1\) is no action of tabletop; tell tasks of that domain$"):
+        teller("tabletop").instructions(other)
+    assert teller("tabletop").captions(other)[1][0] == "1. fly panda can 1"
