@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from prag_asp.dataset.store.manifest import Asked, BudgetNote
 from prag_asp.errors import QueryError
 from prag_asp.space.ordered import Division, lengths_of
 
@@ -60,22 +61,23 @@ class Wanted:
         """Return after how many draws a part of some share is given up."""
         return self.max_draws or DRAWS_FOR_EACH * self.of(share)
 
-    def asked(self, space: TaskSpace | TaskSpaces) -> dict[str, Any]:
-        """Return all that identifies the data set of a space, as values of JSON."""
+    def asked(self, space: TaskSpace | TaskSpaces) -> Asked:
+        """Return all that identifies the data set of a space."""
         weights = space.domain.settings.weights if self.weights is None else self.weights
         division = self.division
-        return {
-            "lengths": list(lengths_of(space)),
-            "where": [str(clause) for clause in space.condition.clauses],
-            "seed": self.seed,
-            "weights": {key: str(weight) for key, weight in weights.items()},
-            "temperature": str(self.temperature),
-            "evenly": self.evenly,
-            "split": {name: str(share) for name, share in division.shares.items()},
-            "skeletons": division.skeletons,
-            "hold_out": division.hold_out,
-            "budget": None if self.budget is None else self.budget.to_json(),
-            "starts": self.starts,
-            "demonstrate": self.demonstrate,
-            "shard": self.shard,
-        }
+        budget = None if self.budget is None else BudgetNote(**self.budget.to_json())
+        return Asked(
+            lengths=list(lengths_of(space)),
+            where=[str(clause) for clause in space.condition.clauses],
+            seed=self.seed,
+            weights={key: str(weight) for key, weight in weights.items()},
+            temperature=str(self.temperature),
+            evenly=self.evenly,
+            split={name: str(share) for name, share in division.shares.items()},
+            skeletons=division.skeletons,
+            hold_out=division.hold_out,
+            budget=budget,
+            starts=self.starts,
+            demonstrate=self.demonstrate,
+            shard=self.shard,
+        )

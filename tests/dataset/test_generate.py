@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, Task, TaskSpace, TaskSpaces, load_domain
-from prag_asp.dataset import generate, generating, looking
+from prag_asp.dataset import generate, looking
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import writing
+from prag_asp.dataset.store.refusals import JOURNAL
 from prag_asp.errors import NotFound
 from prag_asp.physics import Budget, Verdict, check_demonstration
 from tests.dataset.conftest import POOR
@@ -246,7 +247,7 @@ def test_another_run_that_writes_the_same_folder_is_told(
     from prag_asp.output import Lines, part
 
     monkeypatch.setattr(part, "PATIENCE", 0.0)
-    other = Lines(numbers / generating.JOURNAL, "other")
+    other = Lines(numbers / JOURNAL, "other")
     try:
         with pytest.raises(OutputError, match="another run is writing it"):
             generate(kitchen, numbers, tasks=6, seed=1, physics=False, shard=4)

@@ -219,15 +219,15 @@ class Dataset:
         Where the draw is uniform, and parts differ by tasks alone, it is known which draw it was.
         """
         asked, lengths = self.manifest.asked, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        known = not asked["weights"] and not asked["skeletons"] and asked["hold_out"] is None
+        known = not asked.weights and not asked.skeletons and asked.hold_out is None
         if known and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:
             draw = None
             if known:
-                division = Division.parse(asked["split"])
+                division = Division.parse(asked.split)
                 sizes = [self._sizes[each] for each in lengths]
-                order = order_of(sizes, division, note.name, asked["seed"], evenly=asked["evenly"])
+                order = order_of(sizes, division, note.name, asked.seed, evenly=asked.evenly)
                 draw = order.number(lengths.index(length), rank)
                 if draw is None:
                     continue
