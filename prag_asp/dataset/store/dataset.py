@@ -56,7 +56,10 @@ class Dataset:
             raise QueryError(f"{path}: is no data set, for it has no {NAME}; make one with prag-asp generate -o {path}")
         if not manifest.complete:
             raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
-        return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
+        names = tuple(part.name for part in manifest.parts)
+        if {*names} != {*manifest.asked.split} or len(names) > len({*names}):
+            raise QueryError(f"{path / NAME}: parts: are not those of asked.split; copy the data set once more")
+        return cls(path, manifest, trust, names)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.folder, self.manifest, self.trust, self.parts, self.conditions)
