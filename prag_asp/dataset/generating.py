@@ -222,8 +222,8 @@ class _Run:
         )
         drawn: Iterator[Drawn] = islice(numbered, limit - writer.next)
         for looked in left:
-            if writer.tasks < note.wanted and looked.draw == writer.next:
-                self._add(writer, next(drawn), looked)
+            if writer.tasks < note.wanted and looked.draw == writer.next and (draw := next(drawn, None)) is not None:
+                self._add(writer, draw, looked)
         if writer.tasks >= note.wanted:
             return
         with closing(self._looked(writer, drawn)) as found:

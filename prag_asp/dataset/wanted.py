@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 SHARD = 1000
 """Tasks of a full shard, if no other number is asked for."""
 
+LARGEST_SHARD, MOST_STARTS = 20_000, 1000
+"""So many tasks, and witnesses of one of them, are held in memory at once."""
+
 DRAWS_FOR_EACH = 1000
 """Draws after which a part is given up, for each task wanted."""
 
@@ -46,10 +49,11 @@ class Wanted:
     max_draws: int | None = None
 
     def __post_init__(self) -> None:
-        numbers = {"tasks": self.tasks, "starts": self.starts, "shard": self.shard}
-        for name, number in numbers.items():
-            if number < 1:
-                raise QueryError(f"{name} {number}: a data set needs at least 1")
+        if self.tasks < 1:
+            raise QueryError(f"tasks {self.tasks}: a data set needs at least 1")
+        for name, number, most in (("starts", self.starts, MOST_STARTS), ("shard", self.shard, LARGEST_SHARD)):
+            if not 1 <= number <= most:
+                raise QueryError(f"{name} {number}: give a number from 1 to {most}")
         if not 0 <= self.seed <= LARGEST_SEED:
             raise QueryError(f"seed {self.seed}: give one from 0 to {LARGEST_SEED}")
 

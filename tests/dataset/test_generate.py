@@ -223,6 +223,8 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numb
     refused("add up to 1", split={"train": 0.5})
     refused("need physics", starts=2)
     refused("need physics", demonstrate=True)
+    refused("shard 0: give a number from 1 to 20000", shard=0)
+    refused("shard 1000000: give a number from 1 to 20000", shard=10**6)
     refused("need physics", budget=Budget())
     refused("whole skeletons need shares", skeletons=True)
     refused("leave one of them out", skeletons=True, hold_out="open", split=SHARES)

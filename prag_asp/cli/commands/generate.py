@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.dataset.store.manifest import Manifest
 
-SHARD = 1000
-
 
 @click.command()
 @asks((*options.SPACES, options.TRUST))
@@ -52,7 +50,7 @@ SHARD = 1000
 @click.option(
     "--demonstrate", "performed", is_flag=True, help="Let the robot perform each task, and keep recordings (.npz)."
 )
-@click.option("--shard", type=click.IntRange(min=1), default=SHARD, show_default=True, help="Tasks of a file, at most.")
+@click.option("--shard", type=click.IntRange(min=1), metavar="K", help="Tasks of a file, at most.  [1000]")
 @click.option(
     "--max-draws", type=click.IntRange(min=1), metavar="K", help="Give a part up after K draws.  [1000 a task]"
 )
@@ -73,7 +71,7 @@ def generate(
     physics: bool | None,
     checking: Checking,
     performed: bool,
-    shard: int,
+    shard: int | None,
     max_draws: int | None,
     output: str,
 ) -> None:
@@ -84,6 +82,7 @@ def generate(
     bytes.
     """
     from prag_asp.dataset.generating import generate as make
+    from prag_asp.dataset.wanted import SHARD
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
@@ -99,7 +98,7 @@ def generate(
             made = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
                 demonstrate=performed, evenly=evenly, **weighing.arguments(space.domain), physics=looks,
-                budget=checking.limits() if looks else None, workers=checking.workers, shard=shard,
+                budget=checking.limits() if looks else None, workers=checking.workers, shard=shard or SHARD,
                 max_draws=max_draws, progress=tell,
             )  # fmt: skip
         except NotFound:
