@@ -17,24 +17,24 @@ from prag_asp.dataset.store.kept import digest_of, kept, write_kept
 from prag_asp.dataset.store.looked import Looked, Recorded, Start
 from prag_asp.dataset.store.manifest import (
     FORMAT,
-    NAME,
     VERSION,
+    Asked,
     Manifest,
     PartNote,
     SpaceNote,
     read_manifest,
     write_manifest,
 )  # fmt: skip
+from prag_asp.dataset.store.refusals import JOURNAL, difference, require_ours, too_few
 from prag_asp.dataset.store.told import telling_of
 from prag_asp.dataset.wanted import SHARD, Wanted
 from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
-from prag_asp.fields import shown
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import Lines, make_folder
 from prag_asp.physics import Budget, require_physics
 from prag_asp.processes.children import uninterrupted
-from prag_asp.space.ordered import Division, Ordered, ordered_parts, tell
+from prag_asp.space.ordered import Division, Ordered, at, ordered_parts, tell
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
@@ -46,9 +46,6 @@ if TYPE_CHECKING:
     from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.space.weighing.temperature import Temperature
     from prag_asp.space.weighing.weights import Number
-
-JOURNAL = "journal.jsonl"
-"""What physics has said since the last shard, so that a run that was broken off goes on there. It goes at the end."""
 
 RECORDINGS = "demonstrations"
 """The folder of recordings, beside that of the table that has one row for each."""
@@ -142,8 +139,8 @@ class _Run:
         asked = self._wanted.asked(self._space)
         self._telling = telling_of(self._space.domain, self._wanted.language, self._wanted.seed)
         self._told, self._files = kept(self._space.domain)
-        identity = digest([msgspec.to_builtins(self._told), asked])
-        _require_ours(self._folder)
+        identity = digest([msgspec.to_builtins(self._told), msgspec.to_builtins(asked)])
+        require_ours(self._folder)
         wanted = self._wanted
         parts = ordered_parts(
             self._space, wanted.division, seed=wanted.seed, weights=wanted.weights, temperature=wanted.temperature,
@@ -163,10 +160,10 @@ class _Run:
                 self._journal.close()
         for note in self._manifest.parts:
             if note.tasks < note.wanted:
-                raise NotFound(_too_few(note, parts[note.name], wanted.draws(wanted.division.shares[note.name])))
+                raise NotFound(too_few(note, parts[note.name], wanted.draws(wanted.division.shares[note.name])))
         return Dataset.open(self._folder)
 
-    def _taken_up(self, parts: Mapping[str, Ordered], identity: str, asked: dict[str, object]) -> Manifest:
+    def _taken_up(self, parts: Mapping[str, Ordered], identity: str, asked: Asked) -> Manifest:
         """Return what dataset.json says, which is complete where nothing is to be done.
 
         Raises:
@@ -176,13 +173,11 @@ class _Run:
         wanted, shares = self._wanted, self._wanted.division.shares
         manifest = read_manifest(self._folder)
         if manifest is None:
-            lengths = asked["lengths"]
-            assert isinstance(lengths, list)
-            spaces = [SpaceNote(length, str(self._space.at(length).count())) for length in lengths]
+            spaces = [SpaceNote(length, str(at(self._space, length).count())) for length in asked.lengths]
             notes = [PartNote(name, str(part.size), 0) for name, part in parts.items()]
             manifest = Manifest(FORMAT, VERSION, False, identity, 0, asked, self._told, spaces, notes)
         elif manifest.identity != identity:
-            raise OutputError(f"{self._folder}: {_difference(manifest, self._told.name, asked)}; give a new folder")
+            raise OutputError(f"{self._folder}: {difference(manifest, self._told.name, asked)}; give a new folder")
         for note in manifest.parts:
             rows = note.rows("tasks") + (note.tail.rows("tasks") if note.tail else 0)
             if rows > wanted.of(shares[note.name]):
@@ -236,8 +231,8 @@ class _Run:
         )
         drawn: Iterator[Drawn] = islice(numbered, limit - writer.next)
         for looked in left:
-            if writer.tasks < note.wanted and looked.draw == writer.next:
-                self._add(writer, next(drawn), looked)
+            if writer.tasks < note.wanted and looked.draw == writer.next and (draw := next(drawn, None)) is not None:
+                self._add(writer, draw, looked)
         if writer.tasks >= note.wanted:
             return
         with closing(self._looked(writer, drawn)) as found:
@@ -311,39 +306,3 @@ def _require_cameras(staging: Staging, space: TaskSpace | TaskSpaces, demonstrat
 
     require_demonstrated(staging, "" if demonstrate else None)
     staging.cameras_of(scene_of(space.domain))
-
-
-def _require_ours(folder: Path) -> None:
-    """Check that a folder is new, empty, or a data set, before anything is written.
-
-    Raises:
-        OutputError: it holds something else.
-    """
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder}: is no folder; give a new one")
-    if not folder.is_dir() or (folder / NAME).is_file():
-        return
-    begun = {f"{name}{end}" for name in (NAME, JOURNAL) for end in (".part", ".run", ".run.part")}
-    other = sorted(path.name for path in folder.iterdir() if path.name not in begun)
-    if other:
-        raise OutputError(f"{folder}: holds {other[0]}, and is no data set; give a new folder")
-
-
-def _difference(manifest: Manifest, name: str, asked: Mapping[str, object]) -> str:
-    """Return in what a data set differs from the one that is asked for."""
-    if manifest.domain.name != name:
-        return f"is a data set of {manifest.domain.name}, not of {name}"
-    for key, value in asked.items():
-        if manifest.asked.get(key) != value:
-            return f"is a data set made with other {key.replace('_', ' ')} ({shown(manifest.asked.get(key))})"
-    return "is a data set of another state of the domain or of the encodings"
-
-
-def _too_few(note: PartNote, part: Ordered, limit: int) -> str:
-    """Return that there are fewer tasks than wanted, and why."""
-    told = f"only {note.tasks} of {plural(note.wanted, 'task')} for {note.name} found in {plural(note.draws, 'draw')}"
-    if note.draws >= limit:
-        return f"{told}; raise --max-draws"
-    if note.draws >= part.size:
-        return f"{told}, which are all that there are"
-    return f"{told}; those left weigh next to nothing: give other weights, or --uniform"

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import msgspec
-
+from prag_asp.dataset.store.manifest import Asked, BudgetNote, StagingNote
 from prag_asp.errors import QueryError
 from prag_asp.space.ordered import Division, lengths_of
 
@@ -22,6 +21,9 @@ if TYPE_CHECKING:
 
 SHARD = 1000
 """Tasks of a full shard, if no other number is asked for."""
+
+LARGEST_SHARD, MOST_STARTS = 20_000, 1000
+"""So many tasks, and witnesses of one of them, are held in memory at once."""
 
 DRAWS_FOR_EACH = 1000
 """Draws after which a part is given up, for each task wanted."""
@@ -49,10 +51,11 @@ class Wanted:
     max_draws: int | None = None
 
     def __post_init__(self) -> None:
-        numbers = {"tasks": self.tasks, "starts": self.starts, "shard": self.shard}
-        for name, number in numbers.items():
-            if number < 1:
-                raise QueryError(f"{name} {number}: a data set needs at least 1")
+        if self.tasks < 1:
+            raise QueryError(f"tasks {self.tasks}: a data set needs at least 1")
+        for name, number, most in (("starts", self.starts, MOST_STARTS), ("shard", self.shard, LARGEST_SHARD)):
+            if not 1 <= number <= most:
+                raise QueryError(f"{name} {number}: give a number from 1 to {most}")
         if not 0 <= self.seed <= LARGEST_SEED:
             raise QueryError(f"seed {self.seed}: give one from 0 to {LARGEST_SEED}")
 
@@ -64,24 +67,26 @@ class Wanted:
         """Return after how many draws a part of some share is given up."""
         return self.max_draws or DRAWS_FOR_EACH * self.of(share)
 
-    def asked(self, space: TaskSpace | TaskSpaces) -> dict[str, Any]:
-        """Return all that identifies the data set of a space, as values of JSON."""
+    def asked(self, space: TaskSpace | TaskSpaces) -> Asked:
+        """Return all that identifies the data set of a space."""
         weights = space.domain.settings.weights if self.weights is None else self.weights
         division = self.division
-        return {
-            "lengths": list(lengths_of(space)),
-            "where": [str(clause) for clause in space.condition.clauses],
-            "seed": self.seed,
-            "weights": {key: str(weight) for key, weight in weights.items()},
-            "temperature": str(self.temperature),
-            "evenly": self.evenly,
-            "split": {name: str(share) for name, share in division.shares.items()},
-            "skeletons": division.skeletons,
-            "hold_out": division.hold_out,
-            "budget": None if self.budget is None else self.budget.to_json(),
-            "starts": self.starts,
-            "demonstrate": self.demonstrate,
-            "shard": self.shard,
-            "language": self.language,
-            "staging": None if self.staging is None else msgspec.to_builtins(self.staging),
-        }
+        budget = None if self.budget is None else BudgetNote(**self.budget.to_json())
+        staging = self.staging
+        return Asked(
+            lengths=list(lengths_of(space)),
+            where=[str(clause) for clause in space.condition.clauses],
+            seed=self.seed,
+            weights={key: str(weight) for key, weight in weights.items()},
+            temperature=str(self.temperature),
+            evenly=self.evenly,
+            split={name: str(share) for name, share in division.shares.items()},
+            skeletons=division.skeletons,
+            hold_out=division.hold_out,
+            budget=budget,
+            starts=self.starts,
+            demonstrate=self.demonstrate,
+            shard=self.shard,
+            language=self.language,
+            staging=None if staging is None else StagingNote.of(staging),
+        )

@@ -111,7 +111,7 @@ class ByWeight:
         misses = 0
         for draw in self.space.draw_words(seed=self.seed, weights=self.weights, temperature=self.temperature):
             length = len(draw.word)
-            rank = _at(self.space, length).rank_of(draw.word)
+            rank = at(self.space, length).rank_of(draw.word)
             if (length, rank) in seen or not self.has(length, rank, draw.word):
                 misses += 1
                 if misses >= MISSES:
@@ -178,8 +178,8 @@ def ordered_parts(
         QueryError: a part is empty, weights fit nothing, or they are to be obeyed `evenly`.
     """
     longest_first = sorted(lengths_of(space), reverse=True)  # what is explored for the longest holds for all
-    sizes = {length: _at(space, length).count() for length in longest_first}
-    whole = tuple(_at(space, length) for length in lengths_of(space) if sizes[length])
+    sizes = {length: at(space, length).count() for length in longest_first}
+    whole = tuple(at(space, length) for length in lengths_of(space) if sizes[length])
     if not whole:
         raise QueryError("there are no tasks to draw")
     given = space.domain.settings.weights if weights is None else weights
@@ -215,7 +215,7 @@ def tell(space: TaskSpace | TaskSpaces, placed: Iterator[Placed]) -> Iterator[tu
         alike: dict[int, list[Draw]] = {}
         for each in batch:
             alike.setdefault(len(each.word), []).append(Draw(each.word, each.probability))
-        told = {length: iter(_at(space, length).tasks_of(draws)) for length, draws in alike.items()}
+        told = {length: iter(at(space, length).tasks_of(draws)) for length, draws in alike.items()}
         for each in batch:
             yield each, next(told[len(each.word)])
         size = min(2 * size, TOLD_TOGETHER)
@@ -251,7 +251,8 @@ def lengths_of(space: TaskSpace | TaskSpaces) -> Sequence[int]:
     return (space.length,) if isinstance(space, TaskSpace) else space.lengths
 
 
-def _at(space: TaskSpace | TaskSpaces, length: int) -> TaskSpace:
+def at(space: TaskSpace | TaskSpaces, length: int) -> TaskSpace:
+    """Return the space of one of its lengths, with the conditions of the whole."""
     return space if isinstance(space, TaskSpace) else space.at(length)
 
 

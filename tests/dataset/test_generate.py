@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, Task, TaskSpace, TaskSpaces, load_domain
-from prag_asp.dataset import Teller, generate, generating, instruction, looking
+from prag_asp.dataset import Teller, generate, instruction, looking
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import told, writing
+from prag_asp.dataset.store.refusals import JOURNAL
 from prag_asp.errors import NotFound
 from prag_asp.physics import Budget, Staging, Verdict, check_demonstration
 from tests.dataset.conftest import POOR
@@ -244,6 +245,8 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numb
     refused("need physics", demonstrate=True)
     refused("cameras film demonstrations; ask for them", staging=Staging(("front",)))
     refused("does not speak|speaks", language="xx")
+    refused("shard 0: give a number from 1 to 20000", shard=0)
+    refused("shard 1000000: give a number from 1 to 20000", shard=10**6)
     refused("need physics", budget=Budget())
     refused("whole skeletons need shares", skeletons=True)
     refused("leave one of them out", skeletons=True, hold_out="open", split=SHARES)
@@ -268,7 +271,7 @@ def test_another_run_that_writes_the_same_folder_is_told(
     from prag_asp.output import Lines, part
 
     monkeypatch.setattr(part, "PATIENCE", 0.0)
-    other = Lines(numbers / generating.JOURNAL, "other")
+    other = Lines(numbers / JOURNAL, "other")
     try:
         with pytest.raises(OutputError, match="another run is writing it"):
             generate(kitchen, numbers, tasks=6, seed=1, physics=False, shard=4)

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.dataset.store.manifest import Manifest
 
-SHARD = 1000
-
 
 @click.command()
 @asks((*options.SPACES, options.TRUST))
@@ -58,7 +56,7 @@ SHARD = 1000
     "--language", default="en", show_default=True, metavar="LANGUAGE", shell_complete=complete.languages,
     help="Language of instructions: en, or one that the domain has words for, such as de.",
 )  # fmt: skip
-@click.option("--shard", type=click.IntRange(min=1), default=SHARD, show_default=True, help="Tasks of a file, at most.")
+@click.option("--shard", type=click.IntRange(min=1), metavar="K", help="Tasks of a file, at most.  [1000]")
 @click.option(
     "--max-draws", type=click.IntRange(min=1), metavar="K", help="Give a part up after K draws.  [1000 a task]"
 )
@@ -81,7 +79,7 @@ def generate(
     performed: bool,
     filming: Filming,
     language: str,
-    shard: int,
+    shard: int | None,
     max_draws: int | None,
     output: str,
 ) -> None:
@@ -93,6 +91,7 @@ def generate(
     """
     from prag_asp.dataset.generating import generate as make
     from prag_asp.dataset.scenes import scene_of
+    from prag_asp.dataset.wanted import SHARD
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
@@ -110,7 +109,7 @@ def generate(
             made = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
                 demonstrate=performed, evenly=evenly, **weighing.arguments(space.domain), physics=looks,
-                budget=checking.limits() if looks else None, workers=checking.workers, shard=shard,
+                budget=checking.limits() if looks else None, workers=checking.workers, shard=shard or SHARD,
                 language=language, staging=staging, max_draws=max_draws, progress=tell,
             )  # fmt: skip
         except NotFound:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from prag_asp.dataset.store.manifest import Manifest, PartNote, summed
 from prag_asp.dataset.store.strips import write_strips
 from prag_asp.output import file_in, replace_file
-from prag_asp.physics.verdict import Budget
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -80,12 +79,13 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     if domain.settings.description:
         yield domain.settings.description
         yield ""
-    lengths = ", ".join(map(str, asked["lengths"]))
-    drawn = "by weight" if asked["weights"] else "uniformly"
-    where = "".join(f", where {clause}" for clause in asked["where"])
-    yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {asked['seed']}."
-    if asked["budget"]:
-        yield f"Each was found feasible by physics (budget {Budget(**asked['budget'])})."
+    lengths = ", ".join(map(str, asked.lengths))
+    drawn = "by weight" if asked.weights else "uniformly"
+    where = "".join(f", where {clause}" for clause in asked.where)
+    yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {asked.seed}."
+    if asked.budget:
+        effort = f"{asked.budget.restarts} x {asked.budget.samples}, {asked.budget.tier}"
+        yield f"Each was found feasible by physics (budget {effort})."
     assert manifest.covered is not None
     yield f"The space has {manifest.size:,} tasks; these are {_percent(manifest.covered.value)} of them."
     yield ""

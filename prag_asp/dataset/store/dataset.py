@@ -56,7 +56,10 @@ class Dataset:
             raise QueryError(f"{path}: is no data set, for it has no {NAME}; make one with prag-asp generate -o {path}")
         if not manifest.complete:
             raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
-        return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
+        names = tuple(part.name for part in manifest.parts)
+        if {*names} != {*manifest.asked.split} or len(names) > len({*names}):
+            raise QueryError(f"{path / NAME}: parts: are not those of asked.split; copy the data set once more")
+        return cls(path, manifest, trust, names)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.folder, self.manifest, self.trust, self.parts, self.conditions)
@@ -219,15 +222,15 @@ class Dataset:
         Where the draw is uniform, and parts differ by tasks alone, it is known which draw it was.
         """
         asked, lengths = self.manifest.asked, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        known = not asked["weights"] and not asked["skeletons"] and asked["hold_out"] is None
+        known = not asked.weights and not asked.skeletons and asked.hold_out is None
         if known and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:
             draw = None
             if known:
-                division = Division.parse(asked["split"])
+                division = Division.parse(asked.split)
                 sizes = [self._sizes[each] for each in lengths]
-                order = order_of(sizes, division, note.name, asked["seed"], evenly=asked["evenly"])
+                order = order_of(sizes, division, note.name, asked.seed, evenly=asked.evenly)
                 draw = order.number(lengths.index(length), rank)
                 if draw is None:
                     continue

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated
 
 import msgspec
 
@@ -16,9 +16,16 @@ from prag_asp.fields import Whole, decoded, read
 from prag_asp.output import replace_file
 from prag_asp.reading import read_bytes
 
+if TYPE_CHECKING:
+    from prag_asp.physics import Staging
+
 NAME, FORMAT = "dataset.json", "prag_asp dataset"
 VERSION = 1
 """The form of dataset.json and of the tables; another one is not read."""
+
+
+Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$")]
+"""A whole number that may outgrow 64 bits."""
 
 
 class Cause(msgspec.Struct):
@@ -78,8 +85,8 @@ class Shard(msgspec.Struct):
 class Share(msgspec.Struct):
     """A share, exactly, and as a float for reading."""
 
-    numerator: str
-    denominator: str
+    numerator: Decimal
+    denominator: Decimal
     value: float
 
 
@@ -90,7 +97,7 @@ class PartNote(msgspec.Struct):
     """
 
     name: str
-    size: str
+    size: Decimal
     wanted: Whole
     draws: Whole = 0
     tasks: Whole = 0
@@ -108,7 +115,50 @@ class SpaceNote(msgspec.Struct):
     """The exact number of tasks of a length."""
 
     length: Whole
-    tasks: str
+    tasks: Decimal
+
+
+class BudgetNote(msgspec.Struct):
+    """How hard physics looked; see `Budget`."""
+
+    restarts: Whole
+    samples: Whole
+    tier: str
+
+
+class StagingNote(msgspec.Struct):
+    """The cameras of demonstrations, and what varies."""
+
+    cameras: list[str]
+    size: list[Whole] | None
+    rate: Whole
+    vary: list[str]
+
+    @classmethod
+    def of(cls, staging: Staging) -> StagingNote:
+        """Return the note of what is staged."""
+        size = None if staging.size is None else list(staging.size)
+        return cls(list(staging.cameras), size, staging.rate, list(staging.vary))
+
+
+class Asked(msgspec.Struct):
+    """All that identifies a data set, beside its domain: what `generate` was asked for."""
+
+    lengths: list[Whole]
+    where: list[str]
+    seed: Whole
+    weights: dict[str, str]
+    temperature: str
+    evenly: bool
+    split: dict[str, str]
+    skeletons: bool
+    hold_out: str | None
+    budget: BudgetNote | None
+    starts: Whole
+    demonstrate: bool
+    shard: Whole
+    language: str
+    staging: StagingNote | None
 
 
 class Manifest(msgspec.Struct):
@@ -119,7 +169,7 @@ class Manifest(msgspec.Struct):
     complete: bool
     identity: str
     wanted: Whole
-    asked: dict[str, Any]
+    asked: Asked
     domain: KeptDomain
     spaces: list[SpaceNote]
     parts: list[PartNote]

@@ -150,6 +150,9 @@ def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> 
         (text.replace('"version": 1', '"version": 7', 1), "has the form 7, but 1 is read"),
         (text.replace('"complete": true', '"complete": "yes"', 1), "complete: needs true or false"),
         (text.replace('"complete": true', '"complete": false', 1), "has not ended"),
+        (text.replace('"name": "test"', '"name": "dev"', 1), "parts: are not those of asked.split"),
+        (text.replace('"lengths": [', '"ignored": [', 1), "asked.lengths: is missing"),
+        (text.replace('"tasks": "', '"tasks": "many ', 1), r"spaces\[0\].tasks: needs "),
         (text.replace("data/train-00000", "../../train-00000", 1), "leads out of the data set"),
         (text.replace('"rows": 4', '"rows": 5', 1), "has 4 rows, but dataset.json says 5"),
     ):
