@@ -16,7 +16,7 @@ CASES = [
     ("domains/tabletop", TRAY, "size = [0.30, 0.24, 0.035], wall = 0.5", "scene.shapes.tray.wall: needs a thickness"),
     ("domains/tabletop", TRAY, "size = [0.30, 0.24], wall = 0.006", "scene.shapes.tray.size: needs three"),
     ("domains/tabletop", "size = [0.30, 0.24, 0.035]", "siez = [0.30, 0.24, 0.035]", "unknown key; did you mean size?"),
-    ("domains/tabletop", "tray = {", "trai = {", "scene.shapes.trai: unknown class; did you mean tray?"),
+    ("domains/tabletop", "tray = { kind", "trai = { kind", "scene.shapes.trai: unknown class; did you mean tray?"),
     ("domains/tabletop", WHOLE_TRAY, "", "scene.fixed.tray_1: tray_1 has no shape; set scene.shapes.tray"),
     ("domains/tabletop", '{ kind = "robot" }', '{ kind = "robt" }', "unknown shape 'robt'; did you mean robot?"),
     ("domains/tabletop", "[scene.shapes]", "[[scene.shapes]]", "scene.shapes: needs a table"),
