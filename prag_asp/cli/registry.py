@@ -31,6 +31,7 @@ COMMANDS = {
     "stats": "stats",
     "task": "task",
     "validate": "validate",
+    "verify": "verify",
 }
 """The commands, each with the module of `prag_asp.cli.commands` that has it under the command's name."""
 

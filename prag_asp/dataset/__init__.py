@@ -24,9 +24,12 @@ if TYPE_CHECKING:
     from prag_asp.dataset.rechecking import Outcome, recheck
     from prag_asp.dataset.store.entry import Entry
     from prag_asp.dataset.tally import Tally
+    from prag_asp.dataset.verifying.finding import Finding
+    from prag_asp.dataset.verifying.verify import verify
 
 __all__ = [
     "Entry",
+    "Finding",
     "Instructions",
     "Learned",
     "Outcome",
@@ -43,6 +46,7 @@ __all__ = [
     "read_tasks",
     "recheck",
     "teller_of",
+    "verify",
     "write_line",
 ]
 
@@ -57,6 +61,8 @@ _HOMES = {
     "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
     "prag_asp.dataset.store.entry": ("Entry",),
     "prag_asp.dataset.tally": ("Tally",),
+    "prag_asp.dataset.verifying.finding": ("Finding",),
+    "prag_asp.dataset.verifying.verify": ("verify",),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

@@ -210,7 +210,7 @@ class _Run:
                 writer.write()
                 write_manifest(self._folder, self._manifest)
             remove_after(self._folder / RECORDINGS / note.name, note.rows("tasks") * wanted.starts)
-        self._manifest.pictures = write_card(self._folder, self._manifest, self._space.domain)
+        write_card(self._folder, self._manifest, self._space.domain)
         self._manifest.complete = True
         write_manifest(self._folder, self._manifest)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -14,12 +15,13 @@ from prag_asp.cli.bundles.films import Filming, films
 from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.runs import domains_of, run_on_file
-from prag_asp.cli.terminal import progress
+from prag_asp.cli.terminal import Tell, progress
 from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError
 from prag_asp.reading import lines_of, open_text
 
 if TYPE_CHECKING:
+    from prag_asp.dataset import Tally
     from prag_asp.scene.model import Scene
 
 
@@ -57,35 +59,55 @@ def validate(
             f"--budget {checking.budget} is for a search; --witness-only makes none, so leave one of them out"
         )
     require_physics()
+    budget = checking.limits()
+    check = _Check(asked, file, seed, checking, filming, witness_only, output)
     with open_text(file) as stream, progress() as tell:
-        total = _tasks_in(stream)
-        if total == 0:
-            raise QueryError(f"{file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+        tally = check.done(stream, f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}", tell)
+    if tally.passed < tally.seen:
+        raise click.exceptions.Exit(Exit.NOT_FOUND)
+
+
+@dataclass(frozen=True)
+class _Check:
+    """What is to be checked, and how."""
+
+    asked: Asked
+    file: str
+    seed: int
+    checking: Checking
+    filming: Filming
+    witness_only: bool
+    output: str | None
+
+    def done(self, stream: TextIO, limits: str, tell: Tell) -> Tally:
+        """Check the tasks of a file within some limits, write a line for each, and return what became of them.
+
+        Raises:
+            PragError: there are none, or one cannot be read.
+        """
         from prag_asp.cli.tally import tallied, tally_line
         from prag_asp.dataset import Tally, read_lines, recheck
         from prag_asp.dataset.recordings import claim, recorded
 
-        budget = checking.limits()
-        limits = f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}"
-        tally = Tally()
+        total, folder, tally = self._tasks_in(stream), self.checking.demonstrate, Tally()
 
         def fits(_: int, state: Any) -> bool:
             tally.go_on(state)
-            return checking.demonstrate is None or recorded(checking.demonstrate, tally.seen) == tally.passed
+            return folder is None or recorded(folder, tally.seen) == tally.passed
 
         def told() -> str:
             return tally_line(tally, ("task", "tasks"), limits)
 
-        run = run_on_file(asked, file) if output or checking.demonstrate else None
-        staging = filming.staging(*_scenes(asked, file) if filming.asked else ())
-        if checking.demonstrate is not None:
-            claim(checking.demonstrate, run)
-        with tallied(tally, told), writer(output, run, fits) as out:
+        run = run_on_file(self.asked, self.file) if self.output or folder else None
+        staging = self.filming.staging(*self._scenes() if self.filming.asked else ())
+        if folder is not None:
+            claim(folder, run)
+        with tallied(tally, told), writer(self.output, run, fits) as out:
             tally.go_on(out.state)
             outcomes = recheck(
-                read_lines(lines_of(stream), file), where=asked.conditions(), seed=seed, witness_only=witness_only,
-                load=lambda record, folder: asked.of(record, folder).domain(), folder=Path(file).parent,
-                done=tally.seen, staging=staging, **checking.arguments(),
+                read_lines(lines_of(stream), self.file), where=self.asked.conditions(), seed=self.seed,
+                witness_only=self.witness_only, load=lambda record, of: self.asked.of(record, of).domain(),
+                folder=Path(self.file).parent, done=tally.seen, staging=staging, **self.checking.arguments(),
             )  # fmt: skip
             with closing(outcomes):
                 for outcome in outcomes:
@@ -93,25 +115,32 @@ def validate(
                     line = f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip()
                     out.write(line, tally.state())
                     tell(told(), tally.seen, total)
-    if tally.passed < tally.seen:
-        raise click.exceptions.Exit(Exit.NOT_FOUND)
+        return tally
 
+    def _scenes(self) -> list[Scene]:
+        """Return the scenes of the domains that the tasks are of, none where the file can be read only once.
 
-def _scenes(asked: Asked, file: str) -> list[Scene]:
-    """Return the scenes of the domains that the tasks of a file are of, none where that can be read only once.
+        Raises:
+            PragError: a domain cannot be loaded, or has no scene.
+        """
+        from prag_asp.dataset.scenes import scene_of
 
-    Raises:
-        PragError: a domain cannot be loaded, or has no scene.
-    """
-    from prag_asp.dataset.scenes import scene_of
+        if not Path(self.file).is_file():
+            return []
+        return [scene_of(domain) for domain in domains_of(self.asked, self.file)[0]]
 
-    return [scene_of(domain) for domain in domains_of(asked, file)[0]] if Path(file).is_file() else []
+    def _tasks_in(self, stream: TextIO) -> int | None:
+        """Return how many lines of the file hold something, None where it can be read only once.
 
-
-def _tasks_in(stream: TextIO) -> int | None:
-    """Return how many lines of a file hold something, None where it can be read only once."""
-    if not stream.seekable():
-        return None
-    number = sum(1 for line in lines_of(stream) if line.strip())
-    stream.seek(0)
-    return number
+        Raises:
+            QueryError: none does.
+        """
+        if not stream.seekable():
+            return None
+        number = sum(1 for line in lines_of(stream) if line.strip())
+        stream.seek(0)
+        if number:
+            return number
+        raise QueryError(
+            f"{self.file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {self.file}"
+        )

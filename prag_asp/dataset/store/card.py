@@ -13,7 +13,6 @@ from prag_asp.output import file_in, replace_file
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.kept import KeptFile
     from prag_asp.domain.load import Domain
 
 NAME = "README.md"
@@ -32,16 +31,20 @@ SIZES = (
 LARGEST_SIZE = "n>10M"
 
 
-def write_card(folder: Path, manifest: Manifest, domain: Domain) -> list[KeptFile]:
-    """Write the card of a data set and its pictures, each whole, and return what is told of the pictures.
+def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
+    """Write the card of a data set and its pictures, each whole, and note the pictures.
 
     Raises:
         OutputError: one cannot be written.
     """
-    pictures = write_strips(folder, manifest, domain)
-    lines = [*_front(manifest, domain), *_text(manifest, domain, [each.path for each in pictures])]
-    replace_file(file_in(folder, NAME), "".join(f"{line}\n" for line in lines).encode(), follow=False)
-    return pictures
+    manifest.pictures = write_strips(folder, manifest, domain)
+    replace_file(file_in(folder, NAME), card_text(manifest, domain), follow=False)
+
+
+def card_text(manifest: Manifest, domain: Domain) -> bytes:
+    """Return the card of a data set, as its file has it."""
+    lines = [*_front(manifest, domain), *_text(manifest, domain, [each.path for each in manifest.pictures])]
+    return "".join(f"{line}\n" for line in lines).encode()
 
 
 def _front(manifest: Manifest, domain: Domain) -> Iterator[str]:

@@ -212,18 +212,23 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
     return [found[length] for length in sorted(found)]
 
 
-def write_manifest(folder: Path, manifest: Manifest) -> None:
-    """Write dataset.json, whole, with what follows from its shards.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+def derive(manifest: Manifest) -> None:
+    """Set what follows from the shards that are listed."""
     for part in manifest.parts:
         part.draws = part.shards[-1].end if part.shards else 0
         part.tasks = part.rows("tasks")
         part.covered = share_of(part.tasks, int(part.size))
         part.lengths = summed(tally for shard in part.shards for tally in shard.tally)
     manifest.covered = share_of(manifest.rows("tasks"), manifest.size)
+
+
+def write_manifest(folder: Path, manifest: Manifest) -> None:
+    """Write dataset.json, whole, with what follows from its shards.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    derive(manifest)
     content = json.dumps(msgspec.to_builtins(manifest), indent=1, ensure_ascii=False)
     replace_file(folder / NAME, f"{content}\n".encode(), follow=False)
 

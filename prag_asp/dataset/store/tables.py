@@ -43,8 +43,12 @@ class Tables:
     def rows(self, note: PartNote, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
         """Yield the rows of a part, each with some columns or with all."""
         for shard in note.shards:
-            for _, found in self._groups(table, shard, columns):
-                yield from found.to_pylist()
+            yield from self.of_shard(table, shard, columns)
+
+    def of_shard(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[Row]:
+        """Yield the rows of a shard."""
+        for _, found in self._groups(table, shard, columns):
+            yield from found.to_pylist()
 
     def found(self, note: PartNote, length: int, rank: int, draw: int | None) -> Iterator[Row]:
         """Yield the row of the task of a rank; where its draw is known, one shard alone is looked into."""

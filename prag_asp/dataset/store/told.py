@@ -9,10 +9,11 @@ from prag_asp.dataset.language import instruction, sentence, teller_of
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.language import Teller
     from prag_asp.domain.load import Domain
     from prag_asp.task import Task
 
-LEVELS = ("vague", "default", "exact")
+LEVELS, PLAIN = ("vague", "default", "exact"), "plain"
 
 
 class Told(NamedTuple):
@@ -32,7 +33,11 @@ def telling_of(domain: Domain, language: str, seed: int) -> Callable[[Task], Tol
     Raises:
         QueryError: the domain does not speak the language.
     """
-    teller = teller_of(domain, language)
+    return telling_by(teller_of(domain, language), domain, seed)
+
+
+def telling_by(teller: Teller, domain: Domain, seed: int) -> Callable[[Task], Told]:
+    """Return what tells tasks as `telling_of` does, by a teller that is there."""
 
     def told(task: Task) -> Told:
         try:
@@ -40,7 +45,7 @@ def telling_of(domain: Domain, language: str, seed: int) -> Callable[[Task], Tol
         except QueryError:
             templates = domain.settings.language
             plain = tuple(sentence(action, templates) for action in task.actions)
-            return Told((("plain", instruction(task, templates)),), plain, tuple(task.entities))
+            return Told(((PLAIN, instruction(task, templates)),), plain, tuple(task.entities))
         return Told(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
 
     return told

@@ -1,0 +1,1 @@
+"""Verify a data set: that all it says is so, by other means than those that made it where there are some."""

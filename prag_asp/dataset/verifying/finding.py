@@ -1,0 +1,20 @@
+"""What is wrong with a data set, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+Looked = Callable[[str, int, int], None]
+"""Is told what is being looked at, at how many was looked, and of how many."""
+
+
+class Finding(NamedTuple):
+    """Something that is wrong: the file, the row in it from 0 or None for all of it, and what it is."""
+
+    file: str
+    row: int | None
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.what}" if self.row is None else f"{self.file}: row {self.row}: {self.what}"
