@@ -15,7 +15,7 @@ from tests.commands import ok
 
 testcapi = pytest.importorskip("_testcapi", reason="this Python cannot refuse memory on demand")
 
-MOMENTS, LATEST = 40, 300_000
+MOMENTS, LATEST = 16, 300_000
 """How many moments are tried, and the last of them in allocations, after which the commands below are done."""
 
 UNTOLD = 0.1

@@ -38,7 +38,7 @@ def everywhere(toy: Toy) -> frozenset[State]:
     return frozenset(s for s in every if toy.allowed(s) and agrees(s, fixed))
 
 
-@settings(max_examples=examples(200))
+@settings(max_examples=examples(80))
 @given(st.one_of(hierarchies(closed=False), hierarchies(closed=True)))
 def test_a_composite_is_reported_if_and_only_if_no_state_executes_it(toy: Toy) -> None:
     toy = plain(toy)

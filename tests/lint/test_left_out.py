@@ -84,7 +84,7 @@ def test_the_rest_is_the_domain_without_them_for_every_engine_and_level(schema: 
             assert spaces[0].sample(5, seed=1) == [replace(t, domain=domain.name) for t in spaces[1].sample(5, seed=1)]
 
 
-@settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(10), suppress_health_check=list(HealthCheck))
 @given(st.one_of(toys(closed=False), toys(closed=True)))
 def test_random_domains_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text(), "at_most") as domain:
@@ -98,7 +98,7 @@ def test_random_domains_count_as_the_definition_says(toy: Toy) -> None:
                 assert set(space.words("plan")) == expected
 
 
-@settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(10), suppress_health_check=list(HealthCheck))
 @given(st.one_of(hierarchies(closed=False), hierarchies(closed=True)))
 def test_random_hierarchies_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text(), "at_most") as domain:

@@ -17,14 +17,14 @@ LENGTH = 4
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(100), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False))
 def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy) -> None:
     check_agreement(toy)
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(100), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(toys(closed=True))
 def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy) -> None:
     check_agreement(toy)

@@ -24,7 +24,7 @@ def trajectories(toy: Toy, plan: tuple[int, ...]) -> list[tuple[State, ...]]:
     return [path for path in paths if agrees(path[-1], toy.goal)]
 
 
-@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(80), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_what_is_told_of_a_plan_holds_in_every_execution_and_suffices_for_one(toy: Toy, data: st.DataObject) -> None:
     plans = list(itertools.islice(toy.plans(3), 200))

@@ -73,7 +73,7 @@ def test_shipped_domains_are_the_same_merged_or_not(
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(50), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(symmetric_texts(), st.sampled_from(LEVELS), st.integers(0, 99))
 def test_random_symmetric_domains_are_the_same_merged_or_not(text: str, level: Level, seed: int) -> None:
     model = Model(domain_of(text))

@@ -22,14 +22,14 @@ ENGINES = ("automaton", "clingo")
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(toys(closed=False), st.data())
 def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data)
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(toys(closed=True), st.data())
 def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy, data: st.DataObject) -> None:
     check_agreement(toy, data)
@@ -84,7 +84,7 @@ NEVER_BY_TWO = Toy(4, (Action("a", {}, {0: None, 3: True}),), exclusive=((1, 2),
 
 @example(NEVER)
 @example(NEVER_BY_TWO)
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(st.one_of(toys(closed=False), toys(closed=True)))
 def test_what_is_known_of_states_is_what_all_runs_share_so_nontrivial_and_loop_free_agree(toy: Toy) -> None:
     space = TaskSpace(domain_of(toy.text(), "at_most"), 2)

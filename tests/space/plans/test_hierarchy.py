@@ -26,14 +26,14 @@ LENGTH = 5
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(70), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=False))
 def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy) -> None:
     check_agreement(toy)
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(70), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=True))
 def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy) -> None:
     check_agreement(toy)
