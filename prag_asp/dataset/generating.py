@@ -298,11 +298,13 @@ def _require_cameras(staging: Staging, space: TaskSpace | TaskSpaces, demonstrat
     """Check that what is staged can be, before anything is written.
 
     Raises:
-        QueryError: nothing is demonstrated, or the scene has no such camera.
+        QueryError: nothing is demonstrated, the scene has no such camera, or colours vary, of which instructions speak.
         SceneError: the domain has no scene.
     """
     from prag_asp.dataset.filtering import require_demonstrated
     from prag_asp.dataset.scenes import scene_of
 
     require_demonstrated(staging, "" if demonstrate else None)
+    if "colour" in staging.vary:
+        raise QueryError("instructions speak of the colours of the scene; leave colour out of what varies")
     staging.cameras_of(scene_of(space.domain))

@@ -126,6 +126,12 @@ def test_recordings_stand_beside_their_witnesses(spaces: TaskSpaces, tmp_path: P
         assert demonstration.footage is not None
 
 
+def test_colours_of_which_instructions_speak_do_not_vary(spaces: TaskSpaces, tmp_path: Path) -> None:
+    with pytest.raises(QueryError, match="leave colour out of what varies"):
+        generate(spaces, tmp_path / "none", tasks=1, demonstrate=True, staging=Staging(vary=("mass", "colour")))
+    assert not (tmp_path / "none").exists()
+
+
 def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
     spaces: TaskSpaces, monkeypatch: pytest.MonkeyPatch
 ) -> None:
