@@ -9,7 +9,8 @@ PragError
 ├── MissingError       a package that is needed is not installed; the message says how to install it
 │   ├── PhysicsMissingError
 │   ├── PicturesMissingError
-│   └── DatasetsMissingError
+│   ├── DatasetsMissingError
+│   └── RayMissingError
 ├── NotFound           less was found than was asked for
 ├── WorkerError        the processes that validate tasks died again and again, or could not be started
 └── OutputError        a result could not be written
@@ -94,7 +95,15 @@ class PicturesMissingError(MissingError):
 
 
 class DatasetsMissingError(MissingError):
-    """Data sets need pyarrow."""
+    """Data sets need pyarrow, and their other forms some more."""
+
+
+class LearningMissingError(MissingError):
+    """Reinforcement learning needs Gymnasium."""
+
+
+class RayMissingError(MissingError):
+    """Work on several machines needs Ray."""
 
 
 class NotFound(PragError):

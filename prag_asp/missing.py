@@ -1,16 +1,19 @@
 """What to do where a package is missing.
 
-PyBullet and frankik may be, because a new Python comes long before their wheels; pyarrow, because few need it.
+PyBullet and frankik may be, because a new Python comes long before their wheels; pyarrow, Gymnasium, and what other
+forms of data sets are written with, because few need them.
 """
 
 from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Iterable
 from importlib import import_module
+from importlib.util import find_spec
 from types import ModuleType
 
-from prag_asp.errors import DatasetsMissingError, PhysicsMissingError
+from prag_asp.errors import DatasetsMissingError, LearningMissingError, PhysicsMissingError, RayMissingError
 
 NEWEST = (3, 13)
 """The newest Python that both have wheels for; pyproject.toml says so, too."""
@@ -44,6 +47,47 @@ def require_pyarrow() -> None:
         missing = (error.name or "").startswith("pyarrow")
         told = "data sets need pyarrow" if missing else f"pyarrow cannot be loaded: {' '.join(str(error).split())}"
         raise DatasetsMissingError(f'{told}; install it: pip install "prag_asp[datasets]"') from None
+
+
+def require_gymnasium() -> ModuleType:
+    """Import Gymnasium.
+
+    Raises:
+        LearningMissingError: it is not installed, or cannot be loaded.
+    """
+    try:
+        return import_module("gymnasium")
+    except ImportError as error:
+        told = "environments need Gymnasium"
+        if error.name != "gymnasium":
+            told = f"Gymnasium cannot be loaded: {' '.join(str(error).split())}"
+        raise LearningMissingError(f'{told}; install it: pip install "prag_asp[rl]"') from None
+
+
+def require_packages(form: str, packages: Iterable[str]) -> None:
+    """Check that the packages are there that a form of data sets is written with.
+
+    Raises:
+        DatasetsMissingError: one is not installed, or cannot be loaded.
+    """
+    for package in packages:
+        try:
+            import_module(package)
+        except ImportError as error:
+            missing = (error.name or "").partition(".")[0] == package
+            why = "" if missing else f", which cannot be loaded: {' '.join(str(error).split())}"
+            told = f"the form {form} needs {package}{why}; install it"
+            raise DatasetsMissingError(f'{told}: pip install "prag_asp[formats]"') from None
+
+
+def require_ray() -> None:
+    """Check that there is Ray; it is imported by a process of its own.
+
+    Raises:
+        RayMissingError: it is not installed.
+    """
+    if find_spec("ray") is None:
+        raise RayMissingError('a cluster needs Ray; install it on every node: pip install "prag_asp[ray]"')
 
 
 def advice(version: tuple[int, int]) -> str:

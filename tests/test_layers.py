@@ -52,6 +52,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "space": GROUND | {"program", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
+    "rl": GROUND | {"scene", "domain", "space", "physics", "dataset"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
     | {"program", "scene", "grammar", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
@@ -72,8 +73,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "physics": (
         "bullet", "required", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",
         "search", "motion", "checks", "demonstration", "filming", "pictures", "verdict",
-        "cascade", "validator", "worker", "pool",
+        "cascade", "validator", "worker", "checker", "pool", "passing",
     ),
+    "rl": ("control", "arena", "goals", "rewards", "fading", "observing", "sources", "environment", "scripted"),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""
 
@@ -95,6 +97,7 @@ HEAVY = {
     "pysat",
     "pyganak",
     "pyarrow",
+    "gymnasium",
     "difflib",
     "importlib.metadata",
 }

@@ -41,7 +41,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_wheel_has_the_package_its_encodings_and_domains_and_nothing_else(wheel: Path) -> None:
     own = [(path, path.relative_to(ROOT)) for path in (ROOT / "prag_asp").rglob("*")]
-    data = [path for room in ("encodings", "domains") for path in (ROOT / room).rglob("*")]
+    data = [path for room in ("encodings", "domains", "suites") for path in (ROOT / room).rglob("*")]
     places = [*own, *((path, Path("prag_asp", path.relative_to(ROOT))) for path in data)]
     expected = {str(place) for path, place in places if path.is_file() and "__pycache__" not in path.parts}
     with ZipFile(wheel) as archive:
@@ -56,7 +56,8 @@ def test_its_metadata_let_every_python_from_3_10_on_install_it(wheel: Path) -> N
     assert told["Requires-Python"] == ">=3.10"
     classifiers = told.get_all("Classifier", [])
     assert {f"Programming Language :: Python :: 3.{minor}" for minor in range(10, 15)} <= set(classifiers)
-    assert set(told.get_all("Provides-Extra", [])) == {"datasets", "docs", "pictures", "sharp", "test"}
+    extras = {"datasets", "docs", "formats", "pictures", "ray", "rl", "sharp", "test"}
+    assert set(told.get_all("Provides-Extra", [])) == extras
 
 
 def test_a_package_index_shows_the_readme(wheel: Path) -> None:

@@ -43,6 +43,10 @@ def _command(context: click.Context, heading: str) -> Iterator[str]:
     for names, what in filter(all, records):
         yield f"| {_cell(f'`{names}`')} | {_cell(what)} |"
     yield ""
+    if isinstance(command, click.Group) and context.parent is not None:
+        for name in command.list_commands(context):
+            inner = command.commands[name]
+            yield from _command(click.Context(inner, info_name=name, parent=context), f"{heading} {name}")
 
 
 def _cell(text: str) -> str:

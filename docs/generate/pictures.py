@@ -1,6 +1,6 @@
 """Draw the pictures of these pages: tasks drawn and validated from one seed each, and a curve.
 
-Run:  .venv/bin/python docs/generate/pictures.py [NAME...]        (needs the extra `pictures`)
+Run:  .venv/bin/python docs/generate/pictures.py [NAME...]        (needs the extras `pictures` and `formats`)
 """
 
 from __future__ import annotations
@@ -9,11 +9,15 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from textwrap import wrap
 
+import av
 import numpy as np
-from PIL import Image, ImageOps
+from PIL import Image, ImageDraw, ImageFont, ImageOps
+from pyarrow.parquet import read_table
 
 from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset import feasible, teller_of
@@ -102,6 +106,42 @@ def draw_films() -> Image.Image:
     return reduced(page)
 
 
+FIRST = "tabletop --length 2 --tasks 4 --seed 0 --split train=0.75,test=0.25 --demonstrate --cameras front,wrist"
+"""What the page on the first data set makes."""
+
+ENLARGED, LINE = 2, 40
+
+
+def draw_first() -> Image.Image:
+    """Return four moments of the first episode of a LeRobotDataset, as the videos have them, with their words."""
+    with TemporaryDirectory() as made:
+        folder = Path(made)
+        quiet = {"stdout": subprocess.DEVNULL, "cwd": folder}
+        subprocess.run(["prag-asp", "generate", *FIRST.split(), "-o", "first"], check=True, **quiet)
+        subprocess.run(["prag-asp", "export", "lerobot", "first", "-o", "lerobot"], check=True, **quiet)
+        episode = read_table(folder / "lerobot/data/chunk-000/file-000.parquet").to_pylist()
+        subtasks = read_table(folder / "lerobot/meta/subtasks.parquet").to_pylist()
+        (words,) = (each["task"] for each in read_table(folder / "lerobot/meta/tasks.parquet").to_pylist()[:1])
+        rows = [row for row in episode if row["episode_index"] == 0]
+        moments = [rows[round(share * (len(rows) - 1))] for share in (0.1, 0.4, 0.65, 1.0)]
+        films = {}
+        for name in ("front", "wrist"):
+            with av.open(str(folder / f"lerobot/videos/observation.images.{name}/chunk-000/file-000.mp4")) as video:
+                films[name] = [frame.to_image() for frame in islice(video.decode(video=0), len(rows))]
+    side = ENLARGED * films["front"][0].width
+    page = Image.new("RGB", (4 * (side + GAP) - GAP, 2 * (side + GAP) + 2 * LINE), "white")
+    pen, font = ImageDraw.Draw(page), ImageFont.load_default(size=15)
+    pen.text((MARGIN, LINE / 2), words, fill="black", font=font, anchor="lm")
+    for column, row in enumerate(moments):
+        left = column * (side + GAP)
+        for line, pictures in enumerate(films.values()):
+            enlarged = pictures[row["frame_index"]].resize((side, side), Image.Resampling.LANCZOS)
+            page.paste(enlarged, (left, LINE + line * (side + GAP)))
+        told = "\n".join(wrap(subtasks[row["subtask_index"]]["subtask"], 32))
+        pen.multiline_text((left + 4, page.height - LINE + 2), told, fill="black", font=font)
+    return reduced(page)
+
+
 def in_grey(picture: Picture) -> np.ndarray:
     """Return the depth of a picture in grey, what is near dark, and nothing white."""
     depth = picture.depth.astype(float)
@@ -125,7 +165,7 @@ def reduced(picture: Image.Image) -> Image.Image:
 
 def main(names: list[str]) -> None:
     """Draw the pictures of some names, or all."""
-    for name in names or [*STRIPS, "curve", "cameras"]:
+    for name in names or [*STRIPS, "curve", "cameras", "first_dataset"]:
         target = PICTURES / f"{name}.png"
         if name == "curve":
             curve = ["stats", "prag", "--length", "15", "--by", "skeleton", "--plot", str(target)]
@@ -135,6 +175,8 @@ def main(names: list[str]) -> None:
             few.save(target, optimize=True)
         elif name == "cameras":
             draw_films().save(target, optimize=True)
+        elif name == "first_dataset":
+            draw_first().save(target, optimize=True)
         else:
             draw(STRIPS[name]).save(target, optimize=True)
 

@@ -31,10 +31,12 @@ def main() -> None:
             ("terminated", Exit.TERMINATED) if isinstance(asked, Terminated) else ("interrupted", Exit.INTERRUPTED)
         )
         sys.stderr.write(f"{line}\n")
-    except MemoryError:
-        from prag_asp.cli.ending import out_of_memory, write_line
+    except Exception as error:
+        from prag_asp.cli.ending import memory_refused, out_of_memory, write_line
         from prag_asp.cli.exits import Exit
 
+        if not memory_refused(error):
+            raise
         write_line(out_of_memory())
         code = Exit.LIMIT
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.

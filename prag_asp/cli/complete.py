@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli.words import domain_and_others
-from prag_asp.program.paths import data_folder, is_file_name, rule_names, shipped_domains
+from prag_asp.program.paths import data_folder, is_file_name, rule_names, shipped_domains, shipped_suites
 from prag_asp.reading import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -72,6 +72,13 @@ def rules(context: click.Context, typed: str) -> Iterable[str]:
     """Offer the rules of the encodings."""
     encodings = context.params.get("encodings")
     return rule_names(Path(encodings) if encodings else data_folder("encodings"))
+
+
+@_offers
+def suites(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer the shipped suites, and files of others."""
+    folder = typed[: typed.rfind("/") + 1]
+    return [*shipped_suites(), *sorted(f"{folder}{path.name}" for path in Path(folder or ".").glob("*.toml"))]
 
 
 @_offers

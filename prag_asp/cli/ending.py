@@ -7,6 +7,7 @@ command cannot speak any more.
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -15,8 +16,9 @@ from threading import main_thread
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, NoReturn
 
+from prag_asp.errors import PragError
 from prag_asp.processes.lifeline import above_the_standard_ones
-from prag_asp.processes.machine import SHARE, memory_in_use, usual_memory
+from prag_asp.processes.machine import SHARE, memory_in_use, most_addresses, usual_memory
 from prag_asp.processes.stage import hear
 
 if TYPE_CHECKING:
@@ -34,6 +36,19 @@ LATER = 0.05
 
 DEADLY = frozenset(["_pyclingo_solve_event_callback", "_pyclingo_logger_callback"])
 """Functions that clingo calls, and for whose errors it ends the process."""
+
+
+NO_MEMORY = (MemoryError, SystemError)
+"""What is raised where the system refuses memory; the second by native code that does not say why it failed."""
+
+REFUSALS = ("can't allocate lock", "can't start new thread", "Cannot allocate memory", "failed to map segment")
+"""What Python and the loader of libraries say of it in other errors."""
+
+GENERATED = "<"
+"""How the name of a file begins that is none: code that Python writes for itself has no mistake but want of memory."""
+
+LEAST_ROOM = 64_000_000
+"""Bytes of addresses that are few: what is asked for at once may be as much."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -223,6 +238,40 @@ def struck() -> str:
 def out_of_memory() -> str:
     """Return the line that says that the system has refused memory."""
     return f"there is no more memory{_while(_command.stage)}; ask for less, or free some"
+
+
+def memory_refused(error: BaseException) -> bool:
+    """Tell whether an error that nobody expects comes of memory that the system has refused, whatever it is called.
+
+    Native code, and what imports it, give errors of many kinds then. Where the system allows only so many addresses,
+    and nearly all were taken, what nobody expects comes of that.
+    """
+    return caused_by_memory(error) or _near_the_last_address()
+
+
+def caused_by_memory(error: BaseException | None) -> bool:
+    """Tell whether memory was refused where an error, or one that it came of, was raised."""
+    seen: list[int] = []
+    while error is not None and id(error) not in seen:
+        seen.append(id(error))
+        if isinstance(error, NO_MEMORY) or getattr(error, "errno", None) == errno.ENOMEM:
+            return True
+        if not isinstance(error, PragError) and any(words in str(error) for words in REFUSALS):
+            return True
+        if isinstance(error, SyntaxError) and (error.filename or GENERATED).startswith(GENERATED):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def _near_the_last_address() -> bool:
+    """Tell whether this process has had nearly all addresses that the system allows."""
+    import resource
+
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if allowed == resource.RLIM_INFINITY:
+        return False
+    return allowed - most_addresses() < max(allowed // 10, LEAST_ROOM)
 
 
 def too_deep() -> str:

@@ -38,6 +38,15 @@ def _limit_memory(context: click.Context, parameter: click.Parameter, given: str
         ending.limit(memory=parse_memory(given))
 
 
+MOST = 10**15
+"""What a command is asked for at most: more than any disk holds, and few enough to be multiplied within 64 bits."""
+
+
+def whole(least: int, most: int = MOST) -> click.IntRange:
+    """Return the kind of an option that is a whole number."""
+    return click.IntRange(min=least, max=most)
+
+
 PROGRAM = (
     click.option(
         "-c", "--const", "constants", metavar="NAME=VALUE", multiple=True,
@@ -106,8 +115,11 @@ LIMITS = (
 
 
 def with_limits(command: click.Command) -> click.Command:
-    """Return a command with the options of limits, which it is given once."""
-    if not any(each.name == "memory" for each in command.params):
+    """Return a command with the options of limits, which it is given once; of a group, each of its commands."""
+    if isinstance(command, click.Group):
+        for each in command.commands.values():
+            with_limits(each)
+    elif not any(each.name == "memory" for each in command.params):
         for option in LIMITS:
             option(command)
     return command
@@ -133,7 +145,7 @@ output = click.option(
 seed = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same bytes.")
 BUDGET, TIER = "10x10", "kinematics"
 CHECKS = (
-    click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics."),
+    click.option("--workers", type=whole(1, 4096), default=1, show_default=True, help="Processes for physics."),
     click.option(
         "--budget", metavar="RxS", default=BUDGET, show_default=True,
         help="How hard physics looks: first states tried for a task x attempts at each action.",
@@ -201,6 +213,13 @@ class Checking:
     def arguments(self) -> dict[str, Any]:
         """Return them as arguments for what looks at tasks."""
         return {"workers": self.workers, "budget": self.limits(), "demonstrate": self.demonstrate}
+
+
+ON = click.option(
+    "--on", type=click.Choice(["ray"]),
+    help="Look at tasks on the nodes of a Ray cluster: that of RAY_ADDRESS, or this machine as one.",
+)  # fmt: skip
+MAX_DRAWS = click.option("--max-draws", type=whole(1), metavar="K", help="Give a part up after K draws.  [1000 a task]")
 
 
 def checks(function: Function) -> Function:

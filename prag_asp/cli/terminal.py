@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 import click
 
 from prag_asp.cli import ending
-from prag_asp.cli.ending import ASKED, Struck, Terminated
+from prag_asp.cli.ending import ASKED, NO_MEMORY, Struck, Terminated
 from prag_asp.cli.exits import Exit, exit_of
-from prag_asp.errors import PragError, one_line, plain
+from prag_asp.errors import LimitReached, PragError, one_line, plain
 from prag_asp.processes.stage import so_far
 
 if TYPE_CHECKING:
@@ -57,10 +57,6 @@ def _show_usage(error: click.ClickException) -> None:
     tell_line(f"{context.command_path}: {told}; see {context.command_path} --help")
 
 
-NO_MEMORY = (MemoryError, SystemError)
-"""What is raised where the system refuses memory; the second by native code that does not say why it failed."""
-
-
 class Command(click.Group):
     """Turns errors into one line on stderr, and an interruption into a quiet end."""
 
@@ -88,9 +84,11 @@ class Command(click.Group):
         except (click.Abort, KeyboardInterrupt, Struck, PragError, OSError, RecursionError, *NO_MEMORY) as error:
             return _end(error)
         except Exception as error:
-            if _interruption(error) is None:
+            if _interruption(error) is not None:
+                return _end(error)
+            if not ending.memory_refused(error):
                 raise
-            return _end(error)
+            return _end(MemoryError())
 
 
 @contextmanager
@@ -124,7 +122,7 @@ def _end(error: BaseException) -> int:
     interruption = _interruption(error)
     if interruption is not None:
         return _end_asked(interruption)
-    if isinstance(error, NO_MEMORY):
+    if ending.caused_by_memory(error) and not isinstance(error, LimitReached):
         tell_line(ending.out_of_memory())
         return Exit.LIMIT
     if isinstance(error, RecursionError):

@@ -9,6 +9,10 @@ from prag_asp.errors import QueryError
 from prag_asp.program.paths import is_file_name
 
 LONGEST_SIZE = 20
+
+MOST_LENGTHS = 1_000_000
+"""How many lengths are asked about at once, at most: each takes memory of its own."""
+
 RANGE = re.compile(r"(?P<first>\d+)\.\.(?P<last>\d+)")
 
 
@@ -35,6 +39,8 @@ def one_or_more_lengths(text: str) -> int | range:
     first, last = int(found["first"]), int(found["last"])
     if first > last:
         raise QueryError(f"--length {text}: the first is above the last; write {last}..{first}")
+    if last - first >= MOST_LENGTHS:
+        raise QueryError(f"--length {text}: more than {MOST_LENGTHS:,} lengths; ask for fewer at once")
     return range(first, last + 1)
 
 

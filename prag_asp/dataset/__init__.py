@@ -15,17 +15,23 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.dataset.filtering import feasible
+    from prag_asp.dataset.formats.exporting import export
     from prag_asp.dataset.generating import generate
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
     from prag_asp.dataset.language.plain import instruction
     from prag_asp.dataset.language.reader import Reading, read_instruction
     from prag_asp.dataset.language.teller import Instructions, Teller, teller_of
     from prag_asp.dataset.learning import Learned, learn
+    from prag_asp.dataset.merging import merge
     from prag_asp.dataset.rechecking import Outcome, recheck
     from prag_asp.dataset.store.entry import Entry
+    from prag_asp.dataset.suites.counting import count_suite
+    from prag_asp.dataset.suites.making import generate_suite
+    from prag_asp.dataset.suites.reading import load_suite
+    from prag_asp.dataset.suites.suite import Suite
+    from prag_asp.dataset.suites.verifying import verify
     from prag_asp.dataset.tally import Tally
     from prag_asp.dataset.verifying.finding import Finding
-    from prag_asp.dataset.verifying.verify import verify
 
 __all__ = [
     "Entry",
@@ -35,12 +41,18 @@ __all__ = [
     "Outcome",
     "Reading",
     "Record",
+    "Suite",
     "Tally",
     "Teller",
+    "count_suite",
+    "export",
     "feasible",
     "generate",
+    "generate_suite",
     "instruction",
     "learn",
+    "load_suite",
+    "merge",
     "read_instruction",
     "read_lines",
     "read_tasks",
@@ -52,17 +64,23 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.dataset.filtering": ("feasible",),
+    "prag_asp.dataset.formats.exporting": ("export",),
     "prag_asp.dataset.generating": ("generate",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
     "prag_asp.dataset.language.plain": ("instruction",),
     "prag_asp.dataset.language.reader": ("Reading", "read_instruction"),
     "prag_asp.dataset.language.teller": ("Instructions", "Teller", "teller_of"),
     "prag_asp.dataset.learning": ("Learned", "learn"),
+    "prag_asp.dataset.merging": ("merge",),
     "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
     "prag_asp.dataset.store.entry": ("Entry",),
+    "prag_asp.dataset.suites.counting": ("count_suite",),
+    "prag_asp.dataset.suites.making": ("generate_suite",),
+    "prag_asp.dataset.suites.reading": ("load_suite",),
+    "prag_asp.dataset.suites.suite": ("Suite",),
+    "prag_asp.dataset.suites.verifying": ("verify",),
     "prag_asp.dataset.tally": ("Tally",),
     "prag_asp.dataset.verifying.finding": ("Finding",),
-    "prag_asp.dataset.verifying.verify": ("verify",),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

@@ -17,11 +17,13 @@ from prag_asp.dataset.recordings import Recordings
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
-from prag_asp.physics import Budget, Demonstration, Staging, open_cascade, validate_numbered
+from prag_asp.physics import Budget, Demonstration, Staging, validate_numbered
+from prag_asp.physics.passing import pass_numbered
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
+    from prag_asp.physics import Witness
     from prag_asp.scene.model import Scene
     from prag_asp.task import Task
 
@@ -172,22 +174,42 @@ def _invalid(waiting: deque[Told]) -> Iterator[Outcome]:
 
 def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
     """Yield what the witness of each record is worth, by the tiers of a budget."""
-    with open_cascade(scene, search.budget, search.staging, search.seed) as passage:
+    waiting: deque[tuple[Record, Outcome | None]] = deque()
+
+    def shown() -> Iterator[tuple[int, tuple[Task, Witness]]]:
         for record, fault in told:
-            if fault:
-                yield Outcome(record, "invalid", fault)
-                continue
-            if record.witness is None:
-                yield Outcome(record, "not_found", "the file has no witness for it")
-                continue
-            try:
-                with told_with_place(record):
-                    witness = read_witness(record, scene)
-            except QueryError as error:
-                yield Outcome(record, "witness_fails", str(error))
-                continue
-            passed = passage(record.task, witness, index_of(record))
-            if passed.fault:
-                yield Outcome(record, "witness_fails", passed.fault)
-            else:
-                yield Outcome(record, "feasible", demonstration=passed.demonstration)
+            found = _shown(record, fault, scene)
+            waiting.append((record, found if isinstance(found, Outcome) else None))
+            if not isinstance(found, Outcome):
+                yield index_of(record), (record.task, found)
+
+    passed = pass_numbered(
+        shown(), scene, budget=search.budget, seed=search.seed, workers=search.workers, staging=search.staging
+    )
+    with closing(passed) as passages:
+        for passage in passages:
+            yield from _known(waiting)
+            record, _ = waiting.popleft()
+            status = "witness_fails" if passage.fault else "feasible"
+            yield Outcome(record, status, passage.fault, demonstration=None if passage.fault else passage.demonstration)
+    yield from _known(waiting)
+
+
+def _shown(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
+    """Return the witness of a record, or what becomes of the record without a look at one."""
+    if fault:
+        return Outcome(record, "invalid", fault)
+    if record.witness is None:
+        return Outcome(record, "not_found", "the file has no witness for it")
+    try:
+        with told_with_place(record):
+            return read_witness(record, scene)
+    except QueryError as error:
+        return Outcome(record, "witness_fails", str(error))
+
+
+def _known(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
+    """Take the records that come first of which it is known what becomes of them."""
+    while waiting and (outcome := waiting[0][1]) is not None:
+        waiting.popleft()
+        yield outcome

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.manifest import Asked, BudgetNote, StagingNote
 from prag_asp.errors import QueryError
+from prag_asp.grammar.phrasings import Phrasings
+from prag_asp.space.drawing.deal import ALL, Deal
 from prag_asp.space.ordered import Division, lengths_of
 
 if TYPE_CHECKING:
@@ -49,6 +51,8 @@ class Wanted:
     language: str = "en"
     staging: Staging | None = None
     max_draws: int | None = None
+    deal: Deal = ALL
+    phrasings: str = ""
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
@@ -60,8 +64,11 @@ class Wanted:
             raise QueryError(f"seed {self.seed}: give one from 0 to {LARGEST_SEED}")
 
     def of(self, share: Fraction) -> int:
-        """Return how many tasks a part of some share is to have, rounded up, so that more never means fewer."""
-        return ceil(self.tasks * share)
+        """Return how many tasks a part of some share is to have, rounded up, so that more never means fewer.
+
+        Of those that several make together, each makes as many.
+        """
+        return ceil(Fraction(ceil(self.tasks * share), self.deal.of))
 
     def draws(self, share: Fraction) -> int:
         """Return after how many draws a part of some share is given up."""
@@ -89,4 +96,6 @@ class Wanted:
             shard=self.shard,
             language=self.language,
             staging=None if staging is None else StagingNote.of(staging),
+            part=None if self.deal == ALL else str(self.deal),
+            phrasings=str(Phrasings.parse(self.phrasings)),
         )

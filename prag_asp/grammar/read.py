@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -219,12 +219,13 @@ class GrammarReader:
 
     def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
         """Yield the sentences that texts spell; one in which a word agrees is several."""
-        for text in texts:
+        for phrasing, text in enumerate(map(self.words.expanded, texts)):
             for genders, form in self._verbs(text, verb):
                 try:
-                    yield parse_template(text, self.words.cases, arity, {"is": form}, genders)
+                    found = parse_template(text, self.words.cases, arity, {"is": form}, genders)
                 except QueryError:
                     continue
+                yield replace(found, phrasing=phrasing)
 
     def _verbs(self, text: str, verb: str) -> Iterator[tuple[frozenset[str], str]]:
         """Yield the forms of a verb with the genders that they go with."""
@@ -252,12 +253,14 @@ class GrammarReader:
         word, gender = table.get("noun"), table.get("gender", self.words.genders[0])
         if not isinstance(word, str) or not word.strip() or gender not in self.words.genders:
             return None
-        forms = {case: form for case in self.words.cases if isinstance(form := table.get(case, word), str)}
+        given = {case: table.get(case, word) for case in self.words.cases}
+        forms = {case: self.words.expanded(form) for case, form in given.items() if isinstance(form, str)}
         return Noun(str(gender), forms) if len(forms) == len(self.words.cases) else None
 
     def values(self) -> dict[str, str]:
         """Return the words for arguments that are neither entities nor classes."""
-        return {name: text for name, text in self._table("values").items() if isinstance(text, str)}
+        known = self._table("values").items()
+        return {name: self.words.expanded(text) for name, text in known if isinstance(text, str)}
 
     def missing(self) -> Iterator[tuple[str, str]]:
         """Yield the table and the name of what instructions in this language need, but the domain does not say."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from string import Formatter
 from typing import NamedTuple
 
@@ -25,11 +25,13 @@ class Template:
     """A sentence in pieces: texts and slots by turns, a text first and last.
 
     `genders` are set where a word of it agrees with the first argument: the sentence is for those of that gender.
+    `phrasing` is its place, from 0, among the ways to say the same.
     """
 
     texts: tuple[str, ...]
     slots: tuple[Slot, ...]
     genders: frozenset[str] = frozenset()
+    phrasing: int = field(default=0, compare=False)
 
     def fill(self, words: Sequence[str]) -> str:
         """Return the sentence with words for its slots, in their order."""

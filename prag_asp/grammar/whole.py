@@ -31,7 +31,7 @@ Wrong = tuple[str, str]
 
 def kind_problems(own: Mapping[str, Any]) -> Iterator[Wrong]:
     """Yield words that no language has, and those of another kind than in English."""
-    known = {**shipped_table("en"), "numbers": []}
+    known = {**shipped_table("en"), "numbers": [], "contractions": {}}
     for name, value in own.items():
         if name not in known:
             yield name, f"no language has words called {name}; {did_you_mean(name, known)}"
@@ -66,8 +66,18 @@ def form_problems(words: Words) -> Iterator[Wrong]:
                 yield key, f"{key} has {{{needed}}}, and no other braces than {listed(names)}; got {text!r}"
     if any(_braces(text) and (_braces(text) or ())[:1] != ("phrase",) for text in table["modified"]):
         yield "modified", "modified says where before the {phrase}; begin with it"
+    yield from _contraction_problems(table.get("contractions", {}))
     yield from _text_problems(table)
     yield from _agreement_problems(words)
+
+
+def _contraction_problems(table: Mapping[str, Any]) -> Iterator[Wrong]:
+    """Yield contractions that are no words, or that could be read in two ways."""
+    for long, short in table.items():
+        if not isinstance(short, str) or not short.strip() or not long.strip():
+            yield "contractions", f'what {long!r} becomes is no word; write "zu dem" = "zum"'
+        elif list(table.values()).count(short) > 1 or short in table:
+            yield "contractions", f"{short} stands for several; nobody could read it back: leave one out"
 
 
 def _text_problems(table: Mapping[str, Any]) -> Iterator[Wrong]:

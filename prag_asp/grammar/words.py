@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -73,6 +74,28 @@ class Words:
         """Return what stands between two sentences of a kind."""
         return tuple(self.table["joints"][kind])
 
+    @cached_property
+    def _contractions(self) -> Mapping[str, str]:
+        """Words that become one, with that one, also as they begin a sentence."""
+        given = self.table.get("contractions", {}).items()
+        table = {long: short for long, short in given if long.strip() and isinstance(short, str) and short.strip()}
+        return {
+            **table,
+            **{long[:1].upper() + long[1:]: short[:1].upper() + short[1:] for long, short in table.items()},
+        }
+
+    @cached_property
+    def _expansions(self) -> Mapping[str, str]:
+        return {short: long for long, short in self._contractions.items()}
+
+    def contracted(self, text: str) -> str:
+        """Return a text as it is written: "zu dem" is "zum" in German."""
+        return _replaced(text, self._contractions)
+
+    def expanded(self, text: str) -> str:
+        """Return a text as sentences are put together: "zum" is "zu dem", so that `contracted` is undone."""
+        return _replaced(text, self._expansions)
+
     @property
     def articles(self) -> frozenset[str]:
         """All forms of the article."""
@@ -121,7 +144,30 @@ def words_of(code: str, own: Mapping[str, Any]) -> Words:
     if missing:
         has = ", ".join(shipped_languages())
         raise QueryError(f"the language {code} has no words for {', '.join(missing)}; write them, or take {has}")
-    return Words(code, base)
+    words = Words(code, base)
+    return Words(code, _expanded(base, words)) if "contractions" in base else words
+
+
+def _expanded(given: Any, words: Words) -> Any:
+    """Return a table in which all texts but the contractions are written out."""
+    if isinstance(given, Mapping):
+        return {key: each if key == "contractions" else _expanded(each, words) for key, each in given.items()}
+    if isinstance(given, list):
+        return [_expanded(each, words) for each in given]
+    return words.expanded(given) if isinstance(given, str) else given
+
+
+def _replaced(text: str, words: Mapping[str, str]) -> str:
+    """Return a text in which some whole words are others."""
+    if not words or not text:
+        return text
+    return _pattern(tuple(words)).sub(lambda found: words[found[0]], text)
+
+
+@lru_cache(maxsize=64)
+def _pattern(words: tuple[str, ...]) -> re.Pattern[str]:
+    """Return a pattern of some whole words, the longest first."""
+    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(words, key=len, reverse=True)))})\b")
 
 
 OPTIONAL = frozenset(["name", "defaults", "facts", "sizes", "places", "colors", "forms"])

@@ -4,5 +4,6 @@ from prag_asp.output.files import replace_file
 from prag_asp.output.folders import building, file_in, make_folder
 from prag_asp.output.lines import Lines
 from prag_asp.output.steps import Steps
+from prag_asp.output.trees import growing, whole_file
 
-__all__ = ["Lines", "Steps", "building", "file_in", "make_folder", "replace_file"]
+__all__ = ["Lines", "Steps", "building", "file_in", "growing", "make_folder", "replace_file", "whole_file"]

@@ -14,6 +14,9 @@ from prag_asp.scene.model import Scene
 from prag_asp.task import State, Task
 from prag_asp.wording import plural
 
+BORDER = 1e-12
+"""How far it is from where a predicate just holds to where it does not, in metres or radians."""
+
 
 class Fact(NamedTuple):
     """A spatial predicate that is known to hold, or known not to hold, of some entities."""
@@ -25,6 +28,15 @@ class Fact(NamedTuple):
     def satisfied(self, situation: Situation) -> bool:
         """Check the fact on a situation."""
         return self.predicate.holds(situation, self.arguments) == self.value
+
+    def distance(self, situation: Situation) -> float:
+        """Return how far a situation is from satisfying the fact, in metres or radians; at most 0 where it does.
+
+        Where it is satisfied, this is minus what it has to spare. That of a predicate that shall not hold is how deep
+        the situation is in where it does: no less than what has to be moved, and more than 0 on the border.
+        """
+        signed = self.predicate.signed_distance(situation, self.arguments)
+        return signed if self.value else (-signed or BORDER)
 
     def sentence(self) -> str:
         """Return the fact in plain words."""

@@ -76,7 +76,9 @@ def validate_numbered(
     if staging is not None:
         staging.cameras_of(scene)
     settings = {"seed": seed, "budget": budget or Budget(), "staging": staging}
-    return _in_process(tasks, scene, settings) if workers == 1 else _in_pool(tasks, scene, workers, settings)
+    if workers == 1:
+        return _in_process(tasks, scene, settings)
+    return pooled(tasks, "prag_asp.physics.worker", (scene, settings), workers)
 
 
 def _in_process(tasks: Iterable[Numbered], scene: Scene, settings: Mapping[str, Any]) -> Generator[Verdict, None, None]:
@@ -86,14 +88,23 @@ def _in_process(tasks: Iterable[Numbered], scene: Scene, settings: Mapping[str, 
             yield validator.validate(task, index=index, **settings)
 
 
-def _in_pool(
-    tasks: Iterable[Numbered], scene: Scene, workers: int, settings: Mapping[str, Any]
-) -> Generator[Verdict, None, None]:
-    """Yield verdicts found in other processes, a bounded number of tasks ahead."""
+def pooled(
+    numbered: Iterable[tuple[int, Any]], module: str, settings: Any, workers: int, *, chunk: int = CHUNK
+) -> Generator[Any, None, None]:
+    """Yield what other processes answer, in the order of what is asked, a bounded number of questions ahead.
+
+    Each runs ``answers(messages)`` of a `module`: the first message has the `settings`, each other one some questions,
+    each with its number, a `chunk` of them together; it answers with as many values. Those of a worker that was killed
+    are asked of a new one.
+
+    Raises:
+        WorkerError: workers died more than `REPLACEMENTS` times over the same questions, or cannot be started.
+        Exception: a worker met this error.
+    """
     waiting: deque[_Chunk] = deque()
-    chunks = _chunks(tasks)
-    with Children("prag_asp.physics.worker") as children:
-        pool = _Pool(children, workers, (scene, settings))
+    chunks = _chunks(numbered, chunk)
+    with Children(module) as children:
+        pool = _Pool(children, workers, settings)
         while True:
             waiting.extend(islice(chunks, workers * CHUNKS_AHEAD - len(waiting)))
             if not waiting:
@@ -102,38 +113,38 @@ def _in_pool(
             first = waiting[0]
             if first.error is not None:
                 raise first.error
-            if first.verdicts is not None:
+            if first.answers is not None:
                 waiting.popleft()
-                yield from first.verdicts
+                yield from first.answers
 
 
 @dataclass(eq=False)
 class _Chunk:
     """Tasks that go to a worker together, so that fewer messages are sent, and what has become of them."""
 
-    tasks: tuple[Numbered, ...]
+    tasks: tuple[tuple[int, Any], ...]
     handed: bool = False
     deaths: int = 0
-    verdicts: list[Verdict] | None = None
+    answers: list[Any] | None = None
     error: Exception | None = None
 
     @property
     def awaited(self) -> bool:
         """Tell whether a worker is to do it still."""
-        return self.handed and self.verdicts is None and self.error is None
+        return self.handed and self.answers is None and self.error is None
 
 
-def _chunks(tasks: Iterable[Numbered]) -> Iterator[_Chunk]:
+def _chunks(tasks: Iterable[tuple[int, Any]], size: int) -> Iterator[_Chunk]:
     """Yield the tasks in groups."""
     iterator = iter(tasks)
-    while group := tuple(islice(iterator, CHUNK)):
+    while group := tuple(islice(iterator, size)):
         yield _Chunk(group)
 
 
 class _Pool:
     """Workers, started as they are needed, each with the chunks that it has been handed, in order."""
 
-    def __init__(self, children: Children, workers: int, settings: tuple[Scene, Mapping[str, Any]]):
+    def __init__(self, children: Children, workers: int, settings: Any):
         self._children, self._workers, self._settings = children, workers, settings
         self._handed: dict[Child, deque[_Chunk]] = {}
 
@@ -181,9 +192,9 @@ class _Pool:
             self._replace(worker, ended)
 
     def _take_in(self, worker: Child) -> None:
-        """Take the verdicts on the chunk that a worker has done, or the error that has ended it, which is its own."""
+        """Take the answers to the chunk that a worker has done, or the error that has ended it, which is its own."""
         try:
-            self._handed[worker][0].verdicts = worker.receive()
+            self._handed[worker][0].answers = worker.receive()
         except Ended as ended:
             self._replace(worker, ended)
         except Exception as error:

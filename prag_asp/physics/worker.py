@@ -20,12 +20,12 @@ def answers(messages: Iterator[Any]) -> Iterator[list[Verdict]]:
     """
     scene, settings = next(messages)
     with ExitStack() as resources:
-        validator = _opened(scene, resources)
+        validator = opened_validator(scene, resources)
         for tasks in messages:
             yield [validator.validate(task, index=index, **settings) for index, task in tasks]
 
 
-def _opened(scene: Scene, resources: ExitStack) -> Validator:
+def opened_validator(scene: Scene, resources: ExitStack) -> Validator:
     """Return a validator of a scene.
 
     Raises:

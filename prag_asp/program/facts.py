@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,9 +10,13 @@ from operator import itemgetter
 
 import clingo
 
+from prag_asp.atom import symbol_of
 from prag_asp.errors import DomainError
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
+
+# A symbol is an address within a process. As text it gets to others: what holds symbols can be sent there.
+copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
 
 VALUES = ("true", "false", "unknown")
 

@@ -11,6 +11,7 @@ from prag_asp.errors import DomainError
 from prag_asp.processes.stage import stage
 from prag_asp.program.finite.checks import Checks
 from prag_asp.program.finite.guards import guarded
+from prag_asp.program.parse import require_memory
 from prag_asp.program.sources import Program
 
 POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
@@ -62,6 +63,7 @@ class Grounder:
         try:
             work()
         except RuntimeError as error:
+            require_memory(error)
             raise DomainError(*(dict.fromkeys(self._errors()) or [f"clingo: {error}"])) from None
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
         out_of_range = [text for text in undefined if SCRIPT in text]

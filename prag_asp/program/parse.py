@@ -20,6 +20,9 @@ EXPECTED = r"expecting (.*)"
 DEEPEST = 300
 """How deep parentheses may be nested."""
 
+IN_CALLBACK = "error in callback"
+"""What clingo says where a function of ours that it calls has failed."""
+
 STAND_IN = "$"
 """A character that clingo reads in strings and comments only."""
 
@@ -95,7 +98,8 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
                 logger=lambda _, said: messages.append(said),
             )
         parse_string(text, nodes.append, logger=lambda _, said: messages.append(said))
-    except RuntimeError:
+    except RuntimeError as error:
+        require_memory(error)
         return _syntax_problem(source, messages)
     part, parameters = "base", tuple[str, ...]()
     for node in nodes:
@@ -106,6 +110,16 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
             line = node.location.begin.line
             statements.append(Statement(node, kind, source.path, line, own, part, parameters))
     return None
+
+
+def require_memory(error: RuntimeError) -> None:
+    """Check that clingo has failed for what it reads: those of our functions that tell it no error lack memory alone.
+
+    Raises:
+        MemoryError: one of them has failed.
+    """
+    if IN_CALLBACK in str(error):
+        raise MemoryError(IN_CALLBACK) from None
 
 
 def _syntax_problem(source: Source, messages: list[str]) -> Problem:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from prag_asp.errors import DomainError
+from prag_asp.errors import DomainError, QueryError
 from prag_asp.reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
@@ -53,3 +53,24 @@ def domain_folder(name_or_path: str | Path) -> Path:
         raise DomainError(f"{folder}: a file, but its name does not end in .lp; rename it, or give the domain's folder")
     hint = did_you_mean(str(name_or_path), shipped, f"shipped are {', '.join(shipped)}; or give a folder or files")
     raise DomainError(f"{name_or_path}: no such domain; {hint}")
+
+
+def shipped_suites() -> dict[str, Path]:
+    """Return the file of every shipped suite by its name."""
+    return {path.stem: path for path in sorted(data_folder("suites").glob("*.toml"))}
+
+
+def suite_file(name_or_path: str | Path) -> Path:
+    """Return the file of a suite given as a shipped name or as a file.
+
+    Raises:
+        QueryError: there is neither a shipped suite nor a file of that name.
+    """
+    shipped = shipped_suites()
+    if str(name_or_path) in shipped:
+        return shipped[str(name_or_path)]
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    hint = did_you_mean(str(name_or_path), shipped, f"shipped are {', '.join(shipped)}; or give a TOML file")
+    raise QueryError(f"{name_or_path}: no such suite; {hint}")

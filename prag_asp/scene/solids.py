@@ -33,6 +33,20 @@ def weight(scene: Scene, entity: str) -> float:
     return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
 
 
+def walls(shape: Shape) -> tuple[Solid, ...]:
+    """Return the walls of a container, down to what it stands on: what is left to be seen of it without its floor."""
+    x, y, z = shape.half
+    thin, inner = shape.wall / 2, y - shape.wall
+    return boxes(
+        [
+            ((0.0, y - thin, 0.0), (x, thin, z)),
+            ((0.0, thin - y, 0.0), (x, thin, z)),
+            ((x - thin, 0.0, 0.0), (thin, inner, z)),
+            ((thin - x, 0.0, 0.0), (thin, inner, z)),
+        ]
+    )
+
+
 def volume(made_of: Iterable[Solid]) -> float:
     """Return the volume of solids in cubic metres, none of them a mesh."""
     return sum(FORMS[solid.kind].volume((solid.size[0] / 2, solid.size[1] / 2, solid.size[2] / 2)) for solid in made_of)

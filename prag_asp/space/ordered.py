@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from itertools import islice
+from itertools import count, islice
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from prag_asp.errors import QueryError
+from prag_asp.space.drawing.deal import ALL, Deal
 from prag_asp.space.drawing.order import ByShare, Evenly, Order
 from prag_asp.space.engines import Draw
 from prag_asp.space.parts.ranked import Interval, Shuffled
@@ -55,6 +56,10 @@ class Ordered(Protocol):
         """Yield them from a number on."""
         ...
 
+    def picked(self, numbers: Iterable[int]) -> Iterator[Placed]:
+        """Yield those of some ascending numbers, until there are no more."""
+        ...
+
 
 @dataclass(frozen=True)
 class Uniform:
@@ -75,11 +80,16 @@ class Uniform:
 
     def draws(self, first: int = 0) -> Iterator[Placed]:
         """Yield them from a number on."""
-        number, size = first, self.size
-        while number < size:
+        return self.picked(count(first))
+
+    def picked(self, numbers: Iterable[int]) -> Iterator[Placed]:
+        """Yield those of some ascending numbers, until there are no more."""
+        size = self.size
+        for number in numbers:
+            if number >= size:
+                return
             stretch, rank = self.order[number]
             yield self._placed(stretch, rank)
-            number += 1
 
     def _placed(self, stretch: int, rank: int) -> Placed:
         whole, space = self.whole[stretch], self.spaces[stretch]
@@ -107,6 +117,12 @@ class ByWeight:
 
     def draws(self, first: int = 0) -> Iterator[Placed]:
         """Yield them from a number on; they end where `MISSES` draws in a row bring nothing new."""
+        return self.picked(count(first))
+
+    def picked(self, numbers: Iterable[int]) -> Iterator[Placed]:
+        """Yield those of some ascending numbers; all that come before the last of them are drawn."""
+        wanted = iter(numbers)
+        next_one = next(wanted, None)
         seen: set[tuple[int, int]] = set()
         misses = 0
         for draw in self.space.draw_words(seed=self.seed, weights=self.weights, temperature=self.temperature):
@@ -119,10 +135,32 @@ class ByWeight:
                 continue
             misses = 0
             seen.add((length, rank))
-            if len(seen) > first:
+            if len(seen) - 1 == next_one:
                 yield Placed(draw.word, rank, draw.probability)
-            if len(seen) == self.size:
+                next_one = next(wanted, None)
+            if next_one is None or len(seen) == self.size:
                 return
+
+
+@dataclass(frozen=True)
+class Dealt:
+    """The tasks that are dealt to one of several who make a data set together, numbered from 0 among themselves."""
+
+    ordered: Ordered
+    deal: Deal
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+        return self.deal.share(self.ordered.size)
+
+    def draws(self, first: int = 0) -> Iterator[Placed]:
+        """Yield them from a number on."""
+        return self.picked(count(first))
+
+    def picked(self, numbers: Iterable[int]) -> Iterator[Placed]:
+        """Yield those of some ascending numbers, until there are no more."""
+        return self.ordered.picked(map(self.deal.whole, numbers))
 
 
 @dataclass(frozen=True)
@@ -168,8 +206,9 @@ def ordered_parts(
     weights: Mapping[str, Number] | None = None,
     temperature: Temperature = 1,
     evenly: bool = False,
+    deal: Deal = ALL,
 ) -> dict[str, Ordered]:
-    """Return the tasks of each part of some spaces, drawn without replacement.
+    """Return the tasks of each part of some spaces, drawn without replacement: those that are dealt to one of several.
 
     Without weights that tell tasks apart, lengths have their exact shares, or with `evenly` come by turns. `weights` of
     None are those of the domain.
@@ -183,6 +222,7 @@ def ordered_parts(
     if not whole:
         raise QueryError("there are no tasks to draw")
     given = space.domain.settings.weights if weights is None else weights
+    parts: Mapping[str, Ordered]
     weighed = bool(given) and str(temperature).strip() != "inf"
     if weighed and evenly:
         raise QueryError("lengths come evenly where tasks are drawn uniformly; give --uniform (weights={}) as well")
@@ -198,19 +238,23 @@ def ordered_parts(
             raise QueryError(f"there are no tasks to draw for the part {name}")
     if not weighed:
         probabilities = _probabilities([each.count() for each in whole], evenly=evenly)
-        return {name: Uniform(whole, spaces[name], order, probabilities) for name, order in orders.items()}
-    numbers = {each.length: number for number, each in enumerate(whole)}
-    return {
-        name: ByWeight(
-            space, seed, given, temperature, order.size, partial(_has, division, numbers, spaces[name], order)
-        )
-        for name, order in orders.items()
-    }
+        parts = {name: Uniform(whole, spaces[name], order, probabilities) for name, order in orders.items()}
+    else:
+        numbers = {each.length: number for number, each in enumerate(whole)}
+        parts = {
+            name: ByWeight(
+                space, seed, given, temperature, order.size, partial(_has, division, numbers, spaces[name], order)
+            )
+            for name, order in orders.items()
+        }
+    return {name: part if deal == ALL else Dealt(part, deal) for name, part in parts.items()}
 
 
-def tell(space: TaskSpace | TaskSpaces, placed: Iterator[Placed]) -> Iterator[tuple[Placed, Task]]:
-    """Yield the task of each of some draws, lazily; those of one length are told together."""
-    size = 1
+def tell(
+    space: TaskSpace | TaskSpaces, placed: Iterator[Placed], *, together: int = 1
+) -> Iterator[tuple[Placed, Task]]:
+    """Yield the task of each of some draws, lazily; those of one length are told together, first so many."""
+    size = together
     while batch := list(islice(placed, size)):
         alike: dict[int, list[Draw]] = {}
         for each in batch:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from itertools import islice
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from prag_asp.atom import Atom
 from prag_asp.domain.load import Domain
@@ -73,6 +73,16 @@ class TaskSpace:
         self.domain = domain
         self.length = _checked(length)
         self.condition = Condition()
+
+    def __copy__(self) -> TaskSpace:
+        space = object.__new__(type(self))
+        space.__dict__.update(self.__dict__)
+        return space
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let it be sent to other processes, where it computes anew; nobody is told of progress there."""
+        shared = self._shared
+        return _sent, (self.domain, self.length, shared.engine, shared.limits, self.condition)
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of another length, which shares all that was computed."""
@@ -432,6 +442,11 @@ class TaskSpace:
             return found
         groups = self._shared.model.groups(self.length)
         return canonical_prefix(found, {str(action): action for action in facts.actions}, groups)
+
+
+def _sent(domain: Domain, length: int, engine: str, limits: Limits, condition: Condition) -> TaskSpace:
+    """Return the space that another process has sent."""
+    return TaskSpace(domain, length, engine=engine, limits=limits).where(condition)
 
 
 def _checked(length: int) -> int:

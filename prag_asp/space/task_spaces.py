@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from itertools import chain, groupby, islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
@@ -47,6 +47,14 @@ class TaskSpaces:
         self._space = TaskSpace(domain, min(lengths), engine=engine, progress=progress, limits=limits)
         self.lengths = lengths
         self._portioned: tuple[tuple[str | None, ...], list[Portion]] | None = None
+
+    def __copy__(self) -> TaskSpaces:
+        spaces = object.__new__(type(self))
+        spaces.__dict__.update(self.__dict__)
+        return spaces
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_portioned": None}
 
     @property
     def domain(self) -> Domain:

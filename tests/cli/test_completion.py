@@ -49,6 +49,9 @@ def test_commands_and_options_are_offered() -> None:
     assert offered("co") == ["completion", "count"]
     assert offered("count", "--up") == ["--upto"]
     assert offered("sample", "prag", "--over", "g") == ["goals"]
+    assert offered("export", "b") == ["bddl", "blocks"]
+    assert offered("export", "lerobot", "data", "--le") == ["--level"]
+    assert offered("export", "tabletop", "--engine", "auto", "--by", "t") == ["task"]
 
 
 def test_domains_are_offered_by_name_and_as_folders_and_files(tmp_path: Path) -> None:

@@ -48,13 +48,16 @@ def test_what_is_held_out_is_in_the_test_part_alone(tmp_path: Path) -> None:
         (("--tasks", "1", "--split", "train"), 2, "--split train: write different names with their shares"),
         (("--tasks", "1", "--split", "a=0.5,a=0.5"), 2, "write different names"),
         (("--tasks", "1", "--split", "a=0.5,b=0.6"), 2, "add up to 1"),
-        (("--tasks", "1", "--split", "a=0.5,b=x"), 2, "write numbers, like 0.8 or 1/3"),
+        (("--tasks", "1", "--split", "a=0.5,b=x"), 2, "share of 'b': 'x' is no exact number"),
         (("--tasks", "1", "--evenly"), 2, "--uniform"),
         (("--tasks", "1", "--demonstrate"), 2, "--demonstrate needs physics"),
         (("--tasks", "1", "--starts", "2"), 2, "--starts needs physics"),
         (("--tasks", "1", "--tier", "transit"), 2, "--tier needs physics"),
         (("--tasks", "1", "--hold-out", "unicorn"), 2, "unicorn"),
         (("--tasks", "0",), 64, "0 is not in the range"),
+        (("--tasks", "1", "--part", "4/3"), 2, "part 4/3: write K/N, with K from 1 to N"),
+        (("--tasks", "1", "--part", "third"), 2, "part third: write K/N, such as 3/64"),
+        (("--tasks", "1", "--on", "moon"), 64, "'moon' is not 'ray'"),
         (("--tasks", "1", "--seed", str(2**63)), 2, "seed 9223372036854775808: give one from 0 to"),
         (("--tasks", "1", "--where", "uses apple", "--where", "avoids apple"), 2, "no tasks to draw"),
         (("--tasks", "1", "--weight", "juggle=2"), 2, "juggle"),
@@ -66,6 +69,17 @@ def test_mistakes_are_answered_in_one_line(arguments: tuple[str, ...], code: int
     told = [each for each in done.stderr.splitlines() if each != "data: holds what was found"]
     assert done.returncode == code and len(told) == 1 and line in told[0], done.stderr
     assert code == 1 or not (tmp_path / "data").exists()
+
+
+def test_parts_are_merged_and_one_that_is_missing_is_told(tmp_path: Path) -> None:
+    make = ("generate", *KITCHEN, "--uniform", "--tasks", "6", "--shard", "2")
+    for number in (1, 2):
+        assert ok(*make, "--part", f"{number}/2", "-o", str(number), cwd=tmp_path) == "train  3 of 7\n"
+    assert ok("merge", "2", "1", "-o", "merged", cwd=tmp_path) == "train  6 of 14\n"
+    ok(*make, "-o", "whole", cwd=tmp_path)
+    assert content(tmp_path / "merged") == content(tmp_path / "whole")
+    done = run("merge", "2", "-o", "other", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (2, "1 part missing: 1/2; name the folders of all 2\n")
 
 
 def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:

@@ -67,6 +67,7 @@ def test_physics_keeps_the_feasible_tasks_of_all_lengths(told: Told) -> None:
         (["count", "hanoi", "-n", "-1..3"], "--length -1..3: write a whole number"),
         (["count", "hanoi", "-n", "-1"], "--length -1: a plan has at least 0 actions"),
         (["count", "hanoi", "-n", "1..3", "--upto"], "--upto counts the lengths from 1 on; leave it out with"),
+        (["count", "hanoi", "-n", f"1..{10**30}"], "more than 1,000,000 lengths; ask for fewer at once"),
         (["stats", "hanoi", "-n", "1..3"], "--length 1..3: a range, but one length is needed; give a number"),
         (["task", "hanoi", "-n", "1..3", "--index", "0"], "one length is needed"),
         (["split", "hanoi", "-n", "1..3", "a=1"], "one length is needed"),

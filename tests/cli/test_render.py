@@ -113,6 +113,8 @@ def test_what_cannot_be_drawn_is_said_in_one_line(
         (("--size", "9x9999"), "16 to 4096 pixels a side"),
         (("--as", "gif", "--speed", "0"), "positive number"),
         (("--speed", "nan"), "positive number"),
+        (("--as", "gif", "--speed", "1e308"), "positive number"),
+        (("--as", "gif", "--speed", "1e-308"), "positive number"),
         (("--state", "1"), "--state 1 goes with --as state; got --as strip"),
         (("-o", "one.nothing"), "a picture as strip is a .png, .jpg, "),
         (("--as", "gif", "-o", "one.png"), "a picture as gif is a .gif file"),

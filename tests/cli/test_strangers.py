@@ -181,6 +181,37 @@ def test_a_wrong_command_line_is_told_in_one_line(arguments: list[str], told: st
     assert line.startswith(told) and line.endswith("--help")
 
 
+MANY = str(10**30)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("sample", "timed", "-n", "1", "--count", MANY),
+        ("sample", "timed", "-n", "1", "--max-draws", MANY),
+        ("sample", "timed", "-n", "1", "--workers", MANY),
+        ("enumerate", "timed", "-n", "1", "--limit", MANY),
+        ("split", "timed", "-n", "1", "a=1", "--count", MANY, "-o", "out"),
+        ("learn", "scene", "-n", "1", "--count", MANY),
+        ("generate", "timed", "-n", "1", "--tasks", MANY, "-o", "out"),
+        ("generate", "timed", "-n", "1", "--tasks", "1", "--max-draws", MANY, "-o", "out"),
+        ("generate", "timed", "-n", "1", "--tasks", "1", "--starts", MANY, "-o", "out"),
+        ("render", "tasks.jsonl", "1", "--columns", MANY),
+    ],
+    ids=" ".join,
+)
+def test_a_number_that_is_larger_than_any_machine_is_told_in_one_line(here: Path, arguments: tuple[str, ...]) -> None:
+    assert f"{MANY} is not in the range" in one_line(run(*arguments, cwd=here), 64)
+
+
+def test_as_many_tasks_as_can_be_asked_for_are_those_that_there_are(here: Path) -> None:
+    most = str(10**15)
+    assert len(ok("enumerate", "timed", "-n", "1", "--limit", most, cwd=here).splitlines()) < 100
+    asked = ("--no-physics", "--tasks", most, "--max-draws", most, "-o", "out")
+    done = run("generate", "timed", "-n", "1", *asked, cwd=here)
+    assert done.returncode == 1 and "which are all that there are" in done.stderr
+
+
 def test_a_terminal_gets_no_character_that_it_would_obey_and_a_file_gets_the_bytes(here: Path) -> None:
     (here / "timed" / "domain.toml").write_text('[language]\ntake = "take \\u001b[2J it\\t{1}"\n')
     arguments = ["sample", "timed", "-n", "2", "--count", "9", "--format", "sentences"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -223,6 +224,47 @@ def test_a_sudden_end_is_one_line_and_a_code(work: str, told: str) -> None:
     assert code == 3 and said.startswith(told) and said.count("\n") == 1
 
 
+REFUSED = {
+    "a lock": 'raise RuntimeError("can\'t allocate lock")',
+    "an error that came of it": """
+    try: raise MemoryError
+    except MemoryError: raise TypeError("odd")""",
+    "a system call": "raise OSError(12, 'Cannot allocate memory', 'large.lp')",
+    "a library": "raise ImportError('libx.so: failed to map segment from shared object')",
+    "a callback of clingo, which parses": """
+    from prag_asp import load_domain
+    from prag_asp.program import parse
+    def refuse(*told): raise MemoryError
+    really = parse.parse_string
+    parse.parse_string = lambda text, add, logger: really("a.", refuse, logger=logger)
+    load_domain(text="fluent(a).")""",
+    "a callback of clingo, which grounds": """
+    from prag_asp.program.grounding import Grounder
+    def ground(): raise RuntimeError("error in callback")
+    grounder = object.__new__(Grounder)
+    grounder._program, grounder._messages, grounder._checks = None, [], type("None", (), {"overflows": []})
+    grounder._run(ground)""",
+    "code that Python writes": "compile('(', '<string>', 'exec')",
+    "all addresses": """
+    import resource
+    from prag_asp.processes.machine import most_addresses
+    resource.setrlimit(resource.RLIMIT_AS, (most_addresses() + 10**7,) * 2)
+    raise TypeError("odd")""",
+}
+
+
+@pytest.mark.parametrize("work", REFUSED.values(), ids=REFUSED)
+def test_memory_that_is_refused_is_told_so_whatever_native_code_makes_of_it(work: str) -> None:
+    code, said = ends(work)
+    assert code == 3, said
+    assert re.fullmatch(r"there is no more memory while (working|reading the domain); ask for less, or [^\n]*\n", said)
+
+
+def test_an_error_that_memory_has_no_part_in_is_told_as_what_it_is() -> None:
+    code, said = ends("import resource; resource.setrlimit(resource.RLIMIT_AS, (10**12,) * 2); raise TypeError('odd')")
+    assert code == 1 and said.endswith("TypeError: odd\n")
+
+
 def test_what_is_nested_too_deeply_for_python_is_one_line() -> None:
     code, said = ends("again = lambda: again(); again()")
     assert (code, said) == (2, "something is nested too deeply while working; make it flatter\n")
@@ -302,9 +344,11 @@ def _type(terminal: int, text: str, awaited: str) -> None:
 
 def test_every_command_has_the_limits_and_says_what_they_are_otherwise() -> None:
     from prag_asp.cli.registry import COMMANDS
+    from prag_asp.dataset.formats.protocol import FORMS
     from tests.commands import ok
 
-    for command in COMMANDS:
-        told = " ".join(ok(command, "--help").split())
+    forms = [("export", form) for form in ("dimacs", *FORMS)]
+    for command in [*((name,) for name in COMMANDS if name != "export"), *forms]:
+        told = " ".join(ok(*command, "--help").split())
         assert "--time TIME" in told and "[default: no limit]" in told
         assert "--memory SIZE" in told and "[default: 80 % of the machine's]" in told

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
 
+import pyarrow.parquet as pq
 import pytest
 
-from prag_asp import Dataset, OutputError, QueryError, Task, TaskSpace, TaskSpaces, load_domain
-from prag_asp.dataset import Teller, generate, instruction, looking
+from prag_asp import Dataset, OutputError, QueryError, TaskSpace, TaskSpaces, load_domain
+from prag_asp.dataset import Teller, generate, instruction, looking, teller_of, verify
+from prag_asp.dataset.language.looks import BASIC, color_terms
+from prag_asp.dataset.looking import Draw, Found, Look, first_state
+from prag_asp.dataset.making.places import Processes
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import told, writing
 from prag_asp.dataset.store.refusals import JOURNAL
 from prag_asp.errors import NotFound
-from prag_asp.physics import Budget, Staging, Verdict, check_demonstration
+from prag_asp.physics import Budget, Staging, check_demonstration
 from tests.dataset.conftest import POOR
 from tests.output.faults import Disk, content, killed
 
@@ -126,10 +129,56 @@ def test_recordings_stand_beside_their_witnesses(spaces: TaskSpaces, tmp_path: P
         assert demonstration.footage is not None
 
 
-def test_colours_of_which_instructions_speak_do_not_vary(spaces: TaskSpaces, tmp_path: Path) -> None:
-    with pytest.raises(QueryError, match="leave colour out of what varies"):
-        generate(spaces, tmp_path / "none", tasks=1, demonstrate=True, staging=Staging(vary=("mass", "colour")))
+def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpaces, tmp_path: Path) -> None:
+    staging = Staging(("front",), (16, 16), 1, ("colour",))
+    stacks = spaces.at(2).where("uses exactly 2 cube", "has stack")
+    data = generate(stacks, tmp_path / "data", tasks=3, seed=3, demonstrate=True, staging=staging)
+    usual, other = teller_of(spaces.domain), 0
+    for entry, _, demonstration in data.demonstrations():
+        assert demonstration.variation is not None
+        shown = {**scene_of(spaces.domain).colors, **demonstration.variation.colours}
+        terms = {term for name in entry.task.entities if name in shown for term in color_terms(shown[name])}
+        said = {term for term in BASIC if f" {term} " in entry.instruction["default"]}
+        assert said <= terms
+        teller = teller_of(spaces.domain, colors=demonstration.variation.colours)
+        told = teller.instructions(entry.task, seed=3)
+        assert told.default == entry.instruction["default"] and told.subgoals == entry.subgoals
+        assert teller.read(entry.task, entry.instruction["exact"]).actions == entry.task.actions
+        other += usual.instructions(entry.task, seed=3).default != entry.instruction["default"]
+    assert other and [*verify(tmp_path / "data")] == []
+    with pytest.raises(QueryError, match="2 starts have as many; ask for 1 start, or leave colour out"):
+        generate(spaces, tmp_path / "none", tasks=1, demonstrate=True, staging=staging, starts=2)
     assert not (tmp_path / "none").exists()
+
+
+def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpaces, tmp_path: Path) -> None:
+    poor = Budget(1, 1)
+    found = {
+        workers: generate(
+            spaces.at(2), tmp_path / f"by_{workers}", tasks=2, seed=5, starts=6, budget=poor, workers=workers
+        )
+        for workers in (1, 2)
+    }
+    assert content(tmp_path / "by_1") == content(tmp_path / "by_2")
+    data = found[1]
+    for entry in data.entries():
+        assert entry.number is not None
+        rows = [*data.part("train").witnesses()]
+        states = [first_state(witness) for each, _, witness in rows if each.number == entry.number]
+        numbers = [start for each, start, _ in rows if each.number == entry.number]
+        assert len(set(states)) == len(states) == entry.starts and numbers == [*range(entry.starts)]
+    assert {entry.starts for entry in data.entries()} == {6}
+    table = pq.read_table(tmp_path / "by_1" / "witnesses").to_pylist()
+    searches = [(row["index"] - data.entry(row["task"]).draw) // looking.START for row in table]
+    assert max(searches) > 5 and max(searches) < looking.TRIES * 6
+
+
+def test_a_task_with_fewer_first_states_than_are_wanted_says_how_many_there_are(
+    spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(looking, "first_state", lambda witness: "the same")
+    data = generate(spaces.at(1), tmp_path / "data", tasks=1, seed=5, starts=3)
+    assert [entry.starts for entry in data.entries()] == [1] and data.manifest.rows("witnesses") == 1
 
 
 def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
@@ -140,7 +189,7 @@ def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
 
     task = spaces.at(1)[0]
     monkeypatch.setattr(Teller, "instructions", unsure)
-    found = told.telling_of(spaces.domain, "en", 0)(task)
+    found = told.telling_of(spaces.domain, "en", 0)(task, {})
     assert found.whole == (("plain", instruction(task, spaces.domain.settings.language)),)
     assert found.subgoals == (found.whole[0][1],) and set(found.named) == set(task.entities)
 
@@ -187,19 +236,19 @@ def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
     small: Dataset, spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
-    really = looking.validate_numbered
+    really = Processes.look
 
-    def counted(tasks: Iterable[tuple[int, Task]], *given: Any, **more: Any) -> Iterator[Verdict]:
-        def noted() -> Iterator[tuple[int, Task]]:
-            for index, task in tasks:
-                asked.append(index)
+    def counted(self: Processes, draws: Iterator[Draw], look: Look) -> Iterator[Found]:
+        def noted() -> Iterator[Draw]:
+            for draw in draws:
+                asked.append(draw.number)
                 if len(asked) == 10:
                     raise KeyboardInterrupt
-                yield index, task
+                yield draw
 
-        return really(noted(), *given, **more)
+        return really(self, noted(), look)
 
-    monkeypatch.setattr(looking, "validate_numbered", counted)
+    monkeypatch.setattr(Processes, "look", counted)
 
     def make() -> None:
         generate(spaces, tmp_path / "broken", tasks=12, seed=5, split=SHARES, starts=2, budget=POOR, shard=4)
@@ -211,8 +260,8 @@ def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
         Dataset.open(tmp_path / "broken")
     make()
     assert content(tmp_path / "broken") == content(small.folder)
-    searches = 2 * 12 + sum(1 for _ in small.refused())
-    assert searches < len(asked) <= searches + 2  # that of the draw that was broken off
+    assert all(entry.starts == 2 for entry in small.entries())
+    assert len(asked) == sum(part.draws for part in small.manifest.parts) + 1  # the draw that was broken off
 
 
 def test_all_tasks_of_a_space_make_a_data_set_and_one_more_is_told_to_be_missing(

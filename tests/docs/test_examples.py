@@ -22,6 +22,12 @@ SETUP = {
     ".venv/bin/pip install '.[pictures]'",
     ".venv/bin/pip install '.[sharp]'",
     ".venv/bin/pip install '.[datasets]'",
+    ".venv/bin/pip install '.[formats]'",
+    ".venv/bin/pip install '.[ray]'",
+    ".venv/bin/pip install '.[rl]'",
+    ".venv/bin/pip install 'minari[hdf5]'",
+    ".venv/bin/pip install datasets pandas duckdb",
+    f"{INSTALL} '.[formats]' datasets pandas",
     ".venv/bin/pip install -e '.[docs]' && .venv/bin/mkdocs build --strict",
     "python -m tests.fuzz --count 10000 --seed 7",
 }
@@ -52,7 +58,7 @@ def test_sessions_and_examples_import_public_names_alone() -> None:
     texts = [block.text for block in BLOCKS if block.language == "pycon"]
     texts += [path.read_text(encoding="utf-8") for path in (ROOT / "examples").rglob("*.py")]
     imported = {module for text in texts for module in re.findall(r"(?:from|import) (prag_asp[\w.]*)", text)}
-    assert imported == {"prag_asp", "prag_asp.analysis", "prag_asp.dataset", "prag_asp.physics"}
+    assert imported == {"prag_asp", "prag_asp.analysis", "prag_asp.dataset", "prag_asp.physics", "prag_asp.rl"}
 
 
 def test_a_block_with_the_name_of_a_file_of_the_repository_is_a_piece_of_it() -> None:

@@ -5,8 +5,8 @@ line on stderr, but
 
 - a check of a domain prints a line for each problem, and each of these begins with ``file:line: `` and is another;
 - a line that says how many warnings there are, and one that begins with ``note: ``, may come before it, and warnings
-  with their names in brackets;
-- with code 1, `validate`, `explain` and `sample` have answered on stdout, and their figures are on stderr.
+  with their names in brackets, and what `generate` says of its folder;
+- with code 1, `validate`, `explain`, `sample` and `verify` have answered on stdout, and their figures are on stderr.
 
 No line on stderr is longer than 500 characters, or has a character that a terminal would obey.
 """
@@ -27,10 +27,13 @@ CODES = frozenset(map(int, re.findall(r"^\| (\d+) \|", PAGE.read_text(encoding="
 """The exit codes that there are, but those of workers that died and of interruptions: nobody interrupts a mutant."""
 
 PLACE = re.compile(r".+?:\d+: \S.*")
-BESIDE = re.compile(r"\d+ warnings? about .*|note: .*|.*: warning: .* \[[a-z-]+\]")
+FOLDER = r"holds what was found|has \d+ tasks? already|goes on after a run .*"
+"""What `generate` says of its folder."""
+
+BESIDE = re.compile(rf"\d+ warnings? about .*|note: .*|.*: warning: .* \[[a-z-]+\]|.*: ({FOLDER})")
 """Lines that may stand beside the one that says why."""
 
-FIGURES = ("validate", "explain", "sample")
+FIGURES = ("validate", "explain", "sample", "verify")
 """Commands that answer on stdout even where the code is 1."""
 
 OBEYED = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff]")

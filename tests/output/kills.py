@@ -47,6 +47,7 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
         "-o",
         "data",
     ),
+    "merge": ("merge", "one", "two", "-o", "data"),
     "learn": ("learn", "mine", "-n", "2", "--count", "12", "--write"),
 }
 GROWS = frozenset(["data/dataset.json"])
@@ -77,6 +78,10 @@ class Reference:
 
 def prepare(folder: Path, names: Sequence[str]) -> None:
     """Write what the commands read."""
+    if "merge" in names:
+        for part, name in (("1/2", "one"), ("2/2", "two")):
+            make = [*PRAG, *DATA, "--shard", "2", "--part", part, "-o", name]
+            subprocess.run(make, cwd=folder, check=True, capture_output=True)
     if not {"validate", "render", "learn"} & {*names}:
         return
     for arguments in ((*TASKS, "--count", "24", "-o", "tasks.jsonl"), ("new", "mine")):

@@ -22,7 +22,7 @@ from prag_asp.errors import QueryError
 @asks(options.SPACES)
 @options.by_level
 @options.prefix
-@click.option("--limit", type=click.IntRange(min=0), metavar="K", help="Stop after K lines.")
+@click.option("--limit", type=options.whole(0), metavar="K", help="Stop after K lines.")
 @tells
 @options.output
 def enumerate(

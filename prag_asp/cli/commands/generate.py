@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @click.command()
 @asks((*options.SPACES, options.TRUST))
 @click.option(
-    "--tasks", type=click.IntRange(min=1), required=True, metavar="K",
+    "--tasks", type=options.whole(1), required=True, metavar="K",
     help="How many tasks; of physics, feasible ones. A larger number adds to what is there.",
 )  # fmt: skip
 @options.seed
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     help="Entity, class, action or pair that only the part test has; it gets a fifth, or what --split says.",
 )  # fmt: skip
 @click.option(
-    "--starts", type=click.IntRange(min=1), default=1, show_default=True, metavar="K",
+    "--starts", type=options.whole(1), default=1, show_default=True, metavar="K",
     help="First states, each with a witness, that are looked for for each task.",
 )  # fmt: skip
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
@@ -56,10 +56,17 @@ if TYPE_CHECKING:
     "--language", default="en", show_default=True, metavar="LANGUAGE", shell_complete=complete.languages,
     help="Language of instructions: en, or one that the domain has words for, such as de.",
 )  # fmt: skip
-@click.option("--shard", type=click.IntRange(min=1), metavar="K", help="Tasks of a file, at most.  [1000]")
 @click.option(
-    "--max-draws", type=click.IntRange(min=1), metavar="K", help="Give a part up after K draws.  [1000 a task]"
-)
+    "--phrasings", default="", metavar="'K of N'",
+    help="Of the ways to say the same, every N-th from the K-th on; '1 of 2' and '2 of 2' have none in common.",
+)  # fmt: skip
+@click.option("--shard", type=options.whole(1), metavar="K", help="Tasks of a file, at most.  [1000]")
+@options.MAX_DRAWS
+@click.option(
+    "--part", metavar="K/N",
+    help="Look at every N-th draw alone, from the K-th on: one of N jobs, of which prag-asp merge makes the whole.",
+)  # fmt: skip
+@options.ON
 @click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files, help="Folder of the data set."
 )
@@ -79,8 +86,11 @@ def generate(
     performed: bool,
     filming: Filming,
     language: str,
+    phrasings: str,
     shard: int | None,
     max_draws: int | None,
+    part: str | None,
+    on: str | None,
     output: str,
 ) -> None:
     """Write a data set: different tasks of length N, their witnesses, and what was refused, with the exact figures.
@@ -98,24 +108,25 @@ def generate(
     checking.tries()
     filming.refuse_at_odds(output if performed else None)
     shares = None if split is None else parse_shares_option(split)
-    with progress() as tell, whole_lines(), _warnings_as_lines():
+    with progress() as tell, whole_lines(), warnings_as_lines():
         space = asked.spaces(tell)
         looks = physics if physics is not None else bool(space.domain.settings.scene)
         if not looks:
             checking.refuse_without_physics({"--demonstrate": performed, "--starts": starts > 1})
         staging = filming.staging(*([scene_of(space.domain)] if filming.asked else []))
-        _tell_what_is_there(output)
+        tell_what_is_there(output)
         try:
             made = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
                 demonstrate=performed, evenly=evenly, **weighing.arguments(space.domain), physics=looks,
                 budget=checking.limits() if looks else None, workers=checking.workers, shard=shard or SHARD,
-                language=language, staging=staging, max_draws=max_draws, progress=tell,
+                language=language, phrasings=phrasings, staging=staging, max_draws=max_draws, part=part, on=on,
+                progress=tell,
             )  # fmt: skip
         except NotFound:
             tell_line(f"{output}: holds what was found")
             raise
-    _show(made)
+    show(made)
 
 
 def parse_shares_option(text: str) -> dict[str, str]:
@@ -134,7 +145,7 @@ def parse_shares_option(text: str) -> dict[str, str]:
 
 
 @contextmanager
-def _warnings_as_lines() -> Iterator[None]:
+def warnings_as_lines() -> Iterator[None]:
     """Tell each warning at once, in one line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always")
@@ -142,7 +153,7 @@ def _warnings_as_lines() -> Iterator[None]:
         yield
 
 
-def _tell_what_is_there(output: str) -> None:
+def tell_what_is_there(output: str) -> None:
     """Say that a run goes on with what another one has left."""
     from prag_asp.dataset.store.manifest import read_manifest
 
@@ -158,7 +169,7 @@ def _tasks(manifest: Manifest) -> str:
     return plural(manifest.rows("tasks"), "task")
 
 
-def _show(made: Dataset) -> None:
+def show(made: Dataset) -> None:
     """Print the parts with their sizes, and on stderr why tasks were refused."""
     manifest = made.manifest
     width = max(len(part.name) for part in manifest.parts)
@@ -167,5 +178,10 @@ def _show(made: Dataset) -> None:
         say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
         for tally in part.lengths:
             refused.update({reason.reason: reason.count for reason in tally.reasons})
+    wanted, found = manifest.asked.starts * manifest.rows("tasks"), manifest.rows("witnesses")
+    if manifest.asked.starts > 1 and found < wanted:
+        tell_line(
+            f"only {found} of {plural(wanted, 'first state')} have a witness; the column starts says of which tasks"
+        )
     for reason, count in refused.most_common():
         tell_line(f"{plural(count, 'task')} refused: {reason}")

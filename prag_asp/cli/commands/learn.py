@@ -32,7 +32,7 @@ Row = tuple[str, ...]
 
 @click.command()
 @asks((*options.SPACE, options.TRUST))
-@click.option("--count", "wanted", type=click.IntRange(min=0), default=200, show_default=True, help="Tasks to draw.")
+@click.option("--count", "wanted", type=options.whole(0), default=200, show_default=True, help="Tasks to draw.")
 @options.seed
 @options.checks
 @click.option(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +33,9 @@ SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (4
 """Pixels of a frame for each form of picture."""
 
 ANIMATED = ("gif", "webp")
+FASTEST = 1000
+"""How many times as fast, or as slow, an animation plays at most."""
+
 RECORD = "record it anew with --demonstrate"
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
 """What pictures that do not move can be written as, by the ends of the names of files."""
@@ -58,7 +60,7 @@ SMALLEST, LARGEST = 16, 4096
 )
 @click.option("--size", metavar="WxH", help="Pixels of a frame.  [default: 360x320; state 960x800; animation 400x350]")
 @click.option("--speed", type=float, default=2.0, show_default=True, help="How fast an animation plays.")
-@click.option("--columns", type=click.IntRange(min=1), default=6, show_default=True, help="Frames in a row of a strip.")
+@click.option("--columns", type=options.whole(1), default=6, show_default=True, help="Frames in a row of a strip.")
 @click.option(
     "--recordings", metavar="DIR", shell_complete=complete.files,
     help="Draw the demonstrations that --demonstrate DIR has written.",
@@ -240,8 +242,8 @@ def _refuse_at_odds(form: str, state: int | None, speed: float) -> None:
     """
     if state is not None and form != "state":
         raise QueryError(f"--state {state} goes with --as state; got --as {form}")
-    if not 0.0 < speed < math.inf:
-        raise QueryError(f"--speed {speed:g}: write a positive number, such as 2 for twice as fast")
+    if not 1 / FASTEST <= speed <= FASTEST:
+        raise QueryError(f"--speed {speed:g}: write a positive number up to {FASTEST}, such as 2 for twice as fast")
 
 
 def _suffixes(form: str) -> tuple[str, ...]:

@@ -32,7 +32,7 @@ DRAWS_FOR_EACH = 1000
 
 @click.command()
 @asks((*options.SPACES, options.TRUST))
-@click.option("--count", "wanted", type=click.IntRange(min=0), default=10, show_default=True, help="How many tasks.")
+@click.option("--count", "wanted", type=options.whole(0), default=10, show_default=True, help="How many tasks.")
 @options.seed
 @options.weighs
 @click.option(
@@ -45,7 +45,7 @@ DRAWS_FOR_EACH = 1000
 @click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
 @options.checks
 @films
-@click.option("--max-draws", type=click.IntRange(min=1), metavar="K", help="Give up after K draws.  [1000 a task]")
+@click.option("--max-draws", type=options.whole(1), metavar="K", help="Give up after K draws.  [1000 a task]")
 @tells
 @options.output
 def sample(

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     "--hold-out", "held", metavar="WHAT", shell_complete=complete.names,
     help="Entity, class, action or pair that only the test part has.",
 )  # fmt: skip
-@click.option("--count", "wanted", type=click.IntRange(min=0), metavar="K", help="Write K different tasks a part.")
+@click.option("--count", "wanted", type=options.whole(0), metavar="K", help="Write K different tasks a part.")
 @options.seed
 @tells
 @click.option(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
@@ -68,6 +68,11 @@ class Looks:
     pictured: bool = False
     sayable: frozenset[str] = frozenset()
     robots: frozenset[str] = frozenset()
+
+    def recoloured(self, colors: Mapping[str, str]) -> Looks:
+        """Return the same with other colours of some entities."""
+        new = {entity: color_terms(color) for entity, color in colors.items() if entity in self.nouns}
+        return replace(self, colors={**self.colors, **new})
 
     @cached_property
     def terms(self) -> tuple[str, ...]:

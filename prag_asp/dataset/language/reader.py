@@ -82,7 +82,7 @@ class Reader:
         """
         if len(text) > LONGEST:
             raise QueryError(f"an instruction has at most {LONGEST:,} characters; this one has {len(text):,}")
-        view, text = self.tongue.view(start), " ".join(text.split())
+        view, text = self.tongue.view(start), self.tongue.words.expanded(" ".join(text.split()))
         if not text:
             return Reading()
         found: dict[object, Reading] = {}

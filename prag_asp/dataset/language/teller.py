@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ from prag_asp.dataset.language.reader import Reader, Reading, capital, start_of
 from prag_asp.dataset.language.tongue import Tongue
 from prag_asp.dataset.language.view import Start, View
 from prag_asp.errors import QueryError
+from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.task import State, Task
 
 if TYPE_CHECKING:
@@ -50,14 +52,29 @@ class Instructions:
 class Teller:
     """Tells tasks of a domain in one language, and reads what it is told."""
 
-    def __init__(self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
+    ) -> None:
         """Read the language's part of a domain; pictures show some entities in other `colors` than the scene's.
 
+        Only some `phrasings` are said (all are read).
+
         Raises:
-            QueryError: the domain does not speak the language.
+            QueryError: the domain does not speak the language, or has no such phrasings.
         """
         self.tongue = Tongue(domain, language, colors)
         self.reader = Reader(self.tongue)
+        self.phrasings = Phrasings.parse(phrasings)
+        self.phrasings.require(self.tongue.grammar.actions, self.tongue.words.frames, language)
+
+    def recoloured(self, colors: Mapping[str, str]) -> Teller:
+        """Return what tells and reads in pictures that show some entities in other colours than the scene's."""
+        if not colors:
+            return self
+        other = copy(self)
+        other.tongue = self.tongue.recoloured(colors)
+        other.reader = Reader(other.tongue)
+        return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
         """Return a task in words; the seed draws one of several phrasings, which are the same for the same seed.
@@ -70,19 +87,20 @@ class Teller:
         )
         view = self.tongue.view(start_of(task))
         named: dict[str, None] = {}
+        written = self.tongue.words.contracted
         subgoals = []
         for number, action in enumerate(task.actions):
             here = self.tongue.view(start_of(task, number))
             clause, _ = self._clause(here, action, True, None, each)
-            subgoals.append(capital(self._frame("subgoal").format(action=clause)))
+            subgoals.append(written(capital(self._frame("subgoal").format(action=clause))))
             self._note(here, [action], named)
         goal = self.goal(task)
         aims = [fluent for subgoal in task.subgoals for fluent in worth_telling(subgoal, self.tongue)]
         self._note(view, [*task.actions, *goal, *aims], named)
         return Instructions(
-            self._vague(view, goal, vague),
-            self._default(view, task.actions, default),
-            self._exact(view, task, exact),
+            written(self._vague(view, goal, vague)),
+            written(self._default(view, task.actions, default)),
+            written(self._exact(view, task, exact)),
             tuple(subgoals),
             tuple(sorted(named)),
         )
@@ -108,7 +126,8 @@ class Teller:
             made = dict(list(worth_telling(subgoal, self.tongue).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None
             captions.append((f"{number}. {heading}", self._caption(before, made, topic if moved else None)))
-        return captions
+        written = self.tongue.words.contracted
+        return [(written(heading), written(caption)) for heading, caption in captions]
 
     def _heading(self, view: View, action: Atom) -> tuple[str, str | None]:
         """Return an action in words; where none means nothing else, its sentence with the names of things."""
@@ -166,7 +185,7 @@ class Teller:
         clauses = [clause for fluent, value in goal.items() for clause in self._told(view, fluent, value, None, dice)]
         if not clauses:
             return ""
-        frame = dice.pick(self.tongue.words.frames["vague"])
+        frame = dice.pick(self.phrasings.of(self.tongue.words.frames["vague"]))
         return capital(frame.format(facts=self._joined(clauses, "facts", dice)))
 
     def _default(self, view: View, actions: Sequence[Atom], dice: Dice) -> str:
@@ -177,7 +196,7 @@ class Teller:
             clauses.append(clause)
         if not clauses:
             return ""
-        frame = dice.pick(self.tongue.words.frames["default"])
+        frame = dice.pick(self.phrasings.of(self.tongue.words.frames["default"]))
         return capital(frame.format(actions=self._joined(clauses, "sentences", dice)))
 
     def _exact(self, view: View, task: Task, dice: Dice) -> str:
@@ -197,7 +216,7 @@ class Teller:
 
     def _joined(self, clauses: Sequence[str], kind: str, dice: Dice) -> str:
         """Return sentences as one text."""
-        text, joints, joint = clauses[0], self.tongue.words.joints(kind), ""
+        text, joints, joint = clauses[0], self.phrasings.of(self.tongue.words.joints(kind)), ""
         for clause in clauses[1:]:
             joint = dice.pick([each for each in joints if each != joint] or joints)
             text += joint + clause
@@ -241,7 +260,7 @@ class Teller:
     ) -> Iterator[tuple[Clause, int]]:
         """Yield the sentences that tell it and the ways to say relations in them, from one that the dice pick on.
 
-        Without dice it is the first one.
+        Without dice it is the first one. Where only some phrasings are said, no other sentence tells an action.
         """
         gender = self._gender
         usable = [each for each in clauses if not each.template.genders or gender(each, atom) in each.template.genders]
@@ -249,8 +268,12 @@ class Teller:
         if not of_actions:  # with one robot nobody says which
             fewest = min((len(each.template.slots) for each in given), default=0)
             given = [each for each in given if len(each.template.slots) == fewest]
+        chosen = [each for each in given if self.phrasings.has(each.template.phrasing)]
+        if chosen or of_actions:
+            given = chosen
         first = dice.number(len(given)) if given and dice else 0
-        ordered = [*given[first:], *given[:first], *(each for each in usable if each.spare)]
+        spare = [] if of_actions and self.phrasings.all > 1 else [each for each in usable if each.spare]
+        ordered = [*given[first:], *given[:first], *spare]
         for variant in VARIANTS:
             for clause in ordered:
                 yield clause, variant
@@ -271,19 +294,23 @@ class Teller:
         return clause.template.fill(words)
 
 
-def teller_of(domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None) -> Teller:
+def teller_of(
+    domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
+) -> Teller:
     """Return what tells tasks of a domain in a language.
 
     Where pictures show entities in other colours than the scene's, `colors` has those (``#rrggbb``), by their names.
+    With `phrasings`, such as ``1 of 2``, only some of the ways to say the same are said: every second one from the
+    first on. An action that ``1 of 2`` tells is told by other sentences in ``2 of 2``.
 
     Raises:
-        QueryError: the domain does not speak the language, or a colour is none.
+        QueryError: the domain does not speak the language, or has no such phrasings, or a colour is none.
         SceneError: something is wrong with the scene.
     """
     for entity, color in (colors or {}).items():
         if entity not in domain.facts.entity_names or not COLOR.fullmatch(color):
             raise QueryError(f"{entity} = {color!r} is no colour of an entity; write one of {domain.name} and #rrggbb")
-    return Teller(domain, language, colors)
+    return Teller(domain, language, colors, phrasings)
 
 
 def worth_telling(facts: State, tongue: Tongue) -> Mapping[Atom, bool]:

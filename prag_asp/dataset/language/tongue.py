@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -44,6 +45,18 @@ class Tongue:
             signature: frozenset(modifier.subject for modifier in modifiers)
             for signature, modifiers in self.clauses.modifiers.items()
         }
+        self._remember()
+
+    def recoloured(self, colors: Mapping[str, str]) -> Tongue:
+        """Return the language as it is spoken where pictures show some entities in other colours than the scene's."""
+        other = copy(self)
+        other.looks = self.looks.recoloured(colors)
+        other.phrases = Phrases(self.grammar, other.looks, self.clauses)
+        other._remember()
+        return other
+
+    def _remember(self) -> None:
+        """Keep what was worked out for the last pictures and states."""
         self._crowd = lru_cache(maxsize=KEPT)(self._new_crowd)
         self._view = lru_cache(maxsize=KEPT)(self._new_view)
 

@@ -86,6 +86,8 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     drawn = "by weight" if asked.weights else "uniformly"
     where = "".join(f", where {clause}" for clause in asked.where)
     yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {asked.seed}."
+    if asked.part is not None:
+        yield f"This is part {asked.part} of a data set: `prag-asp merge` makes it from all of them."
     if asked.budget:
         effort = f"{asked.budget.restarts} x {asked.budget.samples}, {asked.budget.tier}"
         yield f"Each was found feasible by physics (budget {effort})."

@@ -90,15 +90,30 @@ class Rows:
         # What is read names the items of lists otherwise, which would show in the bytes.
         self._whole = [] if before is None else [before.cast(self._schema)]
         self._columns, self._waiting = self._new(), 0
+        self._taken, self._numbers = list[pa.Table](), dict[str, list[int]]()
         self.count = 0 if before is None else before.num_rows
 
     def add(self, row: Mapping[str, Any]) -> None:
         """Add a row."""
+        if self._taken:
+            self._gather()
         for name, column in self._columns.items():
             column.add(row[name])
         self.count += 1
         self._waiting += 1
         if self._waiting == TOGETHER:
+            self._gather()
+
+    def take(self, rows: pa.Table, **numbers: int) -> None:
+        """Add rows of another such table, with other `numbers` in some columns."""
+        if self._waiting and not self._taken:
+            self._gather()
+        self._taken.append(rows)
+        for name, number in numbers.items():
+            self._numbers.setdefault(name, []).extend([number] * rows.num_rows)
+        self.count += rows.num_rows
+        self._waiting += rows.num_rows
+        if self._waiting >= TOGETHER:
             self._gather()
 
     def table(self) -> pa.Table:
@@ -107,7 +122,14 @@ class Rows:
         return pa.concat_tables(self._whole).combine_chunks()
 
     def _gather(self) -> None:
-        if self._waiting:
+        if self._taken:
+            taken = pa.concat_tables(self._taken).cast(self._schema)
+            for name, numbers in self._numbers.items():
+                field = self._schema.field(name)
+                taken = taken.set_column(self._schema.get_field_index(name), field, pa.array(numbers, field.type))
+            self._whole.append(taken)
+            self._taken, self._numbers, self._waiting = [], {}, 0
+        elif self._waiting:
             arrays = [column.array() for column in self._columns.values()]
             self._whole.append(pa.Table.from_arrays(arrays, schema=self._schema))
             self._columns, self._waiting = self._new(), 0

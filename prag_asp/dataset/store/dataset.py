@@ -57,7 +57,7 @@ class Dataset:
         if not manifest.complete:
             raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
         names = tuple(part.name for part in manifest.parts)
-        if {*names} != {*manifest.asked.split} or len(names) > len({*names}):
+        if not names or {*names} != {*manifest.asked.split} or len(names) > len({*names}):
             raise QueryError(f"{path / NAME}: parts: are not those of asked.split; copy the data set once more")
         return cls(path, manifest, trust, names)
 
@@ -231,7 +231,8 @@ class Dataset:
                 division = Division.parse(asked.split)
                 sizes = [self._sizes[each] for each in lengths]
                 order = order_of(sizes, division, note.name, asked.seed, evenly=asked.evenly)
-                draw = order.number(lengths.index(length), rank)
+                whole = order.number(lengths.index(length), rank)
+                draw = None if whole is None else asked.deal.own(whole)
                 if draw is None:
                     continue
             yield from ((note, row) for row in self._tables.found(note, length, rank, draw))

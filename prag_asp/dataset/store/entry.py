@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.atom import parse_atom
+from prag_asp.dataset.store.manifest import MOST_DIGITS
+from prag_asp.errors import QueryError
 from prag_asp.physics.verdict import Verdict
 from prag_asp.task import FrozenDict, Task
 
@@ -37,12 +39,23 @@ class Entry:
 
 
 def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
-    """Return what a row of a table of tasks says."""
+    """Return what a row of a table of tasks says.
+
+    Raises:
+        QueryError: it lacks a value, or one has no meaning.
+    """
+    try:
+        return _entry_of(row, part, constants)
+    except (TypeError, ValueError, KeyError) as error:
+        raise QueryError(f"draw {row.get('draw')}: a value of the row is none of a task: {error}") from None
+
+
+def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
     return Entry(
         part,
         row.get("task"),
         row["draw"],
-        int(row["rank"]),
+        _rank(row["rank"]),
         task_of(row, constants),
         None if row["verdict"] is None else _verdict(row["verdict"]),
         {each["level"]: each["text"] for each in row["instruction"]},
@@ -50,6 +63,17 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
         tuple(row["named"]),
         row.get("starts", 0),
     )
+
+
+def _rank(text: str) -> int:
+    """Return a rank, which may outgrow 64 bits.
+
+    Raises:
+        ValueError: it is none, or has more digits than the number of any tasks.
+    """
+    if len(text) > MOST_DIGITS or not text.isascii() or not text.isdecimal():
+        raise ValueError("the rank is no number")
+    return int(text)
 
 
 def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:

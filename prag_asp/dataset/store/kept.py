@@ -15,11 +15,14 @@ from prag_asp.domain.load import LEARNED, Domain, load_domain
 from prag_asp.errors import DomainError
 from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.program.sources import HIERARCHY, Source, core_sources
-from prag_asp.reading import open_binary, read_bytes
+from prag_asp.reading import is_inside, open_binary, read_bytes
 
 DOMAIN, ENCODINGS = "domain", "encodings"
 """The folders of a data set that hold its domain and the encodings that this was read with."""
 
+
+MEND = "make the data set anew, or copy it once more"
+"""What to do where a file of one is damaged."""
 
 BLOCK = 1 << 20
 """Bytes of a file that are read at once."""
@@ -77,30 +80,45 @@ def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domai
     """Load the domain of a data set from its folder alone.
 
     Raises:
-        DomainError: a file is missing, or is not what dataset.json says.
+        DomainError: a file is missing, is not what dataset.json says, or is read though that does not name it.
     """
+    for name in (DOMAIN, ENCODINGS):
+        if not is_inside(folder / name, folder):
+            raise DomainError(f"{folder / name}: leads out of the data set; {MEND}")
     for file in (*told.files, *told.encodings):
         path = folder / file.path
         try:
             content = read_bytes(path, within=folder)
         except OSError as error:
-            raise DomainError(f"{path}: cannot be read: {error.strerror}; copy the data set once more") from None
+            raise DomainError(f"{path}: cannot be read: {error.strerror}; {MEND}") from None
         if sha256(content).hexdigest() != file.sha256:
-            raise DomainError(f"{path}: is not what dataset.json says; copy the data set once more")
+            raise DomainError(f"{path}: is not what dataset.json says; {MEND}")
     domain = load_domain(
         folder / DOMAIN, constants=told.constants, encodings=folder / ENCODINGS, flat=told.flat, trust=trust
     )
+    known = {(folder / file.path).resolve() for file in (*told.files, *told.encodings)}
+    for path in _read(domain):
+        if path.resolve() not in known:
+            raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
     return replace(domain, name=told.name)
 
 
-def digest_of(path: Path) -> str:
-    """Return the SHA-256 of a file.
+def _read(domain: Domain) -> Iterator[Path]:
+    """Yield the files that a domain was read from."""
+    yield from (source.path for source in domain.program.sources)
+    if domain.settings.text:
+        yield domain.settings.path
+    yield from scene_files(domain.settings.scene, domain.settings.path.parent)
+
+
+def digest_of(path: Path, *, at_most: int | None = None) -> str:
+    """Return the SHA-256 of a file, of so many bytes at most.
 
     Raises:
-        OSError: it cannot be read.
+        OSError: it cannot be read, or is larger.
     """
     found = sha256()
-    with open_binary(path) as file:
+    with open_binary(path, at_most=at_most) as file:
         while block := file.read(BLOCK):
             found.update(block)
     return found.hexdigest()

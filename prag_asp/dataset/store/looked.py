@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import msgspec
@@ -10,13 +11,14 @@ NOTHING = msgspec.Raw(b"null")
 
 
 class Recorded(msgspec.Struct):
-    """A recording of a first state, as its row says."""
+    """A recording of a first state, as its row says, and the colours that things have in it, where they vary."""
 
     file: str
     sha256: str
     frames: int
     seconds: float
     ends: list[int]
+    colours: dict[str, str] = {}
 
 
 class Start(msgspec.Struct):
@@ -44,3 +46,9 @@ class Looked(msgspec.Struct):
     def passed(self) -> bool:
         """Whether it is a task of the data set, and not one of those refused."""
         return self.verdict is None or self.verdict["status"] == "feasible"
+
+    @property
+    def colours(self) -> Mapping[str, str]:
+        """The colours of the recording of which the words of the task are, as far as they are not the scene's."""
+        recording = self.starts[0].recording if self.starts else None
+        return {} if recording is None else recording.colours

@@ -15,6 +15,7 @@ from prag_asp.errors import QueryError
 from prag_asp.fields import Whole, decoded, read
 from prag_asp.output import replace_file
 from prag_asp.reading import read_bytes
+from prag_asp.space.drawing.deal import ALL, Deal
 
 if TYPE_CHECKING:
     from prag_asp.physics import Staging
@@ -24,7 +25,10 @@ VERSION = 1
 """The form of dataset.json and of the tables; another one is not read."""
 
 
-Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$")]
+MOST_DIGITS = 1_000_000
+"""Digits of a number of tasks: how long it takes to read more grows with their square."""
+
+Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS)]
 """A whole number that may outgrow 64 bits."""
 
 
@@ -141,8 +145,11 @@ class StagingNote(msgspec.Struct):
         return cls(list(staging.cameras), size, staging.rate, list(staging.vary))
 
 
-class Asked(msgspec.Struct):
-    """All that identifies a data set, beside its domain: what `generate` was asked for."""
+class Asked(msgspec.Struct, omit_defaults=True):
+    """All that identifies a data set, beside its domain: what `generate` was asked for.
+
+    `part` is such as ``3/64`` where others make the rest of it: only those draws are in it that are dealt to the third.
+    """
 
     lengths: list[Whole]
     where: list[str]
@@ -159,6 +166,13 @@ class Asked(msgspec.Struct):
     shard: Whole
     language: str
     staging: StagingNote | None
+    phrasings: str = ""
+    part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
+
+    @property
+    def deal(self) -> Deal:
+        """Which draws are dealt to it."""
+        return ALL if self.part is None else Deal.parse(self.part)
 
 
 class Manifest(msgspec.Struct):

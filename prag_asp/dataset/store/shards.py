@@ -10,13 +10,15 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from prag_asp.dataset.store.kept import MEND
 from prag_asp.dataset.store.manifest import ShardFile
 from prag_asp.dataset.store.schema import FOLDERS, ROW_GROUP, SCHEMAS
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.reading import is_inside, open_binary
 
-MEND = "make the data set anew, or copy it once more"
+LARGEST_GROUP = 1_000_000_000
+"""Bytes of rows that are read at once, unpacked, by what the file says."""
 
 
 def shard_name(table: str, part: str, number: int) -> str:
@@ -38,12 +40,25 @@ def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table
     return ShardFile(name, rows.num_rows, len(content), sha256(content).hexdigest())
 
 
+def _require_groups(file: Path, told: pq.FileMetaData, rows: int) -> None:
+    """Check that the rows of a file are in groups of the right size, and that none is told to unpack to too much.
+
+    Raises:
+        QueryError: they are not.
+    """
+    groups = [told.row_group(number) for number in range(told.num_row_groups)]
+    if [group.num_rows for group in groups] != [min(rows, told.num_rows - at) for at in range(0, told.num_rows, rows)]:
+        raise QueryError(f"{file}: its rows are not in groups of {rows}; {MEND}")
+    if max((group.total_byte_size for group in groups), default=0) > LARGEST_GROUP:
+        raise QueryError(f"{file}: {rows} of its rows are larger than {LARGEST_GROUP / 10**6:,.0f} MB; {MEND}")
+
+
 @contextmanager
 def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.ParquetFile]:
     """Open a shard to read it, without reading its rows.
 
     Raises:
-        QueryError: it is missing, is not what dataset.json says, or its bytes are damaged.
+        QueryError: it is missing, is not what dataset.json says, its bytes are damaged, or there are too many.
     """
     file = folder / shard.path
     if not is_inside(file, folder):
@@ -56,6 +71,7 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
             if opened.metadata.num_rows != shard.rows:
                 rows = opened.metadata.num_rows
                 raise QueryError(f"{file}: has {rows} rows, but dataset.json says {shard.rows}; {MEND}")
+            _require_groups(file, opened.metadata, ROW_GROUP[table])
             yield opened
     except (OSError, pa.ArrowException) as error:
         why = getattr(error, "strerror", None) or " ".join(str(error).split())

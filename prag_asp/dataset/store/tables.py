@@ -8,10 +8,10 @@ from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pyarrow.compute as pc
-
+from prag_asp.dataset.store.kept import MEND
 from prag_asp.dataset.store.schema import ROW_GROUP
 from prag_asp.dataset.store.shards import open_shard
+from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -25,7 +25,8 @@ class Tables:
     """The tables of a data set in a folder."""
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder
+        self.folder = folder
+        self._kept: dict[str, list[tuple[int, str]]] = {}
 
     def place(self, note: PartNote, table: str, number: int) -> tuple[Shard, int]:
         """Return the shard of a row of a part, and its place there; there is such a row."""
@@ -36,7 +37,7 @@ class Tables:
     def row(self, table: str, shard: Shard, place: int) -> Row:
         """Return a row of a shard."""
         group, within = divmod(place, ROW_GROUP[table])
-        with open_shard(self._folder, table, shard.files[table]) as file:
+        with open_shard(self.folder, table, shard.files[table]) as file:
             found: Row = file.read_row_group(group).slice(within, 1).to_pylist()[0]
         return found
 
@@ -51,22 +52,39 @@ class Tables:
             yield from found.to_pylist()
 
     def found(self, note: PartNote, length: int, rank: int, draw: int | None) -> Iterator[Row]:
-        """Yield the row of the task of a rank; where its draw is known, one shard alone is looked into."""
-        shards: Sequence[Shard] = note.shards
+        """Yield the row of the task of a rank; where its draw is known, one shard alone is looked into.
+
+        Otherwise the ranks of the part are read once, and kept: about a hundred bytes a task.
+        """
+        wanted = (length, str(rank))
         if draw is not None:
-            at = bisect_right([shard.end for shard in shards], draw)
-            shards = shards[at : at + 1]
+            at = bisect_right([shard.end for shard in note.shards], draw)
+            for shard in note.shards[at : at + 1]:
+                yield from (self.row("tasks", shard, place) for place in _places(self._ranks([shard]), wanted))
+            return
+        if note.name not in self._kept:
+            self._kept[note.name] = self._ranks(note.shards)
+        for number in _places(self._kept[note.name], wanted):
+            yield self.row("tasks", *self.place(note, "tasks", number))
+
+    def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
+        """Return the length and the rank of each task of some shards, which Arrow would import pandas to compare."""
+        found: list[tuple[int, str]] = []
         for shard in shards:
-            for first, keys in self._groups("tasks", shard, ["length", "rank"]):
-                same = pc.and_(pc.equal(keys["length"], length), pc.equal(keys["rank"], str(rank)))
-                for place in pc.indices_nonzero(same).to_pylist():
-                    yield self.row("tasks", shard, first + place)
+            if shard.rows("tasks"):
+                with open_shard(self.folder, "tasks", shard.files["tasks"]) as file:
+                    keys = file.read(columns=["length", "rank"])
+                found += zip(keys["length"].to_pylist(), keys["rank"].to_pylist(), strict=True)
+        return found
 
     def starts(self, note: PartNote, table: str, task: Row) -> Iterator[Row]:
         """Yield the rows of the first states of a task, which stand in one shard with it."""
-        shard = note.shards[bisect_right([shard.end for shard in note.shards], task["draw"])]
+        place = bisect_right([shard.end for shard in note.shards], task["draw"])
+        if place == len(note.shards):
+            raise QueryError(f"{self.folder}: has no shard of the draw {task['draw']} of {note.name}; {MEND}")
+        shard = note.shards[place]
         for first, keys in self._groups(table, shard, ["task"]):
-            for place in pc.indices_nonzero(pc.equal(keys["task"], task["task"])).to_pylist():
+            for place in _places(keys["task"].to_pylist(), task["task"]):
                 yield self.row(table, shard, first + place)
 
     def _groups(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[tuple[int, pa.Table]]:
@@ -74,6 +92,11 @@ class Tables:
         if not shard.rows(table):
             return
         for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
-            with open_shard(self._folder, table, shard.files[table]) as file:
+            with open_shard(self.folder, table, shard.files[table]) as file:
                 found = file.read_row_group(group, columns=None if columns is None else [*columns])
             yield group * ROW_GROUP[table], found
+
+
+def _places(values: Sequence[object], wanted: object) -> Iterator[int]:
+    """Yield where a value stands."""
+    return (place for place, value in enumerate(values) if value == wanted)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from prag_asp.dataset.language import instruction, sentence, teller_of
@@ -24,24 +24,28 @@ class Told(NamedTuple):
     named: tuple[str, ...]
 
 
-def telling_of(domain: Domain, language: str, seed: int) -> Callable[[Task], Told]:
-    """Return what tells tasks of a domain in a language; the seed chooses among phrasings.
+Telling = Callable[["Task", Mapping[str, str]], Told]
+"""Tells a task by the colours that some things have in its picture, where they are other than the scene's."""
+
+
+def telling_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Telling:
+    """Return what tells tasks of a domain in a language; the seed chooses among its `phrasings`.
 
     A task that cannot be told without a sentence that means something else as well is told plainly, by the names of its
     entities, at one level alone: ``plain``.
 
     Raises:
-        QueryError: the domain does not speak the language.
+        QueryError: the domain does not speak the language, or has no such phrasings.
     """
-    return telling_by(teller_of(domain, language), domain, seed)
+    return telling_by(teller_of(domain, language, phrasings=phrasings), domain, seed)
 
 
-def telling_by(teller: Teller, domain: Domain, seed: int) -> Callable[[Task], Told]:
+def telling_by(teller: Teller, domain: Domain, seed: int) -> Telling:
     """Return what tells tasks as `telling_of` does, by a teller that is there."""
 
-    def told(task: Task) -> Told:
+    def told(task: Task, colours: Mapping[str, str]) -> Told:
         try:
-            found = teller.instructions(task, seed)
+            found = teller.recoloured(colours).instructions(task, seed)
         except QueryError:
             templates = domain.settings.language
             plain = tuple(sentence(action, templates) for action in task.actions)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +21,7 @@ from prag_asp.space.drawing.draws import log_probability
 from prag_asp.versions import versions
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.store.given import Given
     from prag_asp.dataset.store.told import Told
     from prag_asp.space.ordered import Placed
     from prag_asp.task import Task
@@ -36,9 +37,9 @@ SUMMED_TOGETHER = 256
 class PartWriter:
     """Takes the draws of a part in their order, and writes a shard whenever one is full."""
 
-    def __init__(self, folder: Path, told: Callable[[Task], Told], note: PartNote, shard: int) -> None:
+    def __init__(self, folder: Path, note: PartNote, shard: int) -> None:
         """Go on after the shards that a part has; `shard` is how many tasks a full one has at most."""
-        self._folder, self._told, self._limit, self.note = folder, told, shard, note
+        self._folder, self._limit, self.note, self._ours = folder, shard, note, versions()
         self._begin()
         self._take_up(note.tail)
 
@@ -62,9 +63,9 @@ class PartWriter:
         """Whether there is nothing to be written."""
         return not self._draws
 
-    def add(self, placed: Placed, task: Task, looked: Looked) -> None:
+    def add(self, placed: Placed, task: Task, looked: Looked, words: Told) -> None:
         """Add a draw, and what is known of it."""
-        row = self._row(placed, task, looked)
+        row = _row(placed, task, looked, words)
         if looked.passed:
             number = self.tasks
             starts = sum(start.text is not None for start in looked.starts)
@@ -73,7 +74,22 @@ class PartWriter:
                 self._add_start(number, start, each)
         else:
             self._rows["refused"].add(row)
-        self._tally(len(task), looked)
+        witnesses = sum(start.text is not None for start in looked.starts)
+        self._tally(_tally(len(task), looked.verdict, witnesses), self._ours)
+        self._draws += 1
+
+    def take(self, given: Given) -> None:
+        """Add a draw as another data set has it, with the numbers that it has here."""
+        if given.passed:
+            number = self.tasks
+            self._rows["tasks"].take(given.row, task=number, draw=self.next)
+            if given.witnesses is not None:
+                self._rows["witnesses"].take(given.witnesses, task=number)
+            for row in given.recordings:
+                self._rows["recordings"].add({**row, "task": number})
+        else:
+            self._rows["refused"].take(given.row, draw=self.next)
+        self._tally(_tally(given.length, given.verdict, given.starts), given.versions)
         self._draws += 1
 
     def write(self) -> None:
@@ -90,7 +106,8 @@ class PartWriter:
             if rows.count
         }
         tally = summed(self._tallies)
-        self.note.shards.append(Shard(number, self._first, self.next, self.full, files, tally, versions()))
+        made_by = "; ".join(sorted(self._versions))
+        self.note.shards.append(Shard(number, self._first, self.next, self.full, files, tally, made_by))
         self.note.tail = None
         self._begin()
 
@@ -100,6 +117,7 @@ class PartWriter:
         self._draws = 0
         self._rows = {table: Rows(table) for table in SCHEMAS}
         self._tallies: list[LengthTally] = []
+        self._versions: set[str] = set()
 
     def _take_up(self, tail: Shard | None) -> None:
         """Begin with the rows of a shard that was not full, where its files are what dataset.json says."""
@@ -117,28 +135,6 @@ class PartWriter:
         self._rows = {table: Rows(table, before.get(table)) for table in SCHEMAS}
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
 
-    def _row(self, placed: Placed, task: Task, looked: Looked) -> dict[str, Any]:
-        """Return what tables of tasks say of a draw."""
-        words = self._told(task)
-        return {
-            "draw": looked.draw,
-            "domain": task.domain,
-            "length": len(task),
-            "rank": str(placed.rank),
-            "log_probability": log_probability(placed.probability),
-            "plan": placed.word,
-            "skeleton": task.skeleton,
-            "entities": [{"entity": name, "class": kind} for name, kind in task.entities.items()],
-            "initial": task.initial,
-            "states": task.states,
-            "subgoals": task.subgoals,
-            "goal": task.goal,
-            "instruction": [{"level": level, "text": text} for level, text in words.whole],
-            "subgoal_instructions": words.subgoals,
-            "named": words.named,
-            "verdict": None if looked.verdict is None else _verdict_row(looked.verdict),
-        }
-
     def _add_start(self, task: int, start: int, found: Start) -> None:
         """Add a first state of a task."""
         of_it = {"task": task, "start": start}
@@ -147,24 +143,50 @@ class PartWriter:
         if found.recording is not None:
             self._rows["recordings"].add({**of_it, **msgspec.structs.asdict(found.recording)})
 
-    def _tally(self, length: int, looked: Looked) -> None:
-        """Count a draw."""
-        verdict = looked.verdict or {"status": "feasible", "causes": {}, "reason": ""}
-        status, reason = verdict["status"], verdict["reason"]
-        self._tallies.append(
-            LengthTally(
-                length,
-                drawn=1,
-                feasible=status == "feasible",
-                not_found=status == "not_found",
-                infeasible=status == "infeasible",
-                witnesses=sum(start.text is not None for start in looked.starts),
-                causes=[Cause(cause, count) for cause, count in verdict["causes"].items()],
-                reasons=[] if looked.passed else [Reason(status, reason, 1)],
-            )
-        )
+    def _tally(self, tally: LengthTally, made_by: str) -> None:
+        """Count a draw, and note what has looked at it."""
+        self._versions.add(made_by)
+        self._tallies.append(tally)
         if len(self._tallies) >= SUMMED_TOGETHER:
             self._tallies = summed(self._tallies)
+
+
+def _row(placed: Placed, task: Task, looked: Looked, words: Told) -> dict[str, Any]:
+    """Return what tables of tasks say of a draw."""
+    return {
+        "draw": looked.draw,
+        "domain": task.domain,
+        "length": len(task),
+        "rank": str(placed.rank),
+        "log_probability": log_probability(placed.probability),
+        "plan": placed.word,
+        "skeleton": task.skeleton,
+        "entities": [{"entity": name, "class": kind} for name, kind in task.entities.items()],
+        "initial": task.initial,
+        "states": task.states,
+        "subgoals": task.subgoals,
+        "goal": task.goal,
+        "instruction": [{"level": level, "text": text} for level, text in words.whole],
+        "subgoal_instructions": words.subgoals,
+        "named": words.named,
+        "verdict": None if looked.verdict is None else _verdict_row(looked.verdict),
+    }
+
+
+def _tally(length: int, told: Mapping[str, Any] | None, witnesses: int) -> LengthTally:
+    """Return the tally of a single draw."""
+    verdict = told or {"status": "feasible", "causes": {}, "reason": ""}
+    status, reason = verdict["status"], verdict["reason"]
+    return LengthTally(
+        length,
+        drawn=1,
+        feasible=status == "feasible",
+        not_found=status == "not_found",
+        infeasible=status == "infeasible",
+        witnesses=witnesses,
+        causes=[Cause(cause, count) for cause, count in verdict["causes"].items()],
+        reasons=[] if status == "feasible" else [Reason(status, reason, 1)],
+    )
 
 
 def _verdict_row(verdict: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.card import NAME as CARD
 from prag_asp.dataset.store.card import card_text
 from prag_asp.dataset.store.kept import KeptFile, digest_of
-from prag_asp.dataset.store.manifest import NAME, Manifest, ShardFile
+from prag_asp.dataset.store.manifest import NAME, Manifest, ShardFile, derive
 from prag_asp.dataset.verifying.finding import Finding
 from prag_asp.errors import PragError
 from prag_asp.reading import is_inside, read_bytes
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
+
+LARGEST_RECORDING = 1_000_000_000
+"""Bytes of a recording, of which no size is told, that are looked at."""
 
 UNSEEN = (".git", ".cache", ".gitattributes")
 """What hubs put beside the files of a data set."""
@@ -43,24 +47,28 @@ def wrong_file(folder: Path, name: str, sha256: str, size: int | None = None) ->
         yield Finding(name, None, "leads out of the data set")
         return
     try:
-        found, bytes_ = digest_of(path), path.stat().st_size
+        bytes_ = path.stat().st_size
+        if size is not None and bytes_ != size:
+            yield Finding(name, None, f"has {bytes_:,} bytes; dataset.json says {size:,}")
+            return
+        found = digest_of(path, at_most=None if size else LARGEST_RECORDING)
     except OSError as error:
         yield Finding(name, None, f"cannot be read: {error.strerror or error}")
         return
-    if size is not None and bytes_ != size:
-        yield Finding(name, None, f"has {bytes_:,} bytes; dataset.json says {size:,}")
-    elif found != sha256:
+    if found != sha256:
         yield Finding(name, None, "is not the file that was written: its SHA-256 is another")
 
 
 def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Finding]:
-    """Yield what is wrong with the card, which follows from dataset.json."""
+    """Yield what is wrong with the card, which follows from dataset.json, whatever that says of its own figures."""
     try:
         found = read_bytes(folder / CARD, within=folder)
     except (OSError, PragError) as error:
         yield Finding(CARD, None, f"cannot be read: {getattr(error, 'strerror', None) or error}")
         return
-    if found != card_text(manifest, domain):
+    figured = deepcopy(manifest)
+    derive(figured)
+    if found != card_text(figured, domain):
         yield Finding(CARD, None, "does not say what dataset.json says")
 
 

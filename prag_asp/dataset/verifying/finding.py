@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from prag_asp.errors import one_line
+
 Looked = Callable[[str, int, int], None]
 """Is told what is being looked at, at how many was looked, and of how many."""
 
@@ -17,4 +19,6 @@ class Finding(NamedTuple):
     what: str
 
     def __str__(self) -> str:
-        return f"{self.file}: {self.what}" if self.row is None else f"{self.file}: row {self.row}: {self.what}"
+        """Return it as one line of a message, whatever the files of a stranger are called and say."""
+        place = self.file if self.row is None else f"{self.file}: row {self.row}"
+        return one_line(f"{place}: {self.what}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from prag_asp.dataset.store.told import PLAIN, telling_by
 from prag_asp.dataset.verifying.finding import Finding, Looked
 from prag_asp.dataset.verifying.whole import Row, whole_rows
 from prag_asp.errors import PragError
+from prag_asp.physics.demonstration.demonstration import drawn_for
 from prag_asp.space.drawing.draws import log_probability
 from prag_asp.space.task_space import TaskSpace
 
@@ -27,6 +29,10 @@ if TYPE_CHECKING:
 
 READ_BACK = ("default", "exact")
 """The levels at which words say the whole plan."""
+
+MISSING, UNREAD = 1_000, 100_000
+"""How many draws of a shard may lack their rows, and how many one may have whose rows cannot be read: what is claimed
+beyond that is not drawn again."""
 
 VALUES = {
     "actions": "plan", "entities": "entities", "initial": "initial", "states": "states", "subgoals": "subgoals",
@@ -51,21 +57,30 @@ class Rows:
 
     def __post_init__(self) -> None:
         asked = self.manifest.asked
-        self._teller = teller_of(self.domain, asked.language)
+        self._teller = teller_of(self.domain, asked.language, phrasings=asked.phrasings)
         self._tell = telling_by(self._teller, self.domain, asked.seed)
         self._clingo = clingo_spaces(self.manifest, self.domain)
+        self._colours: Mapping[int, Mapping[str, str]] = {}
 
     def wrong(self, note: PartNote, drawn: Iterator[tuple[Placed, Task]]) -> Iterator[Finding]:
         """Yield what is wrong with the rows of a part, of which the draws come once more."""
         tasks = 0
         for shard in note.shards:
-            right = [next(drawn, None) for _ in range(shard.end - shard.first)]
             try:
                 found = {name: self._whole(name, shard) for name in ("tasks", "refused", "witnesses")}
             except PragError as error:
-                yield Finding(shard.files["tasks"].path, None, f"its shard cannot be read: {error}")
+                yield Finding(_file(shard), None, f"its shard cannot be read: {error}")
+                found = {}
+            counted = sum(len(rows) + len(wrong) for rows, wrong in found.values()) if found else UNREAD
+            if shard.end - shard.first > counted + MISSING:
+                told = f"shard {shard.number} has too many draws for its rows, {shard.end - shard.first:,}"
+                yield Finding(NAME, None, f"parts, {note.name}: {told}; nothing after that was looked at")
+                return
+            right = [next(drawn, None) for _ in range(shard.end - shard.first)]
+            if not found:
                 tasks += shard.rows("tasks")
                 continue
+            self._colours = colours_of(self.tables, shard, self.manifest)
             yield from (finding for _, wrong in found.values() for finding in wrong)
             passed, refused, starts = (rows for rows, _ in found.values())
             for place, row in passed:
@@ -109,7 +124,7 @@ class Rows:
                 for what in self._wrong_row(table, row, expected, f"{file}, row {place}"):
                     yield Finding(file, place, what)
         for draw in sorted(missing):
-            yield Finding(shard.files["tasks"].path, None, f"draw {draw} is missing, here and among the refused")
+            yield Finding(_file(shard), None, f"draw {draw} is missing, here and among the refused")
 
     def _wrong_row(
         self, table: str, row: Mapping[str, Any], expected: tuple[Placed, Task], where: str
@@ -137,7 +152,7 @@ class Rows:
         wrong += [column for name, column in VALUES.items() if getattr(entry.task, name) != _value(task, name, placed)]
         if wrong:
             yield f"its {', '.join(dict.fromkeys(wrong))} are not those of draw {row['draw']}"
-        yield from self._wrong_words(entry, task)
+        yield from self._wrong_words(entry, task, self._colours.get(row.get("task", -1), {}))
         yield from self._wrong_verdict(table, entry)
 
     def _is_plan(self, plan: list[str]) -> bool:
@@ -145,9 +160,9 @@ class Rows:
         space = self._clingo.get(len(plan))
         return space is not None and plan in space
 
-    def _wrong_words(self, entry: Entry, task: Task) -> Iterator[str]:
-        """Yield what words say otherwise than the task: they are read back from the text alone."""
-        told = self._tell(task)
+    def _wrong_words(self, entry: Entry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
+        """Yield what words say otherwise than the task: they are read back from the text and the colours alone."""
+        told, teller = self._tell(task, colours), self._teller.recoloured(colours)
         if (dict(told.whole), told.subgoals, told.named) != (entry.instruction, entry.subgoals, entry.named):
             yield "its words are not those that the seed draws"
         for level in READ_BACK:
@@ -156,7 +171,7 @@ class Rows:
                     yield f"has no words at the level {level}"
                 continue
             try:
-                read = self._teller.read(task, entry.instruction[level]).actions
+                read = teller.read(task, entry.instruction[level]).actions
             except PragError as error:
                 yield f"its words at the level {level} cannot be read back: {error}"
                 continue
@@ -172,10 +187,28 @@ class Rows:
             return
         if verdict.feasible != (table == "tasks"):
             yield f"is {verdict.status}, which belongs into another table"
-        if (verdict.seed, verdict.index) != (asked.seed, entry.draw):
+        if (verdict.seed, verdict.index) != (asked.seed, asked.deal.whole(entry.draw)):
             yield f"its verdict is of the seed {verdict.seed} and the index {verdict.index}, not of its draw"
         if verdict.budget.to_json() != msgspec.to_builtins(asked.budget):
             yield "its verdict is of another budget than was asked for"
+
+
+def _file(shard: Shard) -> str:
+    """Return the file of the tasks of a shard; where it says that there is none, what says so."""
+    return shard.files["tasks"].path if "tasks" in shard.files else NAME
+
+
+def colours_of(tables: Tables, shard: Shard, manifest: Manifest) -> Mapping[int, Mapping[str, str]]:
+    """Return the colours in the recording of each task of a shard; those that cannot be read are told of themselves."""
+    staging = manifest.asked.staging
+    if staging is None or "colour" not in staging.vary:
+        return {}
+    found = {}
+    for row in tables.of_shard("recordings", shard, ["task", "file"]):
+        with suppress(PragError):
+            variation = drawn_for(tables.folder / row["file"], within=tables.folder)
+            found[row["task"]] = {} if variation is None else variation.colours
+    return found
 
 
 def clingo_spaces(manifest: Manifest, domain: Domain) -> dict[int, TaskSpace]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.dataset.jsonl import Record
-from prag_asp.dataset.looking import START
+from prag_asp.dataset.looking import START, TRIES, first_state
 from prag_asp.dataset.origin import read_witness
 from prag_asp.dataset.rechecking import recheck
 from prag_asp.dataset.scenes import scene_of
@@ -43,11 +43,13 @@ class Starts:
         manifest: Manifest,
         domain: Domain,
         tables: Tables,
+        workers: int,
         progress: Looked,
     ) -> None:
         self._folder, self._manifest, self._domain, self._tables = folder, manifest, domain, tables
-        self._progress, self._done = progress, 0
+        self._workers, self._progress, self._done = workers, progress, 0
         self._scene: Scene = scene_of(domain)
+        self._where = manifest.asked.where
         asked = manifest.asked.budget
         assert asked is not None
         tier = min(TIERS.index(asked.tier), TIERS.index(TRANSIT)) if asked.tier in TIERS else 0
@@ -78,29 +80,44 @@ class Starts:
                 yield Finding(
                     shard.files["tasks"].path, place, f"says that {row['starts']} first states have a witness"
                 )
-        draws = {row["task"]: row["draw"] for _, row in rows}
+        whole = self._manifest.asked.deal.whole
+        draws = {row["task"]: whole(row["draw"]) for _, row in rows}
+        before: dict[int, tuple[int, int]] = {}  # of each task: the first state that is due, and the last search
         for place, row in found:
             file = shard.files["witnesses"].path
             if row["task"] in count:
                 yield Finding(file, place, f"is of a task {row['task']}, which the shard does not have")
-            elif row["index"] != draws[row["task"]] + row["start"] * START:
+                continue
+            due, last = before.get(row["task"], (0, -1))
+            search, lacks = divmod(row["index"] - draws[row["task"]], START)
+            if row["start"] != due:
+                yield Finding(file, place, f"is of the first state {row['start']}; the next one is {due}")
+            if lacks or not last < search < TRIES * self._manifest.asked.starts or (search > 0) != (due > 0):
                 yield Finding(file, place, f"is of the index {row['index']}, not of its draw and first state")
+            before[row["task"]] = due + 1, search
 
     def _wrong_witnesses(self, shard: Shard, tasks: Mapping[int, Task], found: list[Row]) -> Iterator[Finding]:
         """Yield which witnesses a fresh simulator does not take."""
         file, records, places = shard.files["witnesses"].path if found else "", [], []
+        seen = set[tuple[int, str]]()
         for place, row in found:
             if row["task"] not in tasks:
                 continue
             try:
                 record = Record(tasks[row["task"]], None, decoded(row["witness"]))
-                read_witness(record, self._scene)
+                begins = row["task"], first_state(read_witness(record, self._scene))
             except PragError as error:
                 yield Finding(file, place, f"is no witness: {error}")
                 continue
+            if begins in seen:
+                yield Finding(file, place, "begins in a first state that another witness of its task has")
+            seen.add(begins)
             records.append(record)
             places.append(place)
-        with closing(recheck(records, self._domain, budget=self._budget, witness_only=True)) as outcomes:
+        checked = recheck(
+            records, self._domain, where=self._where, workers=self._workers, budget=self._budget, witness_only=True
+        )
+        with closing(checked) as outcomes:
             for place, outcome in zip(places, outcomes, strict=True):
                 if outcome.status != "feasible":
                     yield Finding(file, place, f"the witness fails: {outcome.reason}")

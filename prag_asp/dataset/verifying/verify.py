@@ -28,6 +28,7 @@ def verify(
     *,
     trust: bool = False,
     physics: bool = True,
+    workers: int = 1,
     progress: Looked = lambda words, done, total: None,
 ) -> Iterator[Finding]:
     """Yield what is wrong with a data set; nothing where it is what `generate` has written.
@@ -35,7 +36,8 @@ def verify(
     Each file is as dataset.json says, and there are no others. Each exact size is counted again. Each draw is made
     again by its seed, and stands in one row, once in all parts; clingo, which drew nothing, takes its plan; its words
     are read back from their text. With `physics`, where that was asked, a fresh simulator takes each witness, and
-    recordings show their tasks. With `trust`, physics may run the Python files of the domain.
+    recordings show their tasks; several `workers` find the same, in the same order. With `trust`, physics may run the
+    Python files of the domain.
 
     Raises:
         QueryError: there is no data set, dataset.json cannot be read, or the run that makes it has not ended.
@@ -54,7 +56,7 @@ def verify(
     yield from wrong_card(data.folder, manifest, domain)
     yield from _wrong_tasks(manifest, domain, tables, progress)
     if physics and manifest.asked.budget is not None:
-        yield from _wrong_starts(data.folder, manifest, domain, tables, progress)
+        yield from _wrong_starts(data.folder, manifest, domain, tables, workers, progress)
 
 
 def _recordings(manifest: Manifest, tables: Tables) -> frozenset[str]:
@@ -78,8 +80,9 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: Tables, progress: L
         space = space.where(*asked.where)
         division = Division.parse(asked.split, skeletons=asked.skeletons, hold_out=asked.hold_out)
         parts = ordered_parts(
-            space, division, seed=asked.seed, weights=asked.weights, temperature=asked.temperature, evenly=asked.evenly
-        )
+            space, division, seed=asked.seed, weights=asked.weights, temperature=asked.temperature, evenly=asked.evenly,
+            deal=asked.deal,
+        )  # fmt: skip
     except PragError as error:
         yield Finding(NAME, None, f"what was asked for cannot be drawn: {error}")
         return
@@ -90,12 +93,12 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: Tables, progress: L
 
 
 def _wrong_starts(
-    folder: Path, manifest: Manifest, domain: Domain, tables: Tables, progress: Looked
+    folder: Path, manifest: Manifest, domain: Domain, tables: Tables, workers: int, progress: Looked
 ) -> Iterator[Finding]:
     """Yield what is wrong with witnesses and recordings."""
     require_physics()
     from prag_asp.dataset.verifying.starts import Starts
 
-    starts = Starts(folder, manifest, domain, tables, progress)
+    starts = Starts(folder, manifest, domain, tables, workers, progress)
     for note in manifest.parts:
         yield from starts.wrong(note)

@@ -132,6 +132,17 @@ class Demonstration:
         Raises:
             OutputError: the file cannot be written.
         """
+        try:
+            replace_file(path, self.packed())
+        except ValueError as error:
+            raise OutputError(f"{path}: {error}") from None
+
+    def packed(self) -> bytes:
+        """Return the content of the file that `save` writes.
+
+        Raises:
+            ValueError: the footage cannot be packed.
+        """
         content: dict[str, Any] = {"version": np.array(VERSION)}
         content |= {name: getattr(self, name) for name in ARRAYS}
         content |= {name: np.array(getattr(self, name)) for name in TEXTS}
@@ -140,12 +151,7 @@ class Demonstration:
         buffer = BytesIO()
         np.savez_compressed(buffer, **content)
         archive = buffer.getvalue()
-        if self.footage is not None:
-            try:
-                archive = with_packed(archive, self.footage.packed())
-            except ValueError as error:
-                raise OutputError(f"{path}: {error}") from None
-        replace_file(path, archive)
+        return archive if self.footage is None else with_packed(archive, self.footage.packed())
 
     @classmethod
     def load(cls, path: str | Path, robot: str = "panda", *, within: str | Path | None = None) -> Demonstration:
@@ -185,6 +191,21 @@ def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
     found = _from_arrays(content)
     footage = read_footage(file, len(found.times), len(found.robots), LARGEST)
     return replace(found, footage=footage, variation=_variation(content.get(VARIED)))
+
+
+def drawn_for(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
+    """Return what was drawn for the recording in a file, None where nothing was; nothing else of it is read.
+
+    Raises:
+        QueryError: the file cannot be read, or holds something else.
+    """
+    try:
+        with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
+            return _variation(read_arrays(file, (VARIED,), LARGEST).get(VARIED))
+    except OSError as error:
+        raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (BadArchive, ValueError) as error:
+        raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
 def _variation(text: NDArray[Any] | None) -> Variation | None:

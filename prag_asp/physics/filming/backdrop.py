@@ -19,7 +19,7 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.model import Scene
 
 SKY, GROUND = (247, 249, 252), (214, 221, 230)
-AMBIENT, DIFFUSE = 0.62, 0.42
+AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.12
 UPWARDS = 2
 AROUND = 0
 """The number of what is around the table."""
@@ -42,7 +42,10 @@ class Backdrop(NamedTuple):
 
 
 class Patch(NamedTuple):
-    """A rectangle on the table: its middle, half its sides in metres, its yaw, its colour and its number."""
+    """A level rectangle: its middle and half its sides in metres, its yaw, its colour and its number.
+
+    `z` is how high over the table it is, in metres.
+    """
 
     x: float
     y: float
@@ -50,6 +53,7 @@ class Patch(NamedTuple):
     yaw: float
     color: str
     number: int
+    z: float = 0.0
 
 
 @lru_cache(maxsize=16)
@@ -71,6 +75,24 @@ def patches(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
     return found
 
 
+def has_still_floor(scene: Scene, entity: str) -> bool:
+    """Tell whether an entity is a container that stands on the table for good, so that its floor needs no triangles."""
+    shape = scene.shapes[entity]
+    return shape.kind == "container" and shape.model is None and entity in scene.fixed
+
+
+def floors(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
+    """Return the floors of containers that stand on the table for good; `numbers` are those of the entities."""
+    found = []
+    for entity, shape in scene.shapes.items():
+        if entity in numbers and has_still_floor(scene, entity):
+            x, y, yaw = scene.fixed[entity]
+            half = shape.half[0] - shape.wall / 2, shape.half[1] - shape.wall / 2
+            color = scene.colors.get(entity, "#808080")
+            found.append(Patch(x, y, half, yaw, color, numbers[entity], shape.wall))
+    return found
+
+
 def backdrop(
     scene: Scene,
     camera: Camera,
@@ -78,8 +100,9 @@ def backdrop(
     zones: Sequence[Patch],
     table: int,
     light: Vector,
+    raised: Sequence[Patch] = (),
 ) -> Backdrop:
-    """Return what a camera at a pose sees of the table, the zones and what is around.
+    """Return what a camera at a pose sees of the table, the zones, what is `raised` over it, and what is around.
 
     `table` is the number of the table, `light` points to the light.
     """
@@ -105,6 +128,13 @@ def backdrop(
         for zone in zones if axis == UPWARDS and away > 0.0 else ():
             within = seen & _within(points[0] + centre[0], points[1] + centre[1], zone)
             numbers[within], rgb[within] = zone.number, _shaded(zone.color, shade)
+    falling = np.minimum(ahead[UPWARDS], -LEVEL)
+    for patch in raised:
+        far = np.float32(patch.z - eye[UPWARDS]) / falling
+        seen = (far >= camera.near) & (far <= camera.far) & (far < depth)
+        seen &= _within(eye[0] + far * ahead[0], eye[1] + far * ahead[1], patch)
+        shade = _shade(UPWARDS, 1.0, light) + _gloss(light)
+        depth[seen], numbers[seen], rgb[seen] = far[seen], patch.number, _shaded(patch.color, shade)
     return Backdrop(rgb, depth, numbers)
 
 
@@ -128,6 +158,11 @@ def _around(size: tuple[int, int]) -> NDArray[np.uint8]:
 def _shade(axis: int, side: float, light: Vector) -> float:
     """Return how bright a surface is that looks along an axis, or against it where `side` is negative."""
     return AMBIENT + DIFFUSE * max(0.0, math.copysign(1.0, side) * light[axis] / math.hypot(*light))
+
+
+def _gloss(light: Vector) -> float:
+    """Return by how much a surface that looks upwards shines, as TinyRenderer draws it, whatever the eye."""
+    return SPECULAR * (max(0.0, light[UPWARDS]) / math.hypot(*light)) ** 2
 
 
 def _shaded(color: str, shade: float) -> NDArray[np.uint8]:

@@ -1,6 +1,7 @@
 """A world that is only looked at: robots of few corners, the objects of a recording, and cameras.
 
-TinyRenderer draws robots and objects; table, zones and what is around come from `backdrop`, behind them by their depth.
+TinyRenderer draws robots and objects; table, zones, the floors of containers that are fixed, and what is around come
+from `backdrop`, behind them by their depth.
 """
 
 from __future__ import annotations
@@ -15,7 +16,17 @@ from numpy.typing import NDArray
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
-from prag_asp.physics.filming.backdrop import AMBIENT, DIFFUSE, Backdrop, Floats, backdrop, patches
+from prag_asp.physics.filming.backdrop import (
+    AMBIENT,
+    DIFFUSE,
+    SPECULAR,
+    Backdrop,
+    Floats,
+    backdrop,
+    floors,
+    has_still_floor,
+    patches,
+)
 from prag_asp.physics.filming.looks import low_file
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
@@ -31,7 +42,7 @@ from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Joints, robot_of
 from prag_asp.scene.variation import USUAL_LIGHT, table_of
 
-SPECULAR, LIGHT_DISTANCE = 0.12, 3.0
+LIGHT_DISTANCE = 3.0
 FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
 """From the axes of a camera to those of OpenGL, whose y is up and whose z is backwards."""
 
@@ -58,13 +69,19 @@ class Studio:
             name: load_robot(client, low_file(mount.kind), self._robots[name].base, visual=True)
             for name, mount in scene.robots.items()
         }
-        self._bodies = {entity: make_body(client, scene, entity, (0.0, 0.0, -1.0), visual=True) for entity in objects}
+        self._bodies = {
+            entity: make_body(
+                client, scene, entity, (0.0, 0.0, -1.0), visual=True, floor=not has_still_floor(scene, entity)
+            )
+            for entity in objects
+        }
         table = table_of(scene)
         zones = [entity for entity, shape in scene.shapes.items() if shape.kind == "zone"]
         self.legend = (NOTHING, table, *scene.robots, *objects, *zones)
         self._dtype = np.dtype(segmentation_type(self.legend))
         numbers = {entity: number for number, entity in enumerate(self.legend)}
         self._table, self._zones = numbers[table], patches(scene, numbers)
+        self._floors = floors(scene, numbers)
         shown = {**self._arms, **self._bodies}
         self._numbers = np.zeros(max(shown.values()) + 2, dtype=np.int32)
         for entity, body in shown.items():
@@ -137,7 +154,7 @@ class Studio:
         """Return the backdrop of a camera, which is the same for one that is fixed."""
         known = None if camera.mount else self._fixed.get(camera)
         if known is None:
-            known = backdrop(self._scene, camera, pose, self._zones, self._table, self._light)
+            known = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
             self._fixed[camera] = known
         return known
 

@@ -154,6 +154,14 @@ class Predicate:
         """Return how far a situation is from satisfying the predicate, 0 exactly where it holds."""
         return max(0.0, *self.violations(situation, arguments))
 
+    def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
+        """Return how far a situation is from satisfying the predicate; where it holds, minus what it has to spare.
+
+        It is at most 0 exactly where the predicate holds, in metres or, where that is missed more, in radians. It
+        changes by at most as much as the subject moves.
+        """
+        return max(self.violations(situation, arguments))
+
     def holds(self, situation: Situation, arguments: Arguments) -> bool:
         """Check the predicate on a situation; the first violation ends the check."""
         for violation in self.violations(situation, arguments):  # noqa: SIM110 (all() is slower here)

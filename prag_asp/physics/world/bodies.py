@@ -12,7 +12,7 @@ from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import yaw_quaternion
 from prag_asp.scene.model import Material, Scene, Solid
-from prag_asp.scene.solids import solids, weight
+from prag_asp.scene.solids import solids, walls, weight
 
 PARKING = (20.0, 20.0, 5.0)
 GREY = "#808080"
@@ -50,8 +50,10 @@ def show_zone(client: int, scene: Scene, entity: str) -> None:
     pybullet.createMultiBody(0.0, -1, patch, (x, y, 0.0), yaw_quaternion(yaw), physicsClientId=client)
 
 
-def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False) -> int:
-    """Make the body of an object; one that is fixed in the scene has no mass.
+def make_body(
+    client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False, floor: bool = True
+) -> int:
+    """Make the body of an object; one that is fixed in the scene has no mass, and a container may lack its floor.
 
     `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism, as furniture
     is, nor have the exact geometry that a body from a URDF has, however its solids are turned: both never are.
@@ -64,7 +66,8 @@ def make_body(client: int, scene: Scene, entity: str, at: Vector, *, visual: boo
     if shape.traits.furniture:
         return make_furniture(client, shape, material, at, color)
     if shape.model is None:
-        return _make(solids(shape), material, mass(scene, entity), at, client, color, free)
+        made_of = solids(shape) if floor else walls(shape)
+        return _make(made_of, material, mass(scene, entity), at, client, color, free)
     body = _make(shape.model.solids, material, mass(scene, entity), at, client, color)
     pybullet.changeDynamics(body, -1, collisionMargin=NO_MARGIN, physicsClientId=client)
     return body

@@ -15,9 +15,9 @@ from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
 from prag_asp.physics.robot.file import write_robot
 from prag_asp.physics.witness import Arm, Moment
-from prag_asp.physics.world.bodies import make_body, make_table
+from prag_asp.physics.world.bodies import make_body, make_table, parking_place
 from prag_asp.physics.world.collisions import BASE_LINK
-from prag_asp.physics.world.furniture import JOINT, read_opening, set_opening
+from prag_asp.physics.world.furniture import JOINT, UPRIGHT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.physics.written import PARTS
@@ -43,6 +43,10 @@ SLEEP_FRAMES = 4
 PyBullet itself waits for two seconds.
 """
 
+FORGETTING = 2
+"""For how many steps bodies have to be far apart until PyBullet knows nothing more of how they touched."""
+
+AWAKE, ASLEEP = pybullet.ACTIVATION_STATE_WAKE_UP, pybullet.ACTIVATION_STATE_SLEEP
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
 STILL = (0.0,) * 7
 
@@ -56,11 +60,15 @@ class Command(NamedTuple):
 
 @dataclass(frozen=True)
 class LoadedArm:
-    """An arm in a world: its robot, its body, the joints of arm and gripper that motors drive."""
+    """An arm in a world: its robot, its body, the joints of arm and gripper that motors drive.
+
+    `base` is where PyBullet says that it stands: the centre of mass of its first link.
+    """
 
     robot: Robot
     body: int
     driven: Sequence[int]
+    base: Pose
 
 
 class Dynamics:
@@ -93,9 +101,7 @@ class Dynamics:
             entity: make_body(self.client, self.scene, entity, moment.poses[entity].position) for entity in objects
         }
         self._furniture = {entity: self._bodies[entity] for entity in moment.openings}
-        for entity, opening in moment.openings.items():
-            set_opening(self.client, self._bodies[entity], opening)
-        for entity, body in self._bodies.items():
+        for body in self._bodies.values():
             pybullet.changeDynamics(
                 body,
                 -1,
@@ -103,13 +109,42 @@ class Dynamics:
                 sleepThreshold=RESTING**2 + RESTING_TURN**2,
                 physicsClientId=self.client,
             )
+        self._place(moment)
+        self._parts = self._numbered(table)
+
+    def restore(self, moment: Moment) -> None:
+        """Put the world that was begun back to where it is at a moment, at rest; only what is held is awake.
+
+        What follows depends on the moment alone, bit for bit, whatever has happened before: PyBullet remembers which
+        bodies touched, and how they pressed, so all are taken far apart first, for as many steps as it takes to forget.
+        The moment has to have the bodies with which the world was begun, and all of its arms.
+        """
+        client = self.client
+        apart = [*self._bodies.values(), *(arm.body for arm in self._arms.values())]
+        for i, body in enumerate(apart):
+            pybullet.changeDynamics(body, -1, activationState=AWAKE, physicsClientId=client)
+            pybullet.resetBasePositionAndOrientation(body, parking_place(i), UPRIGHT, physicsClientId=client)
+        for _ in range(FORGETTING):
+            self.step()
+        for arm in self._arms.values():
+            pybullet.resetBasePositionAndOrientation(arm.body, *arm.base, physicsClientId=client)
+        self._place(moment)
+        held = moment.held
+        for entity, body in self._bodies.items():
+            if entity not in held:
+                pybullet.changeDynamics(body, -1, activationState=ASLEEP, physicsClientId=client)
+
+    def _place(self, moment: Moment) -> None:
+        """Put the objects, the arms and the parts of furniture to where they are at a moment, without speed."""
+        for entity, opening in moment.openings.items():
+            set_opening(self.client, self._bodies[entity], opening)
+        for entity, body in self._bodies.items():
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
         for name, arm in moment.arms.items():
             values = [[angle] for angle in (*arm.joints, arm.width / 2, arm.width / 2)]
             loaded = self._arms[name]
             pybullet.resetJointStatesMultiDof(loaded.body, loaded.driven, values, physicsClientId=self.client)
         self._quiet = dict.fromkeys(self._bodies, 0)
-        self._parts = self._numbered(table)
 
     def drive(self, robot: str, command: Command, speeds: Sequence[float] = STILL) -> None:
         """Tell the motors of an arm what to drive to from now on.
@@ -154,8 +189,7 @@ class Dynamics:
             still = still and resting
             self._quiet[entity] = self._quiet[entity] + 1 if resting else 0
             if self._quiet[entity] == SLEEP_FRAMES:
-                sleep = pybullet.ACTIVATION_STATE_SLEEP
-                pybullet.changeDynamics(body, -1, activationState=sleep, physicsClientId=self.client)
+                pybullet.changeDynamics(body, -1, activationState=ASLEEP, physicsClientId=self.client)
         return still
 
     @property
@@ -225,7 +259,7 @@ class Dynamics:
         )
         for link in robot.finger_links:
             pybullet.changeDynamics(body, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
-        return LoadedArm(robot, body, [*robot.arm_links, *robot.finger_joints])
+        return LoadedArm(robot, body, [*robot.arm_links, *robot.finger_joints], read_pose(client, body))
 
 
 def _meet_itself(client: int, body: int, robot: Robot) -> None:

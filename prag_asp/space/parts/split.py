@@ -12,7 +12,7 @@ from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
 from prag_asp.program.names import refuse_ambiguous
-from prag_asp.space.weighing.weights import Number
+from prag_asp.space.weighing.weights import Number, parse_number
 
 
 def parse_shares(shares: Mapping[str, Number | float]) -> dict[str, Fraction]:
@@ -21,10 +21,7 @@ def parse_shares(shares: Mapping[str, Number | float]) -> dict[str, Fraction]:
     Raises:
         QueryError: they are not numbers above 0 that add up to 1.
     """
-    try:
-        found = {name: Fraction(str(share)) for name, share in shares.items()}
-    except (ValueError, ZeroDivisionError):
-        raise QueryError(f"shares {dict(shares)}: write numbers, like 0.8 or 1/3") from None
+    found = {name: parse_number(f"share of {name!r}", str(share)) for name, share in shares.items()}
     if any(share <= 0 for share in found.values()) or sum(found.values()) != 1:
         raise QueryError(f"shares {dict(shares)}: they have to be above 0 and to add up to 1")
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, reduce
-from itertools import islice
+from itertools import groupby, islice
 from operator import or_
 from typing import NamedTuple
 
@@ -60,7 +60,7 @@ class Narrator:
             size = min(2 * size, _most(batch[0][0]))
 
     def told(self, words: Sequence[tuple[Sequence[str], float | None]]) -> list[Task]:
-        """Return the task of each of some plans of one length, told together.
+        """Return the task of each of some plans, told together.
 
         They are told at once: whoever tells others before they are used may have the states forgotten.
         """
@@ -74,7 +74,10 @@ class Narrator:
     def _numbered(
         self, words: Sequence[tuple[Sequence[str], float | None]]
     ) -> Iterator[tuple[tuple[Sequence[str], float | None], list[int]]]:
-        return zip(words, self._told([word for word, _ in words]), strict=True)
+        """Yield each plan with the places of its states; those of one length in a row are told together."""
+        for _, row in groupby(words, key=lambda each: len(each[0])):
+            several = list(row)
+            yield from zip(several, self._told([word for word, _ in several]), strict=True)
 
     def last_states(self, words: Sequence[Sequence[str]]) -> list[Known]:
         """Return what is known of the last state of each of some plans."""

@@ -14,14 +14,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from prag_asp import Dataset, QueryError, TaskSpace, TaskSpaces
+from prag_asp import Dataset, Domain, QueryError, TaskSpace, TaskSpaces
 from prag_asp.dataset import Teller, generate, teller_of, verify
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import shard_name, write_shard
 from prag_asp.dataset.verifying import rows
 from prag_asp.dataset.verifying import verify as verifying
 from prag_asp.dataset.verifying.rows import clingo_spaces
-from prag_asp.physics import Staging
+from prag_asp.physics import Budget, Staging
 from tests.commands import run
 
 Change = Callable[[Path], object]
@@ -184,6 +184,13 @@ STARTS: dict[str, tuple[Change, str]] = {
     "a witness of another search": (
         forged(lambda rows: rows[1].update(index=7), "witnesses"), rf"{WITNESSES}: row 1: is of the index 7"
     ),
+    "a first state twice": (
+        forged(lambda rows: rows[1].update(witness=rows[0]["witness"]), "witnesses"),
+        rf"{WITNESSES}: row 1: begins in a first state that another",
+    ),
+    "a first state left out": (
+        forged(lambda rows: rows[1].update(start=2), "witnesses"), rf"{WITNESSES}: row 1: is of the first state 2; the"
+    ),
     "no witness": (forged(lambda rows: rows[1].update(witness="{"), "witnesses"), rf"{WITNESSES}: row 1: is no wit"),
     "a witness for nothing": (
         forged(lambda rows: rows[-1].update(task=99), "witnesses"), rf"{WITNESSES}: row \d: is of a task 99"
@@ -215,7 +222,7 @@ def quick(
         monkeypatch.setattr(Dataset, "domain", property(lambda _: domain))
         monkeypatch.setattr(verifying, "TaskSpaces", lambda *_: spaces)
         monkeypatch.setattr(rows, "clingo_spaces", lambda *_: known[0])
-        monkeypatch.setattr(rows, "teller_of", lambda *_: known[1])
+        monkeypatch.setattr(rows, "teller_of", lambda *_, **__: known[1])
 
     return spare
 
@@ -277,3 +284,26 @@ def test_a_command_prints_what_is_wrong_and_says_so_by_its_code(copied: Path, tm
     (copied / "dataset.json").write_text("{")
     with pytest.raises(QueryError, match="not JSON"):
         list(verify(copied))
+
+
+def test_several_processes_find_the_same_in_the_same_order(small: Dataset, tmp_path: Path) -> None:
+    folder = shutil.copytree(small.folder, tmp_path / "copy")
+
+    def moved(rows: Table) -> None:
+        for number in (0, 2):
+            told = json.loads(rows[number]["witness"])
+            first = next(iter(told["moments"][0]["poses"].values()))
+            first[0][2] += 0.3
+            rows[number]["witness"] = json.dumps(told)
+
+    forged(moved, "witnesses")(folder)
+    alone, several = ([str(each) for each in verify(folder, workers=workers)] for workers in (1, 2))
+    assert alone == several and [each.partition(": ")[0] for each in alone].count("witnesses/train-00000.parquet") == 2
+
+
+def test_witnesses_of_tasks_with_a_condition_on_their_start_are_of_these_tasks(
+    tabletop: Domain, tmp_path: Path
+) -> None:
+    space = TaskSpace(tabletop, 1).where("starts not inside(cube_1,bin_1)", "uses cube_1")
+    generate(space, tmp_path / "data", tasks=1, seed=3, budget=Budget(5, 5))
+    assert [*verify(tmp_path / "data")] == []

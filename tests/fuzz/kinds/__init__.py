@@ -8,6 +8,7 @@ from random import Random
 from tests.fuzz.kinds.bodies import body
 from tests.fuzz.kinds.caches import cache
 from tests.fuzz.kinds.commands import command_line
+from tests.fuzz.kinds.datasets import dataset
 from tests.fuzz.kinds.domains import logic, settings
 from tests.fuzz.kinds.places import place
 from tests.fuzz.kinds.tasks import recording, tasks
@@ -24,6 +25,7 @@ KINDS: Mapping[str, tuple[Make, int]] = {
     "place": (place, 2),
     "body": (body, 1),
     "cache": (cache, 1),
+    "dataset": (dataset, 2),
 }
 """The kinds, each with how many there are of it in a round."""
 

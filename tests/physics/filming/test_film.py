@@ -10,10 +10,12 @@ import pytest
 from prag_asp import load_domain, load_scene
 from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics import Demonstration
-from prag_asp.physics.filming.film import film, subgoal_at
+from prag_asp.physics.filming import studio
+from prag_asp.physics.filming.film import film, moment_of, subgoal_at
 from prag_asp.physics.filming.staging import Staging
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, compose
+from prag_asp.scene.variation import USUAL_LIGHT
 
 RECORDINGS = Path(__file__).parents[1] / "old_form"
 OBJECTS = ("bin_1", "brick_1", "brick_2", "can_1", "cube_1", "cube_2", "tray_1")
@@ -55,6 +57,29 @@ def test_a_film_that_is_taken_again_is_the_same_and_survives_its_file(filmed, re
     with np.load(tmp_path / "a.npz") as arrays:
         assert (arrays["front/rgb"] == filmed.footage.films["front"].rgb).all()
         assert arrays["cameras"].tolist() == ["front", "wrist"]
+
+
+@pytest.mark.parametrize("light", [USUAL_LIGHT, (0.8, -0.5, 1.2)])
+def test_floors_of_containers_by_rays_are_seen_as_those_of_triangles(recorded, tabletop, monkeypatch, light):
+    cameras = Staging(("front", "wrist"), (96, 96)).cameras_of(tabletop)
+    above = Camera((0.47, 0.20, 0.25), (0.47, 0.28, 0.0), 70.0, size=(96, 96))
+    moment = moment_of(recorded, 0)
+    pictures = []
+    for triangles in (False, True):
+        with monkeypatch.context() as patch:
+            if triangles:
+                patch.setattr(studio, "has_still_floor", lambda *_: False)
+                patch.setattr(studio, "floors", lambda *_: [])
+            with studio.open_studio(recorded.sized(tabletop), recorded.objects, light) as shown:
+                shown.show(moment)
+                pictures.append([shown.take(camera) for camera in (*cameras.values(), above)])
+                tray = shown.legend.index("tray_1")
+    for ours, theirs in zip(*pictures, strict=True):
+        assert (ours.segmentation != theirs.segmentation).mean() < 0.001
+        assert np.abs(ours.depth.astype(float) - theirs.depth).max() < 0.004
+        differ = np.abs(ours.rgb.astype(int) - theirs.rgb).max(axis=-1)
+        assert (differ > 3).mean() < 0.02
+    assert (pictures[0][-1].segmentation == tray).mean() > 0.3, "the last camera looks into the tray"
 
 
 def test_a_recording_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):

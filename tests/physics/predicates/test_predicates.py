@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from prag_asp.errors import SceneError
 from prag_asp.physics import PREDICATES
+from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import predicate_of
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.predicates.volume import Volume
@@ -205,6 +206,11 @@ def test_the_distance_is_never_negative_and_zero_exactly_where_the_check_holds(s
         distance = predicate.distance(situation, ARGUMENTS[name])
         assert math.isfinite(distance) and distance >= 0.0
         assert predicate.holds(situation, ARGUMENTS[name]) == (distance == 0.0)
+        signed = predicate.signed_distance(situation, ARGUMENTS[name])
+        assert distance == max(0.0, signed)
+        for value in (True, False):
+            fact = Fact(predicate, ARGUMENTS[name], value)
+            assert fact.satisfied(situation) == (fact.distance(situation) <= 0.0)
 
 
 @settings(max_examples=examples(100))
@@ -220,8 +226,35 @@ def test_a_small_move_changes_the_distance_by_no_more_than_that(seed, spread):
             subject = arguments[predicate.subject]
             at, quaternion = situation.pose(subject)
             moved = situation.with_pose(subject, Pose(tuple(a + b for a, b in zip(at, move, strict=True)), quaternion))
-            change = predicate.distance(moved, arguments) - predicate.distance(situation, arguments)
+            change = predicate.signed_distance(moved, arguments) - predicate.signed_distance(situation, arguments)
             assert abs(change) <= math.hypot(*move) + 1e-12
+
+
+@settings(max_examples=examples(100))
+@given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.1, 0.5]))
+def test_a_small_move_of_the_gripper_or_of_its_fingers_changes_the_distance_by_no_more_than_that(seed, spread):
+    rng = random.Random(seed)
+    situation = _situation(rng, spread=spread)
+    move, width = [rng.uniform(-0.01, 0.01) for _ in range(3)], situation.arms["panda"].width
+    at, quaternion = situation.tool("panda")
+    there = Pose(tuple(a + b for a, b in zip(at, move, strict=True)), quaternion)
+    for name in ("at", "holding", "over", "gripper_open"):
+        before = ALL[name].signed_distance(situation, ARGUMENTS[name])
+        moved = ALL[name].signed_distance(_gripping(situation, there, width), ARGUMENTS[name])
+        assert abs(moved - before) <= math.hypot(*move) + 1e-12
+        opened = ALL[name].signed_distance(_gripping(situation, situation.tool("panda"), width + 0.01), ARGUMENTS[name])
+        assert abs(opened - before) <= 0.01 + 1e-12
+
+
+def test_what_just_holds_has_to_move_by_a_little_to_hold_no_longer():
+    poses = {"cube": Pose((0.5, 0.0, 0.067)), "brick": Pose((0.5, 0.0, 0.02))}  # 2 mm above it: on the border
+    situation = Situation(_scene(), poses)
+    on_top = PREDICATES["on_top"].signed_distance(situation, ("cube", "brick"))
+    assert on_top == pytest.approx(0.0, abs=1e-15)
+    for at, expected in ((0.067, 0.0), (0.065, 0.002), (0.1, -0.033)):
+        lifted = situation.with_pose("cube", Pose((0.5, 0.0, at)))
+        fact = Fact(PREDICATES["on_top"], ("cube", "brick"), False)
+        assert fact.distance(lifted) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["on_top", "inside", "located", "reachable", "near", "between", "wholly_in_corner"])

@@ -21,9 +21,9 @@ from prag_asp.scene.model import Scene
 from prag_asp.scene.read.mesh import mesh_parts
 from prag_asp.scene.read.urdf import read_urdf
 from tests.physics.random_tasks import Rules, scene_table
-from tests.physics.scenarios import stacking
+from tests.physics.scenarios import stacking, state, task
 
-ANGLE = 0.3
+ANGLE, WALL = 0.3, 0.006
 BLOCK = """<?xml version="1.0"?>
 <robot name="block">
   <link name="body">
@@ -150,6 +150,30 @@ def test_a_mesh_stands_on_the_table_in_the_simulator_as_it_is_measured(tmp_path,
     assert min(point[8] for point in points) == pytest.approx(0.0, abs=1e-6)
     verdict = validate_task(stacking(), scene, seed=1)
     assert verdict.feasible and settle(stacking(), verdict.witness, scene) is None
+
+
+@pytest.mark.parametrize(("millimetres", "fits"), [(61.5, True), (59.9, False)])
+def test_a_mesh_of_60_mm_fits_into_a_cavity_exactly_where_that_is_wider(tmp_path, millimetres, fits):
+    (tmp_path / "m.urdf").write_text(MESH.format(suffix=".obj"))
+    text = _obj().decode().replace("40.0", "60.0").replace("50.0", "60.0").replace("-20.0", "-30.0")
+    (tmp_path / "box.obj").write_text(text.replace("20.0", "30.0"))
+    wide = millimetres / 1000 + 2 * WALL
+    table = scene_table("tabletop")
+    shapes = {
+        "cube": {"kind": "urdf", "path": "m.urdf"},
+        "bin": {"kind": "container", "size": [wide, wide, 0.03], "wall": WALL},
+    }
+    table = {**table, "shapes": {**table["shapes"], **shapes}}
+    scene = parse_scene(table, rules().classes, rules().entities, folder=tmp_path)
+    assert scene.shapes["cube_1"].size == pytest.approx((0.06, 0.06, 0.06), abs=1e-12)
+    held = state("holding(panda,cube_1)", "-inside(cube_1,bin_1)")
+    asked = task(held, ("insert(panda,cube_1,bin_1)", state("-holding(panda,cube_1)", "inside(cube_1,bin_1)")))
+    verdict = validate_task(asked, scene, seed=1)
+    if fits:
+        assert check_witness(asked, verdict.witness, scene) == []
+    else:
+        assert verdict.status == "infeasible"
+        assert verdict.reason.endswith("cube 1 is larger than the cavity of bin 1")
 
 
 def test_a_point_that_no_face_uses_is_not_part_of_a_mesh(tmp_path):

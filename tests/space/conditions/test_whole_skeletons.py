@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import TaskSpace
+from prag_asp import TaskSpace, load_domain
 from prag_asp.space.conditions.whole_skeletons import SharesWarning
 from tests.commands import run
 from tests.domains import domain_of
@@ -29,6 +29,12 @@ def test_shares_are_met_by_whole_skeletons(seed: int, shares: dict[str, float | 
     for part, share in zip(parts.values(), (0.8, 0.2) if len(shares) == 2 else (0.5, 0.3, 0.2), strict=True):
         assert abs(part.count() / space.count() - share) <= 0.02
         assert {part.index(part[rank]) for rank in range(0, part.count(), 97)} == set(range(0, part.count(), 97))
+
+
+def test_nine_skeletons_of_a_shipped_domain_meet_their_shares() -> None:
+    space = TaskSpace(load_domain("tabletop"), 4)
+    test = space.split_skeletons({"train": 0.8, "test": 0.2}, seed=3)["test"]
+    assert abs(test.count() / space.count() - 0.2) <= 0.02
 
 
 def test_different_seeds_choose_different_skeletons() -> None:

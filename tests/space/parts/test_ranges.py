@@ -120,7 +120,7 @@ def test_an_entity_that_another_replaces_cannot_be_held_out(space: TaskSpace, wh
         space.hold_out(what)
 
 
-@pytest.mark.parametrize("shares", [{"train": 0.8}, {"a": 1.5, "b": -0.5}, {"a": "much"}, {}])
+@pytest.mark.parametrize("shares", [{"train": 0.8}, {"a": 1.5, "b": -0.5}, {"a": "much"}, {}, {"a": "1e999999999"}])
 def test_shares_that_do_not_add_up_are_refused(space: TaskSpace, shares: dict[str, float | str]) -> None:
-    with pytest.raises(QueryError, match="shares"):
+    with pytest.raises(QueryError, match=r"^shares? "):
         space.split(shares)

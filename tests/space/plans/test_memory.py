@@ -51,3 +51,13 @@ def test_tasks_that_are_told_by_turns_are_those_told_alone(monkeypatch: pytest.M
     monkeypatch.setattr(plan_states, "ENTRIES", 3)
     by_turns = zip(*(spaces.at(length).narrate(iter(words[length])) for length in spaces.lengths), strict=True)
     assert [*by_turns] == [*zip(*alone.values(), strict=True)]
+
+
+def test_plans_of_several_lengths_are_told_as_they_come(chance: Chance, monkeypatch: pytest.MonkeyPatch) -> None:
+    spaces = TaskSpaces(load_domain("prag"), (0, 1, 2, 3))
+    words = [word for length in spaces.lengths for word in islice(spaces.at(length).words(), 30)]
+    chance.generator(3).shuffle(words)
+    alone = [task for word in words for task in spaces.at(len(word)).narrate(iter([word]))]
+    assert [*spaces.at(0).narrate(iter(words))] == alone
+    monkeypatch.setattr(plan_states, "ENTRIES", 3)
+    assert [*TaskSpace(load_domain("prag"), 2).narrate(iter(words))] == alone

@@ -1,0 +1,82 @@
+"""``prag-asp suite``: the parts of a benchmark, counted exactly and written as data sets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from prag_asp.cli import complete, ending, options
+from prag_asp.cli.commands.generate import warnings_as_lines
+from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
+from prag_asp.errors import NotFound, QueryError
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.suites.counting import Figures
+    from prag_asp.dataset.suites.suite import Suite
+
+
+@click.command()
+@click.argument("name", metavar="SUITE", shell_complete=complete.suites)
+@click.option(
+    "--count", "counts", is_flag=True, help="Count its parts, what they share and what is held out; write nothing."
+)
+@click.option(
+    "-o", "--output", metavar="DIR", shell_complete=complete.files, help="Folder for one data set a part, and the card."
+)
+@click.option(
+    "--at-most", "most", type=click.IntRange(min=1), metavar="K",
+    help="At most K tasks a part, to try it; without, the same command goes on from there.",
+)  # fmt: skip
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics.")
+@options.TRUST
+def suite(*, name: str, counts: bool, output: str | None, most: int | None, workers: int, trust: bool) -> None:
+    """Count or write a benchmark: parts over one domain, each with what the others have not.
+
+    SUITE is a shipped one, such as tabletop-generalisation, or a TOML file. Parts with tasks in common are refused
+    unless the file says so. A run that was broken off goes on where it was when it is started again.
+    """
+    from prag_asp.dataset.suites.counting import count_suite, refuse_leaks
+    from prag_asp.dataset.suites.reading import load_suite
+    from prag_asp.space.limits import Limits
+
+    if counts == (output is not None):
+        raise QueryError("give either --count, or --output DIR to write it")
+    seconds, memory, begun = ending.limits()
+    limits = Limits(memory, seconds, True, begun)
+    with progress() as tell, whole_lines(), warnings_as_lines():
+        found = load_suite(name, trust=trust)
+        found = found if most is None else found.at_most(most)
+        if output is None:
+            figures = count_suite(found, limits=limits, progress=tell)
+            _show(found, figures)
+            refuse_leaks(found, figures)
+            return
+        from prag_asp.dataset.suites.making import generate_suite
+
+        try:
+            made = generate_suite(found, output, workers=workers, limits=limits, progress=tell)
+        except NotFound:
+            tell_line(f"{output}: holds what was found")
+            raise
+    width = max(len(part.name) for part in made.parts)
+    for part in made.parts:
+        say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
+
+
+def _show(suite: Suite, figures: Figures) -> None:
+    """Print the exact size of each part, what two parts share, and how much of what is held out each part has."""
+    width = max(map(len, suite.parts))
+    for name, part in suite.parts.items():
+        lengths = f"{part.lengths[0]}" if len(part.lengths) == 1 else f"{part.lengths[0]}..{part.lengths[-1]}"
+        say(f"{name:<{width}}  {lengths:>6}  {part.tasks} of {figures.size(name)}")
+    for each in figures.shared:
+        if each.tasks:
+            say(
+                f"shared: {each.one}, {each.other}  {each.tasks}, {'as said' if each.declared else 'which nobody says'}"
+            )
+    none = sum(not each.tasks for each in figures.shared)
+    say(f"shared: 0 in {none} of {len(figures.shared)} pairs of parts")
+    for held in suite.held:
+        away = [each for each in figures.unseen if each.what == held.what]
+        say(f"held out: {held.what}  {sum(each.tasks for each in away)} in {', '.join(each.part for each in away)}")

@@ -1,0 +1,175 @@
+"""BDDL in LIBERO's text form: one file a task, with its objects, its first state, its goal, and its words.
+
+The grammar is that of https://github.com/Lifelong-Robot-Learning/LIBERO, ``libero/envs/bddl_utils.py``: expressions in
+parentheses, of which small letters alone are read. Facts that are known to be false stand in ``(not ...)``; what is
+not said is not known.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from prag_asp.dataset.formats.mark import MARK, mark_of
+from prag_asp.dataset.formats.protocol import Told
+from prag_asp.dataset.formats.source import NO_TASK, Source
+from prag_asp.errors import QueryError
+from prag_asp.output import file_in, growing, replace_file
+from prag_asp.scene.geometry import yaw_of
+from prag_asp.scene.variation import table_of
+from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.atom import Atom
+    from prag_asp.dataset.store.entry import Entry
+    from prag_asp.physics import Witness
+    from prag_asp.scene.geometry import Pose
+
+BRACKETS = str.maketrans("()", "[]")
+"""The parentheses of a term such as ``disc(1)``, which would be an expression of its own."""
+
+TELLABLE = str.maketrans("();", "[],")
+WORD = re.compile(r"[^\s();A-Z]+")
+Region = tuple[str, tuple[float, float, float, float], float]
+"""The name of a part of the table, its low x, low y, high x and high y in metres, and a yaw in radians."""
+
+
+@dataclass(frozen=True)
+class Bddl:
+    """Writes a folder with a file for each task, ``PART-NUMBER.bddl``."""
+
+    def write(self, source: Source, target: Path, progress: Told) -> None:
+        """Write the folder; regions are there where the domain has a scene.
+
+        Raises:
+            QueryError: there is no task, or a name that BDDL cannot have.
+            OutputError: it cannot be written.
+        """
+        total = sum(note.rows("tasks") for note in source.data.manifest.parts if note.name in source.data.parts)
+        with growing(target, MARK, mark_of(source, "bddl")) as folder:
+            count = 0
+            for count, (entry, witness) in enumerate(_tasks(source), 1):
+                text = problem(source, entry, witness)
+                replace_file(file_in(folder, f"{entry.part}-{entry.number:06d}.bddl"), text.encode())
+                progress(plural(count, "task"), count, total)
+            if not count:
+                raise QueryError(f"{source.data.folder}: {NO_TASK}")
+
+
+def _tasks(source: Source) -> Iterator[tuple[Entry, Witness | None]]:
+    """Yield each task with its witness from the first of its first states, where there is one."""
+    witnesses = ((entry, found) for entry, start, found in source.data.witnesses() if start == 0)
+    waiting = next(witnesses, None)
+    for entry in source.data.entries():
+        if waiting is not None and (waiting[0].part, waiting[0].number) == (entry.part, entry.number):
+            yield entry, waiting[1]
+            waiting = next(witnesses, None)
+        else:
+            yield entry, None
+
+
+def problem(source: Source, entry: Entry, witness: Witness | None = None) -> str:
+    """Return a task as a problem of BDDL.
+
+    Raises:
+        QueryError: something has a name that BDDL cannot have.
+    """
+    task = entry.task
+    standing = _fixtures(source, entry)
+    objects = {name: kind for name, kind in task.entities.items() if name not in standing}
+    asked = [name for name in objects if any(name in fluent.arguments for fluent in task.goal)]
+    init = [f"    {_fact(fluent, value)}" for fluent, value in task.initial.items()]
+    goal = " ".join(_fact(fluent, value) for fluent, value in task.goal.items())
+    lines = [
+        f"(define (problem prag_asp_{_word(task.domain)})",
+        "  (:domain robosuite)",
+        f"  (:language {source.instruction(entry).translate(TELLABLE)})",
+        "  (:regions",
+        *_regions(source, witness),
+        "  )",
+        "  (:fixtures",
+        *_typed(standing),
+        "  )",
+        "  (:objects",
+        *_typed(objects),
+        "  )",
+        "  (:obj_of_interest",
+        *(f"    {_word(name)}" for name in asked),
+        "  )",
+        "  (:init",
+        *init,
+        "  )",
+        "  (:goal",
+        f"    (and {goal})" if goal else "    (and)",
+        "  )",
+        ")",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _fixtures(source: Source, entry: Entry) -> dict[str, str]:
+    """Return what stands still: robots, tables, zones, and what has its place in the scene."""
+    if not source.data.domain.settings.scene:
+        return {}
+    scene = source.scene
+    still = [name for name, shape in scene.shapes.items() if name in scene.fixed or not shape.traits.body]
+    named = {name: kind for name, kind in entry.task.entities.items() if name in {*still, *scene.robots}}
+    return {table_of(scene): "table", **named}
+
+
+def _regions(source: Source, witness: Witness | None) -> Iterator[str]:
+    """Yield the lines of the regions: zones of the table, and where objects are at first."""
+    if not source.data.domain.settings.scene:
+        return
+    table = _word(table_of(source.scene))
+    for name, sides, yaw in (*_zones(source), *_places(witness.moments[0].poses if witness else {})):
+        numbers = " ".join(f"{side:.6g}" for side in sides)
+        yield f"    ({_word(name)}"
+        yield f"      (:target {table})"
+        yield f"      (:ranges (({numbers})))"
+        yield f"      (:yaw_rotation (({yaw:.6g} {yaw:.6g})))"
+        yield "    )"
+
+
+def _zones(source: Source) -> Iterator[Region]:
+    for name, (x, y, yaw) in source.scene.fixed.items():
+        shape = source.scene.shapes.get(name)
+        if shape is not None and shape.traits.surface:
+            long, wide, _ = shape.half
+            along, across = abs(math.cos(yaw)), abs(math.sin(yaw))
+            right, far = long * along + wide * across, long * across + wide * along
+            yield name, (x - right, y - far, x + right, y + far), 0.0
+
+
+def _places(poses: Mapping[str, Pose]) -> Iterator[Region]:
+    for name, pose in poses.items():
+        x, y, _ = pose.position
+        yield f"{name}_init_region", (x, y, x, y), yaw_of(pose.quaternion)
+
+
+def _typed(entities: Mapping[str, str]) -> list[str]:
+    """Return a line for each class with all that are of it: where one comes twice, LIBERO knows the last alone."""
+    kinds = dict.fromkeys(entities.values())
+    of = {kind: " ".join(_word(name) for name, each in entities.items() if each == kind) for kind in kinds}
+    return [f"    {names} - {_word(kind)}" for kind, names in of.items()]
+
+
+def _fact(fluent: Atom, value: bool) -> str:
+    told = " ".join(map(_word, (fluent.name, *fluent.arguments)))
+    return f"({told})" if value else f"(not ({told}))"
+
+
+def _word(text: str) -> str:
+    """Return a name as a word of BDDL.
+
+    Raises:
+        QueryError: it has capital letters, blanks or ``;``.
+    """
+    word = text.translate(BRACKETS)
+    if not WORD.fullmatch(word):
+        raise QueryError(f"BDDL has no name {text}: it reads small letters alone, and no blanks or ;; rename it")
+    return word

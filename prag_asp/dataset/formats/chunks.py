@@ -1,0 +1,122 @@
+"""Parquet files of a LeRobotDataset, which stand in chunks, and grow by episodes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from prag_asp.output import make_folder
+from prag_asp.output.files import told
+
+CHUNK = 1000
+"""Files of a chunk."""
+
+MEGABYTE = 1 << 20
+
+ROWS = 100
+"""Rows about episodes that are written at once."""
+
+Place = tuple[int, int]
+
+
+def places() -> Iterator[Place]:
+    """Yield the numbers of chunks, and of files in them."""
+    chunk = 0
+    while True:
+        yield from ((chunk, file) for file in range(CHUNK))
+        chunk += 1
+
+
+class Tables:
+    """Files with the rows of one table, each of which is full at so many megabytes."""
+
+    def __init__(self, folder: Path, pattern: str, schema: pa.Schema, megabytes: int) -> None:
+        self._folder, self._pattern, self._limit = folder, pattern, megabytes * MEGABYTE
+        self.schema = schema
+        self._places = places()
+        self._place = next(self._places)
+        self._writer: pq.ParquetWriter | None = None
+        self._rows: list[Mapping[str, Any]] = []
+
+    def add(self, rows: pa.Table) -> Place:
+        """Write rows as one group, and return the numbers of the chunk and of the file that have them.
+
+        Raises:
+            OutputError: they cannot be written.
+        """
+        path = self._path
+        if self._writer is not None and path.stat().st_size >= self._limit:
+            self.close()
+            self._place = next(self._places)
+            path = self._path
+        with told(path):
+            if self._writer is None:
+                make_folder(path.parent)
+                self._writer = pq.ParquetWriter(path, rows.schema, compression="snappy")
+            self._writer.write_table(rows)
+        return self._place
+
+    def add_row(self, row: Mapping[str, Any]) -> None:
+        """Write a row about an episode, together with others, and where it is.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        self._rows.append(row)
+        if len(self._rows) >= ROWS:
+            self._pour()
+
+    def close(self) -> None:
+        """End the file that is being written.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        if self._rows:
+            self._pour()
+        if self._writer is not None:
+            writer, self._writer = self._writer, None
+            with told(self._path):
+                writer.close()
+
+    @property
+    def _path(self) -> Path:
+        chunk, file = self._place
+        return self._folder / self._pattern.format(chunk_index=chunk, file_index=file)
+
+    def _pour(self) -> None:
+        """Write the rows that wait."""
+        rows, self._rows = self._rows, []
+        if self._writer is not None and self._path.stat().st_size >= self._limit:
+            self.close()
+            self._place = next(self._places)
+        chunk, file = self._place
+        placed = [{**row, "meta/episodes/chunk_index": chunk, "meta/episodes/file_index": file} for row in rows]
+        self.add(pa.Table.from_pylist(placed, self.schema))
+
+
+def texts_table(name: str, texts: Mapping[str, int]) -> pa.Table:
+    """Return a table of texts and their numbers in the column ``NAME_index``, the texts the index of pandas."""
+    number = f"{name}_index"
+    columns = [
+        {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},
+        {"name": name, "field_name": name, "pandas_type": "unicode", "numpy_type": "object", "metadata": None},
+    ]
+    note = {"index_columns": [name], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"}
+    schema = pa.schema([(number, pa.int64()), (name, pa.string())], {"pandas": json.dumps(note)})
+    return pa.table([list(texts.values()), list(texts)], schema=schema)
+
+
+def write_table(path: Path, table: pa.Table) -> None:
+    """Write a table as a file.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    with told(path):
+        pq.write_table(table, path, compression="snappy")

@@ -1,0 +1,293 @@
+"""LeRobotDataset v3.0: tables of frames in chunks, videos of many episodes, and what ``meta`` says of both.
+
+The layout is that of https://huggingface.co/docs/lerobot/lerobot-dataset-v3; subtasks are as in
+https://huggingface.co/docs/lerobot/dataset_subtask. Depth and segmentation are left out.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from prag_asp.dataset.formats.chunks import CHUNK, MEGABYTE, Tables, places, texts_table, write_table
+from prag_asp.dataset.formats.mark import MARK, mark_of
+from prag_asp.dataset.formats.protocol import Told
+from prag_asp.dataset.formats.source import Episode, Source
+from prag_asp.dataset.formats.statistics import (
+    NAMES,
+    Aggregate,
+    Colours,
+    Statistics,
+    as_lists,
+    flattened,
+    statistics_of,
+)
+from prag_asp.dataset.formats.video import Video, described
+from prag_asp.output import growing, make_folder, replace_file
+from prag_asp.wording import plural
+
+VERSION = "v3.0"
+PLACE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
+DATA, EPISODES = f"data/{PLACE}.parquet", f"meta/episodes/{PLACE}.parquet"
+VIDEOS = f"videos/{{video_key}}/{PLACE}.mp4"
+
+CARD = """---
+tags: [LeRobot]
+task_categories: [robotics]
+configs:
+- {{config_name: default, data_files: data/*/*.parquet}}
+---
+
+# {name}
+
+A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtask_index` is a row of
+`meta/subtasks.parquet`, `subgoal_index` the number of the action in the plan of the episode.
+"""
+
+
+@dataclass(frozen=True)
+class LeRobot:
+    """Writes LeRobotDatasets; a file of data or of videos that has so many megabytes gets no more episodes."""
+
+    data_megabytes: int = 100
+    video_megabytes: int = 200
+
+    def write(self, source: Source, target: Path, progress: Told) -> None:
+        """Write a folder with ``meta``, ``data`` and, where there are cameras, ``videos``.
+
+        Raises:
+            QueryError: there are no recordings.
+            OutputError: it cannot be written.
+        """
+        with growing(target, MARK, mark_of(source, "lerobot")) as folder, closing(_Run(self, source, folder)) as run:
+            for episode in source.episodes():
+                run.add(episode)
+                progress(plural(run.episodes, "episode"), run.episodes, source.count)
+            run.finish()
+
+
+class _Run:
+    """One data set that is being written."""
+
+    def __init__(self, form: LeRobot, source: Source, folder: Path) -> None:
+        self._form, self._source, self._folder = form, source, folder
+        self.episodes = self._frames = 0
+        self._tasks: dict[str, int] = {}
+        self._subtasks: dict[str, int] = {}
+        self._splits: dict[str, tuple[int, int]] = {}
+        self._statistics: dict[str, Aggregate] = {}
+        self._features = _features(source)
+        self._data = Tables(folder, DATA, _columns(self._features), form.data_megabytes)
+        self._rows = Tables(folder, EPISODES, _about(self._features), form.data_megabytes)
+        self._reels = {f"observation.images.{name}": _Reel(form, source, folder, name) for name in source.cameras}
+
+    def add(self, episode: Episode) -> None:
+        """Write an episode."""
+        values = self._values(episode)
+        found: dict[str, Statistics] = {name: statistics_of(value) for name, value in values.items()}
+        chunk, file = self._data.add(_table(values, self._data.schema))
+        row: dict[str, Any] = {
+            "episode_index": self.episodes,
+            "tasks": [episode.instruction],
+            "length": episode.length,
+            "data/chunk_index": chunk,
+            "data/file_index": file,
+            "dataset_from_index": self._frames,
+            "dataset_to_index": self._frames + episode.length,
+        }
+        for key, reel in self._reels.items():
+            told, found[key] = reel.add(episode)
+            row |= {f"videos/{key}/{name}": value for name, value in told.items()}
+        row |= flattened(found)
+        self._rows.add_row({**row, **_origin(episode)})
+        for name, each in found.items():
+            self._statistics.setdefault(name, Aggregate()).add(each)
+        begin, _ = self._splits.get(episode.entry.part, (self.episodes, 0))
+        self.episodes, self._frames = self.episodes + 1, self._frames + episode.length
+        self._splits[episode.entry.part] = begin, self.episodes
+
+    def finish(self) -> None:
+        """Write what is said of all episodes."""
+        self.close()
+        meta = make_folder(self._folder / "meta")
+        write_table(meta / "tasks.parquet", texts_table("task", self._tasks))
+        write_table(meta / "subtasks.parquet", texts_table("subtask", self._subtasks))
+        _write_json(meta / "info.json", self._info())
+        statistics = {name: as_lists(each.statistics()) for name, each in self._statistics.items()}
+        _write_json(meta / "stats.json", statistics)
+        card = CARD.format(
+            name=self._source.data.domain.name, version=VERSION, episodes=plural(self.episodes, "episode")
+        )
+        replace_file(self._folder / "README.md", card.encode())
+
+    def close(self) -> None:
+        """Close all files."""
+        self._data.close()
+        self._rows.close()
+        for reel in self._reels.values():
+            reel.close()
+
+    def _values(self, episode: Episode) -> dict[str, NDArray[Any]]:
+        """Return what is said of each frame of an episode, by the names of the features."""
+        length = episode.length
+        frame = np.arange(length)
+        task = self._tasks.setdefault(episode.instruction, len(self._tasks))
+        subtasks = [self._subtasks.setdefault(text, len(self._subtasks)) for text in episode.subgoals]
+        return {
+            "observation.state": episode.state,
+            "action": episode.action,
+            "subtask_index": np.array(subtasks)[episode.subgoal],
+            "subgoal_index": episode.subgoal,
+            "next.reward": episode.rewards,
+            "next.done": frame == length - 1,
+            "timestamp": (frame / self._source.rate).astype(np.float32),
+            "frame_index": frame,
+            "episode_index": np.full(length, self.episodes),
+            "index": frame + self._frames,
+            "task_index": np.full(length, task),
+        }
+
+    def _info(self) -> dict[str, Any]:
+        source, form = self._source, self._form
+        return {
+            "codebase_version": VERSION,
+            "robot_type": "+".join(mount.kind for mount in source.scene.robots.values()),
+            "total_episodes": self.episodes,
+            "total_frames": self._frames,
+            "total_tasks": len(self._tasks),
+            "chunks_size": CHUNK,
+            "data_files_size_in_mb": form.data_megabytes,
+            "video_files_size_in_mb": form.video_megabytes,
+            "fps": source.rate,
+            "splits": {name: f"{begin}:{end}" for name, (begin, end) in self._splits.items()},
+            "data_path": DATA,
+            "video_path": VIDEOS if self._reels else None,
+            "features": self._features,
+        }
+
+
+class _Reel:
+    """The videos of one camera, one after the other."""
+
+    def __init__(self, form: LeRobot, source: Source, folder: Path, camera: str) -> None:
+        self._form, self._source, self._folder, self._camera = form, source, folder, camera
+        self._places = places()
+        self._place = next(self._places)
+        self._video: Video | None = None
+
+    def add(self, episode: Episode) -> tuple[dict[str, Any], Statistics]:
+        """Add the film of an episode, and return where it is, and the statistics of its colours."""
+        if self._video is not None and self._video.size >= self._form.video_megabytes * MEGABYTE:
+            self.close()
+            self._place = next(self._places)
+        if self._video is None:
+            name = VIDEOS.format(
+                video_key=f"observation.images.{self._camera}", chunk_index=self._place[0], file_index=self._place[1]
+            )
+            self._video = Video(self._folder / name, self._source.cameras[self._camera], self._source.rate)
+        colours, begin = Colours(), self._video.seconds
+        for picture in episode.films[self._camera].packed[0].rows():
+            colours.add(picture)
+            self._video.add(picture)
+        told = {
+            "chunk_index": self._place[0],
+            "file_index": self._place[1],
+            "from_timestamp": begin,
+            "to_timestamp": self._video.seconds,
+        }
+        return told, colours.statistics()
+
+    def close(self) -> None:
+        """End the video that is being written."""
+        if self._video is not None:
+            video, self._video = self._video, None
+            video.close()
+
+
+def _features(source: Source) -> dict[str, Any]:
+    """Return what info.json says of each feature."""
+    joints = source.joints
+    vector = {"dtype": "float32", "shape": [len(joints)], "names": joints}
+    kinds = {
+        **dict.fromkeys(("subtask_index", "subgoal_index"), "int64"),
+        "next.reward": "float32",
+        "next.done": "bool",
+        "timestamp": "float32",
+        **dict.fromkeys(("frame_index", "episode_index", "index", "task_index"), "int64"),
+    }
+    found: dict[str, Any] = {"observation.state": vector, "action": vector}
+    found |= {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in kinds.items()}
+    for name, (width, height) in source.cameras.items():
+        found[f"observation.images.{name}"] = {
+            "dtype": "video",
+            "shape": [height, width, 3],
+            "names": ["height", "width", "channels"],
+            "info": described((width, height), source.rate),
+        }
+    return found
+
+
+def _columns(features: Mapping[str, Any]) -> pa.Schema:
+    """Return the columns of the tables of frames: all features but videos."""
+    columns = []
+    for name, feature in features.items():
+        if feature["dtype"] != "video":
+            kind, (size,) = pa.type_for_alias(feature["dtype"]), feature["shape"]
+            columns.append((name, kind if feature["names"] is None else pa.list_(kind, size)))
+    return pa.schema(columns)
+
+
+def _about(features: Mapping[str, Any]) -> pa.Schema:
+    """Return the columns of the table of episodes."""
+    numbers, texts = ("episode_index", "length", "dataset_from_index", "dataset_to_index"), pa.list_(pa.string())
+    columns = [("tasks", texts), *((name, pa.int64()) for name in numbers)]
+    columns += [
+        (f"{room}/{each}_index", pa.int64()) for room in ("data", "meta/episodes") for each in ("chunk", "file")
+    ]
+    for name, feature in features.items():
+        value = pa.list_(pa.float64())
+        if feature["dtype"] == "video":
+            columns += [(f"videos/{name}/{each}_index", pa.int64()) for each in ("chunk", "file")]
+            columns += [(f"videos/{name}/{each}_timestamp", pa.float64()) for each in ("from", "to")]
+            value = pa.list_(pa.list_(value))
+        columns += [(f"stats/{name}/{each}", pa.list_(pa.int64()) if each == "count" else value) for each in NAMES]
+    columns += [(f"prag_asp/{name}", pa.int64()) for name in ("task", "start")]
+    columns += [(f"prag_asp/{name}", pa.string()) for name in ("part", "rank")]
+    return pa.schema([*columns, ("prag_asp/plan", texts)])
+
+
+def _table(values: Mapping[str, NDArray[Any]], schema: pa.Schema) -> pa.Table:
+    """Return the rows of an episode."""
+    arrays = []
+    for column in schema:
+        value = values[column.name]
+        if value.ndim == 1:
+            arrays.append(pa.array(value, column.type))
+        else:
+            flat = pa.array(value.ravel(), column.type.value_type)
+            arrays.append(pa.FixedSizeListArray.from_arrays(flat, value.shape[1]))
+    return pa.Table.from_arrays(arrays, schema=schema)
+
+
+def _origin(episode: Episode) -> dict[str, Any]:
+    """Return where an episode comes from, which LeRobot does not ask for."""
+    entry = episode.entry
+    return {
+        "prag_asp/part": entry.part,
+        "prag_asp/task": entry.number,
+        "prag_asp/start": episode.start,
+        "prag_asp/rank": str(entry.rank),
+        "prag_asp/plan": episode.plan,
+    }
+
+
+def _write_json(path: Path, value: Any) -> None:
+    replace_file(path, f"{json.dumps(value, indent=4, ensure_ascii=False)}\n".encode())

@@ -1,0 +1,155 @@
+"""Minari: a local data set that `minari.load_dataset` finds, as https://minari.farama.org tells of it.
+
+There is no environment to be made, so the data set has its spaces itself.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
+from prag_asp.dataset.formats.mark import MARK, mark_of
+from prag_asp.dataset.formats.protocol import Told
+from prag_asp.dataset.formats.source import POSE, Episode, Source
+from prag_asp.output import growing, make_folder, replace_file
+from prag_asp.wording import plural
+
+LAYOUT = "0.5.0"
+"""The version of Minari that first had this layout."""
+
+MAIN = "main_data.hdf5"
+SMALLEST = 32
+"""Pixels of a side from which on Minari takes colours for a picture, and has it as JPEG."""
+
+QUALITY = 95
+
+
+@dataclass(frozen=True)
+class Minari:
+    """Writes a folder for ``MINARI_DATASETS_PATH``, with one data set, ``prag_asp/DOMAIN-v0``."""
+
+    def write(self, source: Source, target: Path, progress: Told) -> None:
+        """Write the folder.
+
+        Raises:
+            QueryError: there are no recordings.
+            OutputError: it cannot be written.
+        """
+        name = dataset_name(source)
+        with growing(target, MARK, mark_of(source, "minari")) as folder:
+            inner = make_folder(folder / name / "data")
+            steps = count = 0
+            with written(inner / MAIN, target) as (file, check):
+                for count, episode in enumerate(source.episodes(), 1):
+                    steps += _write(group_in(file, f"episode_{count - 1}"), source, episode, count - 1)
+                    check()
+                    progress(plural(count, "episode"), count, source.count)
+            content = {
+                "dataset_id": name,
+                "total_episodes": count,
+                "total_steps": steps,
+                "data_format": "hdf5",
+                "jpeg_encoding": True,
+                "observation_space": json.dumps(_observation_space(source)),
+                "action_space": json.dumps(_box(source.limits, len(source.joints), "float32")),
+                "minari_version": LAYOUT,
+                "dataset_size": round((inner / MAIN).stat().st_size / 1e6, 1),
+                "description": f"Demonstrations of {source.data.domain.name} by prag_asp, without an environment.",
+                "joints": source.joints,
+                "objects": source.objects,
+                "furniture": source.furniture,
+                "legend": source.legend,
+                "rate": source.rate,
+            }
+            replace_file(inner / "metadata.json", json.dumps(content, ensure_ascii=False).encode())
+
+
+def dataset_name(source: Source) -> str:
+    """Return the name by which Minari knows a data set; signs that it does not allow become ``_``."""
+    return f"prag_asp/{re.sub(r'[^-a-zA-Z0-9_]', '_', source.data.domain.name)}-v0"
+
+
+def _write(group: h5py.Group, source: Source, episode: Episode, number: int) -> int:
+    """Write an episode, and return how many steps it has."""
+    steps = require_steps(source, episode)
+    told = {
+        name: json.dumps(each, ensure_ascii=False) if isinstance(each, list) else each
+        for name, each in origin(episode).items()
+    }
+    note(group, {"id": number, "total_steps": steps, **told})
+    last = np.arange(steps) == steps - 1
+    done = episode.rewards[1:] == 1
+    put(group, "actions", episode.action[:-1])
+    put(group, "rewards", episode.rewards[1:].astype(np.float64))
+    put(group, "terminations", last & done)
+    put(group, "truncations", last & ~done)
+    put(group, "infos/subgoal", episode.subgoal)
+    for name, values in numbers_of(source, episode).items():
+        put(group, f"observations/{name}", values)
+    for camera, kind, pictures in pictures_of(source, episode):
+        name = f"observations/{camera}_{kind}"
+        if kind == "rgb" and min(pictures.shape[1:3]) >= SMALLEST:
+            put(group, name, _as_jpeg(pictures))
+        else:
+            put(group, name, pictures)
+    return steps
+
+
+def _as_jpeg(pictures: Iterable[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """Return pictures as JPEG, shape (N, bytes): those that take less room end with zeros, which no reader minds."""
+    from PIL import Image
+
+    found = []
+    for picture in pictures:
+        buffer = BytesIO()
+        Image.fromarray(picture).save(buffer, format="JPEG", quality=QUALITY, subsampling=0)
+        found.append(np.frombuffer(buffer.getvalue(), dtype=np.uint8))
+    rows = np.zeros((len(found), max(map(len, found))), dtype=np.uint8)
+    for row, content in zip(rows, found, strict=True):
+        row[: len(content)] = content
+    return rows
+
+
+def _observation_space(source: Source) -> dict[str, Any]:
+    return {"type": "Dict", "subspaces": dict(_observed(source))}
+
+
+def _observed(source: Source) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the space of each observation; what is measured has no bounds."""
+    yield "state", _free(len(source.joints))
+    yield "objects", _free(len(source.objects), 1 + len(POSE))
+    if source.furniture:
+        yield "openings", _free(len(source.furniture))
+    if source.cameras:
+        yield "tools", _free(len(source.robots), len(POSE))
+    for camera, (width, height) in source.cameras.items():
+        entities = len(source.legend)
+        yield f"{camera}_rgb", _between(0, 255, (height, width, 3), "uint8")
+        yield f"{camera}_depth", _between(0.0, np.inf, (height, width), "float16")
+        yield f"{camera}_segmentation", _between(0, entities - 1, (height, width), source.numbered.name)
+
+
+def _free(*shape: int) -> dict[str, Any]:
+    return _between(-np.inf, np.inf, shape, "float32")
+
+
+def _between(low: float, high: float, shape: tuple[int, ...], kind: str) -> dict[str, Any]:
+    """Return a box with the same bounds everywhere."""
+    return _box((np.full(shape, low), np.full(shape, high)), *shape, kind)
+
+
+def _box(bounds: tuple[NDArray[Any], NDArray[Any]], *rest: Any) -> dict[str, Any]:
+    """Return a box as Minari writes it: its bounds, its shape, and last the type of its numbers."""
+    *shape, kind = rest
+    low, high = (each.astype(kind).tolist() for each in bounds)
+    return {"type": "Box", "dtype": kind, "shape": shape, "low": low, "high": high}

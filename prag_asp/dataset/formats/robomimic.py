@@ -1,0 +1,112 @@
+"""HDF5 in robomimic's layout, as https://robomimic.github.io/docs/datasets/overview.html has it.
+
+N moments make N - 1 samples: what is observed, the action, and what is observed then.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
+from prag_asp.dataset.formats.mark import told_of
+from prag_asp.dataset.formats.protocol import Told
+from prag_asp.dataset.formats.source import Episode, Source
+from prag_asp.output import whole_file
+from prag_asp.wording import plural
+
+GYM = 2
+"""The type of environment that robomimic is told, which has none for those that are not there."""
+
+IMAGES = {"rgb": "image", "depth": "depth", "segmentation": "segmentation"}
+"""What robomimic calls what cameras see."""
+
+
+@dataclass(frozen=True)
+class Robomimic:
+    """Writes one file for robomimic."""
+
+    def write(self, source: Source, target: Path, progress: Told) -> None:
+        """Write a file with ``data`` and ``mask``.
+
+        Raises:
+            QueryError: there are no recordings.
+            OutputError: it cannot be written.
+        """
+        with whole_file(target) as path, written(path, target) as (file, check):
+            data, mask, total = group_in(file, "data"), dict[str, list[str]](), 0
+            for number, episode in enumerate(source.episodes()):
+                name = f"demo_{number}"
+                total += _write(group_in(data, name), source, episode)
+                check()
+                mask.setdefault(episode.entry.part, []).append(name)
+                progress(plural(number + 1, "episode"), number + 1, source.count)
+            note(data, {"total": total, "env_args": json.dumps(_environment(source), ensure_ascii=False)})
+            for part, names in mask.items():
+                put(file, f"mask/{part}", np.array(names, dtype="S"))
+
+
+def _write(demo: h5py.Group, source: Source, episode: Episode) -> int:
+    """Write an episode, and return how many samples it has."""
+    steps = require_steps(source, episode)
+    lower, upper = source.limits
+    action = episode.action[:-1]
+    put(demo, "actions", np.clip(2 * (action - lower) / (upper - lower) - 1, -1, 1).astype(np.float32))
+    put(demo, "action_dict/targets", action)
+    put(demo, "rewards", episode.rewards[1:])
+    put(demo, "dones", (np.arange(steps) == steps - 1).astype(np.int64))
+    put(demo, "subgoals", episode.subgoal[:-1])
+    put(demo, "states", np.concatenate([each.reshape(episode.length, -1) for each in _states(source, episode)], 1)[:-1])
+    for name, values in _observed(source, episode):
+        put(demo, f"obs/{name}", values[:-1])
+        put(demo, f"next_obs/{name}", values[1:])
+    told = json.dumps({"lang": episode.instruction, **origin(episode)}, ensure_ascii=False)
+    note(demo, {"num_samples": steps, "ep_meta": told})
+    return steps
+
+
+def _states(source: Source, episode: Episode) -> Iterator[NDArray[np.float32]]:
+    """Yield what the state of the world is made of."""
+    numbers = numbers_of(source, episode)
+    yield from (numbers[name] for name in ("state", "objects", "openings") if name in numbers)
+
+
+def _observed(source: Source, episode: Episode) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Yield the keys of observations with their values at each moment."""
+    numbers = numbers_of(source, episode)
+    for at, robot in enumerate(source.robots):
+        own = numbers["state"].reshape(episode.length, len(source.robots), -1)[:, at]
+        yield f"{robot}_joint_pos", own[:, :-1]
+        yield f"{robot}_gripper_width", own[:, -1:]
+        if "tools" in numbers:
+            yield f"{robot}_eef_pos", numbers["tools"][:, at, :3]
+            yield f"{robot}_eef_quat", numbers["tools"][:, at, 3:]
+    yield "object", numbers["objects"].reshape(episode.length, -1)
+    if "openings" in numbers:
+        yield "openings", numbers["openings"]
+    for camera, kind, pictures in pictures_of(source, episode):
+        shaped = pictures if kind == "rgb" else pictures[..., None]
+        yield f"{camera}_{IMAGES[kind]}", shaped.astype(np.float32) if kind == "depth" else shaped
+
+
+def _environment(source: Source) -> dict[str, Any]:
+    """Return what is told of the environment: there is none to be made, so what would make it is what there is."""
+    lower, upper = source.limits
+    told = {
+        **told_of(source, "robomimic"),
+        "rate": source.rate,
+        "joints": source.joints,
+        "lower": lower.tolist(),
+        "upper": upper.tolist(),
+        "objects": source.objects,
+        "furniture": source.furniture,
+        "legend": source.legend,
+    }
+    return {"env_name": f"prag_asp/{source.data.domain.name}", "type": GYM, "env_kwargs": told}

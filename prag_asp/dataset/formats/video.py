@@ -1,0 +1,94 @@
+"""Films as AV1 in MP4: one file for many episodes, the same bytes for the same pictures."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.output.files import told
+
+CODEC, PIXELS = "av1", "yuv420p"
+OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
+"""A picture that needs no other comes every ten, so that one is found quickly; a single thread, for the same bytes."""
+
+QUIET = "0"
+"""The encoder, which writes on stderr by itself, is not heard: what goes wrong is told by an error."""
+
+
+class Video:
+    """A video file that grows by pictures; `seconds` is how long it is."""
+
+    def __init__(self, path: Path, size: tuple[int, int], rate: int) -> None:
+        """Begin a file for pictures of a width and height, so many a second.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        os.environ.setdefault("SVT_LOG", QUIET)
+        import av
+
+        self.path, self._rate, self._pictures = path, rate, 0
+        with told(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = av.open(str(path), "w", format="mp4")
+        stream: Any = self._file.add_stream("libsvtav1", rate=rate, options=OPTIONS)
+        stream.width, stream.height = size
+        stream.pix_fmt = PIXELS
+        stream.codec_context.thread_count = 1
+        self._stream = stream
+
+    @property
+    def seconds(self) -> float:
+        """How long it is until now."""
+        return self._pictures / self._rate
+
+    @property
+    def size(self) -> int:
+        """How many bytes of it are written: the encoder holds some pictures back."""
+        return self.path.stat().st_size if self.path.exists() else 0
+
+    def add(self, picture: NDArray[np.uint8]) -> None:
+        """Add a picture of shape (H, W, 3).
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        import av
+
+        self._write(self._stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        self._pictures += 1
+
+    def close(self) -> None:
+        """Write what is left.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        self._write(self._stream.encode())
+        with told(self.path):
+            self._file.close()
+
+    def _write(self, packets: Iterable[Any]) -> None:
+        with told(self.path):
+            for packet in packets:
+                self._file.mux(packet)
+
+
+def described(size: tuple[int, int], rate: int) -> dict[str, Any]:
+    """Return what LeRobot notes of a video of a width and height."""
+    width, height = size
+    return {
+        "video.height": height,
+        "video.width": width,
+        "video.codec": CODEC,
+        "video.pix_fmt": PIXELS,
+        "video.is_depth_map": False,
+        "video.fps": rate,
+        "video.channels": 3,
+        "has_audio": False,
+    }

@@ -1,0 +1,40 @@
+"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, and an oracle.
+
+>>> import gymnasium, prag_asp.rl
+>>> from prag_asp import TaskSpace, load_domain
+>>> env = gymnasium.make("prag_asp/Task-v0", space=TaskSpace(load_domain("tabletop"), length=2))
+>>> observation, info = env.reset(seed=0)
+>>> info["task"]
+'pick(panda,brick_1,table_1) place(panda,brick_1,behind,can_1)'
+>>> env.close()
+
+To import it is to register ``prag_asp/Task-v0``; it raises `LearningMissingError` where Gymnasium is not installed.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from prag_asp.lazy import names_from
+from prag_asp.missing import require_gymnasium
+
+if TYPE_CHECKING:
+    from prag_asp.rl.environment import TaskEnv
+    from prag_asp.rl.observing import Layout
+    from prag_asp.rl.scripted import oracle
+
+__all__ = ["Layout", "TaskEnv", "oracle"]
+
+require_gymnasium().register(id="prag_asp/Task-v0", entry_point="prag_asp.rl.environment:TaskEnv")
+
+_HOMES = {
+    "prag_asp.rl.environment": ("TaskEnv",),
+    "prag_asp.rl.observing": ("Layout",),
+    "prag_asp.rl.scripted": ("oracle",),
+}
+
+__getattr__ = names_from(__name__, _HOMES)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,113 @@
+"""A world with forces that an agent acts in, put to any moment of any witness."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.demonstration.acting import SQUEEZE
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Moment, Witness
+from prag_asp.physics.world.dynamics import TIME_STEP, Command, open_dynamics
+from prag_asp.rl.control import Control, commanded
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import robot_of
+
+SUBSTEPS = 6
+"""How many steps of the simulation an action lasts: an agent acts 20 times a second."""
+
+PERIOD = SUBSTEPS * TIME_STEP
+"""How long an action lasts, in seconds."""
+
+
+class Arena:
+    """One world, which is built anew only where other bodies take part or they have other sizes."""
+
+    def __init__(self, scene: Scene, resources: ExitStack):
+        self._scene = scene
+        self._world = resources.enter_context(open_dynamics(scene))
+        self._begun: tuple[Scene, tuple[str, ...]] | None = None
+        self._commands: dict[str, Command] = {}
+        self._tools: dict[str, Vector] = {}
+        self._speeds: dict[str, Vector] = {}
+        self._situation: Situation | None = None
+
+    def start(self, witness: Witness, number: int) -> Situation:
+        """Put the world to a moment of a witness, by its number; what follows depends on nothing else.
+
+        Raises:
+            SceneError: the witness has sizes that the scene does not give.
+        """
+        moment = witness.moments[number]
+        scene = self._scene.with_sizes(witness.sizes) if witness.sizes else self._scene
+        objects = tuple(moment.poses)
+        if self._begun != (scene, objects):
+            self._world.begin(objects, moment, scene)
+            self._begun = scene, objects
+        self._world.restore(moment)
+        self._commands = {name: _holding(moment, name) for name in moment.arms}
+        for robot, command in self._commands.items():
+            self._world.drive(robot, command)
+        self._tools = {}
+        return self._look()
+
+    def act(self, action: NDArray[np.float64], control: Control) -> Situation:
+        """Let all arms act for one `PERIOD`; `action` has the numbers of each robot in turn, between -1 and 1."""
+        assert self._situation is not None
+        wanted = {}
+        for (robot, last), own in zip(self._commands.items(), np.split(action, len(self._commands)), strict=True):
+            arm = self._situation.arm(robot)
+            wanted[robot] = commanded(self._situation.robot(robot), arm, last, own, control, PERIOD)
+        for i in range(SUBSTEPS):
+            for robot, command in wanted.items():
+                self._drive(robot, command, (i + 1) / SUBSTEPS)
+            self._world.step()
+        self._commands = wanted
+        self._world.at_rest()
+        return self._look()
+
+    @property
+    def speeds(self) -> Mapping[str, Vector]:
+        """How fast the tool of each robot has moved in the last period, in metres a second."""
+        return self._speeds
+
+    @property
+    def asked(self) -> Mapping[str, float]:
+        """How far each gripper is told to open, in metres."""
+        return {robot: command.opening for robot, command in self._commands.items()}
+
+    def _drive(self, robot: str, command: Command, share: float) -> None:
+        """Tell the motors of an arm to be a share of the way from what they were told last to a command."""
+        last = self._commands[robot]
+        joints = tuple(a + share * (b - a) for a, b in zip(last.joints, command.joints, strict=True))
+        speeds = [(b - a) / PERIOD for a, b in zip(last.joints, command.joints, strict=True)]
+        opening = last.opening + share * (command.opening - last.opening)
+        self._world.drive(robot, Command(joints, opening), speeds)
+
+    def _look(self) -> Situation:
+        """Return where everything is now, and note how fast the tools have moved."""
+        world = self._world
+        scene, arms = world.scene, world.arms()
+        tools = {name: tool_pose(robot_of(scene, name), arm.joints) for name, arm in arms.items()}
+        situation = Situation(scene, world.poses(), arms, world.openings(), tools)
+        at = {name: tool.position for name, tool in tools.items()}
+        self._speeds = {name: _speed(self._tools.get(name, here), here) for name, here in at.items()}
+        self._tools, self._situation = at, situation
+        return situation
+
+
+def _holding(moment: Moment, robot: str) -> Command:
+    """Return what the motors of an arm drive to so that it stays as it is at a moment, and holds what it holds."""
+    arm = moment.arms[robot]
+    return Command(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
+
+
+def _speed(one: Sequence[float], two: Sequence[float]) -> Vector:
+    """Return how fast something has moved in a period, in metres a second."""
+    x, y, z = ((b - a) / PERIOD for a, b in zip(one, two, strict=True))
+    return (x, y, z)

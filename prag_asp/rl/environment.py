@@ -1,0 +1,307 @@
+"""An environment in which an agent pursues the subgoals of tasks, by the interface of Gymnasium."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Mapping
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from prag_asp.atom import Atom, atom_of
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.domain.load import Domain, load_domain
+from prag_asp.errors import QueryError
+from prag_asp.physics import Budget, Witness, require_physics
+from prag_asp.rl.arena import PERIOD, Arena
+from prag_asp.rl.control import CONTROLS, SIZES, Control
+from prag_asp.rl.fading import Fading
+from prag_asp.rl.goals import PLACES, subgoals_of
+from prag_asp.rl.observing import Layout, observe
+from prag_asp.rl.rewards import REWARDS, Reward, earned, reached
+from prag_asp.rl.sources import DatasetSource, Finder, Given, OneTask, Source, SpaceSource, fitting
+from prag_asp.space.task_space import TaskSpace
+from prag_asp.space.task_spaces import TaskSpaces
+from prag_asp.task import Task
+from prag_asp.wording import unknown
+
+if TYPE_CHECKING:
+    from prag_asp.physics.situation import Situation
+
+Until = Literal["subgoal", "task"]
+UNTIL: tuple[Until, ...] = get_args(Until)
+Observation = dict[str, Any]
+"""What an agent sees: arrays of 32-bit floats by their names."""
+
+STEPS = 100
+"""For how many steps a subgoal may be pursued, unless something else is asked for."""
+
+OPTIONS = ("task", "witness", "rank", "stage")
+
+
+class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """One agent moves all arms of a scene; its tasks come from a `space`, a `dataset`, or are one `task` alone.
+
+    An observation has what the agent sees (`layout.names` says what each number is), and, by the convention of goal
+    environments, `achieved_goal` and `desired_goal` of the shape (2, `PLACES`): the moment, then that one step before;
+    `prag_asp.rl.rewards` says what the vectors mean. The action has, of each robot in turn, a displacement of the tool
+    along x, y, z, a turn about the vertical and one of the fingers (`control` "tool"), or seven joints and the fingers
+    ("joints"), each between -1 and 1; it lasts 1/20 s.
+
+    `stage` is the subgoal to begin with, from 0, from the state in which a witness has it begin (-1 is the last,
+    "any" draws one); the episode lasts `until` that "subgoal" is reached, or the whole "task", and at most `steps` for
+    each of them. Whether one is reached, the predicates decide alone. With `everything`, all bodies are seen, not those
+    alone of which the action speaks. The dense part of a "faded" reward fades over so many steps, or with "success";
+    `discount` is that of its potentials. Witnesses of tasks from a space are looked for within a `budget`.
+
+    Raises:
+        QueryError: it is asked for in a wrong way, or the task has no witness.
+        SceneError: the domain has no scene, or a task speaks of something for which that has no shape.
+        PhysicsMissingError: PyBullet or frankik is not installed.
+    """
+
+    metadata = {"render_modes": [], "render_fps": round(1 / PERIOD)}
+
+    def __init__(
+        self,
+        space: TaskSpace | TaskSpaces | None = None,
+        *,
+        dataset: Dataset | None = None,
+        task: Task | None = None,
+        witness: Witness | None = None,
+        domain: Domain | str | None = None,
+        stage: int | Literal["any"] = 0,
+        until: Until = "task",
+        reward: Reward = "dense",
+        fade: int | Literal["success"] = "success",
+        discount: float = 1.0,
+        control: Control = "tool",
+        everything: bool = False,
+        steps: int = STEPS,
+        budget: Budget | None = None,
+        render_mode: None = None,
+    ) -> None:
+        if sum(each is not None for each in (space, dataset, task)) != 1:
+            raise QueryError("tasks come from one place: give a space, a data set, or a task")
+        _require_kinds(space, dataset, task)
+        for given, known, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
+            if given not in known:
+                raise QueryError(unknown(str(given), known, what))
+        if type(steps) is not int or steps < 1 or not isinstance(discount, int | float) or not 0.0 < discount <= 1.0:
+            got = f"got {steps!r} and {discount!r}"
+            raise QueryError(f"an episode needs at least 1 step, and a discount above 0 and at most 1; {got}")
+        require_physics()
+        self.render_mode = render_mode
+        self.domain = _domain(space, dataset, task, domain)
+        self.scene = scene_of(self.domain)
+        self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
+        self.control, self._stage, self._until, self._steps = control, stage, until, steps
+        self._discount, self._share = discount, float(reward != "sparse")
+        self._fading = Fading(fade) if reward == "faded" else None
+        self._resources = ExitStack()
+        # Who forgets to close it leaves nothing behind either, not even at the end of the process.
+        weakref.finalize(self, self._resources.close)
+        self._finder = Finder(self.scene, self._resources, budget)
+        self._source = self._source_of(space, dataset, task, witness)
+        self._arena: Arena | None = None
+        self._seeded = False
+        size = SIZES[control] * len(self.layout.robots)
+        self.action_space = spaces.Box(-1.0, 1.0, (size,), np.float32)
+        goals = spaces.Box(-np.inf, np.inf, (2, PLACES), np.float32)
+        seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
+        self.observation_space = spaces.Dict({"observation": seen, "achieved_goal": goals, "desired_goal": goals})
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode.
+
+        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a data set, its number), and the
+        `stage` to begin with; what they leave out is drawn. With a `seed`, all that is drawn from then on depends on it
+        alone; without any, on chance.
+
+        Raises:
+            QueryError: the options are wrong, or the task has no witness.
+            NotFound: no feasible task is drawn in `PATIENCE` draws.
+        """
+        super().reset(seed=seed)
+        options = {} if options is None else options
+        for name in options:
+            if name not in OPTIONS:
+                raise QueryError(unknown(name, OPTIONS, "option"))
+        if seed is not None or not self._seeded:
+            self._source.seed(int(self.np_random.integers(2**31)))
+            self._seeded = True
+        given = self._given(options)
+        self.task, self.witness = given.task, given.witness
+        self._subgoals = subgoals_of(given.task, self.scene)
+        self.stage = self._first(options.get("stage", self._stage))
+        self._last = self.stage if self._until == "subgoal" else len(self._subgoals) - 1
+        self._left = self._steps * (self._last + 1 - self.stage)
+        if self._arena is None:
+            self._arena = Arena(self.scene, self._resources)
+        if self._fading is not None:
+            self._share = self._fading.share
+        self.situation = situation = self._arena.start(given.witness, self.stage)
+        measured, here = self._goal(situation)
+        self._before = here
+        info = {
+            "task": str(given.task),
+            "rank": given.rank,
+            "log_probability": given.task.log_probability,
+            **self._told(measured, success=False),
+        }
+        return self._seen(situation, here), info
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Let the agent act for 1/20 s; numbers of an action beyond -1 and 1 count as these.
+
+        Raises:
+            QueryError: the action is none, or no episode has begun.
+        """
+        if self._arena is None:
+            raise QueryError("no episode has begun; reset the environment")
+        moves = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
+        if moves.shape != self.action_space.shape or np.isnan(moves).any():
+            raise QueryError(f"an action has the shape {self.action_space.shape} and finite numbers; got {action}")
+        self.situation = situation = self._arena.act(moves, self.control)
+        measured, here = self._goal(situation)
+        if here[1:].max() <= 0.0 and self.stage < self._last:
+            self.stage += 1
+            measured, here = self._goal(situation)
+        seen = self._seen(situation, here)
+        gain, ended = self._earned(seen["achieved_goal"], seen["desired_goal"])
+        self._before = here
+        self._left -= 1
+        done, late = bool(ended), self._left <= 0
+        if self._fading is not None:
+            self._fading.step()
+            if done or late:
+                self._fading.end(done)
+        return seen, float(gain), done, late and not done, self._told(measured, success=done)
+
+    def compute_reward(self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any) -> Any:
+        """Return what steps earn that lead to `achieved_goal`, of the shape (..., 2, `PLACES`); `info` is not read."""
+        gain, _ = self._earned(np.asarray(achieved_goal), np.asarray(desired_goal))
+        return float(gain) if gain.ndim == 0 else gain
+
+    def compute_terminated(
+        self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any
+    ) -> Any:
+        """Return whether steps end at their goals that lead to `achieved_goal`; `info` is not read."""
+        found = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
+        return bool(found) if found.ndim == 0 else found
+
+    def close(self) -> None:
+        """Close the simulators; nothing is left behind. A reset opens them again."""
+        self._arena = None
+        self._finder.forget()
+        self._resources.close()
+
+    @property
+    def asked(self) -> Mapping[str, float]:
+        """How far each gripper is told to open, in metres."""
+        assert self._arena is not None
+        return self._arena.asked
+
+    @property
+    def action(self) -> Atom:
+        """The action of the subgoal that is being pursued."""
+        return self.task.actions[self.stage]
+
+    def _earned(self, achieved: NDArray[np.floating], desired: NDArray[np.floating]) -> tuple[Any, Any]:
+        now, before, goal = achieved[..., 0, :], achieved[..., 1, :], desired[..., 0, :]
+        return earned(before, now, goal, discount=self._discount, share=self._share)
+
+    def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
+        """Return the signed distances of a moment, and its vector."""
+        subgoal = self._subgoals[self.stage]
+        measured = subgoal.measured(situation)
+        return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
+
+    def _seen(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
+        """Return an observation."""
+        assert self._arena is not None
+        desired = np.zeros((2, PLACES), dtype=np.float32)
+        desired[:, 0] = self._last
+        seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.asked)
+        return {"observation": seen, "achieved_goal": np.stack([here, self._before]), "desired_goal": desired}
+
+    def _told(self, measured: list[float], *, success: bool) -> dict[str, Any]:
+        """Return what is told beside an observation."""
+        reached = self._subgoals[self.stage].reached(measured)
+        return {"stage": self.stage, "action": str(self.action), "reached": reached, "is_success": success}
+
+    def _given(self, options: Mapping[str, Any]) -> Given:
+        """Return the task of an episode."""
+        task, witness = options.get("task"), options.get("witness")
+        if task is not None or witness is not None:
+            return self._named(task, witness)
+        return self._source.draw() if options.get("rank") is None else self._source.ranked(options["rank"])
+
+    def _named(self, task: object, witness: object) -> Given:
+        """Return a task that somebody names, with a witness: that given for it, or one that is found.
+
+        Raises:
+            QueryError: it is none, or has none.
+        """
+        if not isinstance(task, Task) or not isinstance(witness, Witness | None):
+            raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")
+        return Given(task, self._finder.required(task)) if witness is None else fitting(task, witness, self.scene)
+
+    def _first(self, stage: int | str) -> int:
+        """Return the number of the subgoal to begin with."""
+        count = len(self._subgoals)
+        if count == 0:
+            raise QueryError("a task of no action has no subgoal; give another one")
+        if stage == "any":
+            return int(self.np_random.integers(count))
+        if isinstance(stage, bool) or not isinstance(stage, int | np.integer) or not -count <= stage < count:
+            raise QueryError(f"stage {stage!r}: the task has the stages 0 to {count - 1}; any draws one")
+        return int(stage) % count
+
+    def _source_of(
+        self,
+        space: TaskSpace | TaskSpaces | None,
+        dataset: Dataset | None,
+        task: Task | None,
+        witness: Witness | None,
+    ) -> Source:
+        """Return where tasks come from."""
+        if task is not None or witness is not None:
+            return OneTask(self._named(task, witness))
+        return SpaceSource(space, self._finder) if space is not None else DatasetSource(dataset)  # type: ignore[arg-type]
+
+
+def _require_kinds(space: object, dataset: object, task: object) -> None:
+    """Check that tasks come from what they can come from.
+
+    Raises:
+        QueryError: they do not.
+    """
+    for given, kinds, told in (
+        (space, TaskSpace | TaskSpaces, 'TaskSpace(load_domain("tabletop"), length=2)'),
+        (dataset, Dataset, 'Dataset.open("DIR")'),
+        (task, Task, "a Task, such as a space yields"),
+    ):
+        if given is not None and not isinstance(given, kinds):
+            raise QueryError(f"{given!r:.80} is no place where tasks come from; give {told}")
+
+
+def _domain(
+    space: TaskSpace | TaskSpaces | None, dataset: Dataset | None, task: Task | None, domain: Domain | str | None
+) -> Domain:
+    """Return the domain of the tasks."""
+    if space is not None:
+        return space.domain
+    if dataset is not None:
+        return dataset.domain
+    assert task is not None
+    if isinstance(domain, Domain):
+        return domain
+    return load_domain(domain or task.domain, constants=dict(task.constants))

@@ -1,0 +1,64 @@
+"""What the subgoals of a task ask of physics: the facts that an action brings about, and those that have to stay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from prag_asp.physics import physical_task
+from prag_asp.physics.facts import Fact, facts
+from prag_asp.physics.situation import Situation
+from prag_asp.scene.model import Scene
+from prag_asp.task import Task
+
+BROUGHT = 6
+"""How many facts that an action brings about have a place of their own; more share that of those that have to stay."""
+
+PLACES = 2 + BROUGHT
+"""How many numbers tell of a goal: the subgoal's, the distances of what is brought about, the worst of the rest."""
+
+
+@dataclass(frozen=True)
+class Subgoal:
+    """A subgoal: the facts that its action itself makes so, and all others that are known to be so after it.
+
+    `names` has each of them as text, those that shall not hold with a minus.
+    """
+
+    brought: tuple[Fact, ...]
+    kept: tuple[Fact, ...]
+    names: tuple[str, ...]
+
+    def measured(self, situation: Situation) -> list[float]:
+        """Return the signed distance of each fact in metres or radians, at most 0 where it holds, by `names`."""
+        return [fact.distance(situation) for fact in (*self.brought, *self.kept)]
+
+    def placed(self, measured: list[float]) -> list[float]:
+        """Return signed distances as `PLACES` - 1 numbers, 0 where there is no fact.
+
+        All are at most 0 exactly where the subgoal is reached; the last is the worst of the facts that have no place.
+        """
+        own = min(len(self.brought), BROUGHT)
+        return [*measured[:own], *[0.0] * (BROUGHT - own), max(measured[own:], default=0.0)]
+
+    def reached(self, measured: list[float]) -> tuple[str, ...]:
+        """Return the names of the facts that hold."""
+        return tuple([name for name, distance in zip(self.names, measured, strict=True) if distance <= 0.0])
+
+
+def subgoals_of(task: Task, scene: Scene) -> tuple[Subgoal, ...]:
+    """Return the subgoals of a task as physics sees them, one for each action.
+
+    Raises:
+        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+    """
+    found = []
+    for effect, made in zip(physical_task(task, scene).effects, task.subgoals, strict=True):
+        brought = facts(scene, made)
+        kept = tuple(fact for fact in effect.after if fact not in brought)
+        found.append(Subgoal(brought, kept, tuple(map(_name, (*brought, *kept)))))
+    return tuple(found)
+
+
+def _name(fact: Fact) -> str:
+    """Return a fact as text."""
+    return f"{'' if fact.value else '-'}{fact.predicate.name}({','.join(fact.arguments)})"

@@ -1,0 +1,140 @@
+"""A scripted agent: it follows the waypoints of the witness by actions of the environment, and sees where things are.
+
+It shows what can be reached by actions of the kind "tool", and is what learned agents are compared with.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import QueryError
+from prag_asp.physics.demonstration.acting import SQUEEZE
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
+from prag_asp.rl.control import FINGERS, SIZES, STRIDE, TURN
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import compose, wrap, yaw_of
+
+if TYPE_CHECKING:
+    from prag_asp.rl.environment import TaskEnv
+
+CLOSE, CLOSE_TURN = 0.004, 0.03
+"""How near a waypoint is passed, in metres and radians."""
+
+HEIGHT, APART = 0.3, 0.06
+"""How high the tool goes to travel in metres, and how far a waypoint has to be for that, seen from above."""
+
+GENTLE = 0.01
+"""How far furniture is moved in a step at most, in metres: what lies in it shall not roll."""
+
+PATIENCE, SETTLING = 60, 4
+"""For how many steps a waypoint is tried, and how many pass after the fingers have closed or opened."""
+
+Action = NDArray[np.float32]
+
+
+def oracle(env: TaskEnv) -> Iterator[Action]:
+    """Yield actions that pursue the subgoals of an episode that has begun, each for what is so by then.
+
+    Raises:
+        QueryError: the environment does not take displacements of the tool.
+    """
+    if env.control != "tool":
+        raise QueryError('the oracle moves the tool; make the environment with control="tool"')
+    return _pursued(env)
+
+
+def _pursued(env: TaskEnv) -> Iterator[Action]:
+    """Yield the actions of each waypoint in turn."""
+    witness, begun = env.witness, env.stage
+    held = {name: arm.held for name, arm in witness.moments[begun].arms.items()}
+    for before, motion in zip(witness.moments[begun:], witness.motions[begun:], strict=False):
+        for i, waypoint in enumerate(motion):
+            if waypoint.name == TRANSIT:
+                continue
+            robot = waypoint.robot
+            if held[robot] is None and waypoint.held is None:
+                yield from _fingers(env, robot, waypoint.width)
+            if waypoint.held == held[robot]:
+                ahead = (each.held for each in motion[i:] if each.robot == robot)
+                yield from _moved(env, waypoint, before, next(filter(None, ahead), None))
+            else:
+                squeeze = SQUEEZE if waypoint.held is not None else 0.0
+                yield from _fingers(env, robot, waypoint.width - squeeze)
+                for _ in range(SETTLING):
+                    yield _action(env, robot)
+                held[robot] = waypoint.held
+
+
+def _fingers(env: TaskEnv, robot: str, opening: float) -> Iterator[Action]:
+    """Yield actions that tell a gripper to be open so far, in metres."""
+    while abs(off := opening - env.asked[robot]) > FINGERS / 100:
+        yield _action(env, robot, fingers=off / FINGERS)
+
+
+def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None) -> Iterator[Action]:
+    """Yield actions that bring the tool to a waypoint: over what is in the way, where it is far."""
+    free = waypoint.opening is None
+    for _ in range(PATIENCE):
+        (x, y, z), off = _off(env.situation, waypoint, before, target)
+        aside = float(np.hypot(x, y))
+        if max(aside, abs(z)) < CLOSE and abs(off) < CLOSE_TURN:
+            return
+        height = env.situation.tool(waypoint.robot).position[2]
+        if free and aside > APART:
+            x, y = (x, y) if height > HEIGHT - APART else (0.0, 0.0)
+            z = HEIGHT - height
+        if not free:
+            slow = min(1.0, GENTLE / max(aside, abs(z)))
+            x, y, z = slow * x, slow * y, slow * z
+        yield _action(env, waypoint.robot, (x, y, z), off)
+
+
+def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str | None) -> tuple[Vector, float]:
+    """Return how far the tool has to move to be at a waypoint in metres, and to turn in radians.
+
+    What is held shall come to where the witness has it, however it lies in the hand; what is not held yet is gone to
+    where it is.
+    """
+    robot = waypoint.robot
+    planned, now = tool_pose(situation.robot(robot), waypoint.joints), situation.tool(robot)
+    x, y, z = (a - b for a, b in zip(planned.position, now.position, strict=True))
+    turn = wrap(yaw_of(planned.quaternion) - yaw_of(now.quaternion))
+    arm = before.arms[robot]
+    if waypoint.opening is None and waypoint.held is not None and arm.grasp is not None and arm.held == waypoint.held:
+        wanted, lies = compose(planned, arm.grasp), situation.pose(waypoint.held)
+        x, y, z = (a - b for a, b in zip(wanted.position, lies.position, strict=True))
+        turn = wrap(yaw_of(wanted.quaternion) - yaw_of(lies.quaternion))
+    elif waypoint.held is None and target is not None and target in before.poses:
+        there, here = before.poses[target].position, situation.poses[target].position
+        if not situation.shape(target).traits.furniture:
+            x, y = x + here[0] - there[0], y + here[1] - there[1]
+    return (x, y, z), _way_round(situation, robot, turn)
+
+
+def _way_round(situation: Situation, robot: str, turn: float) -> float:
+    """Return a turn in radians, or the one the other way round where the last joint cannot turn so far.
+
+    The tool points down, so that joint turns it against the sense of the vertical.
+    """
+    arm, last = situation.robot(robot), situation.arm(robot).joints[-1]
+    if arm.lower[-1] <= last - turn <= arm.upper[-1]:
+        return turn
+    return turn - math.copysign(2 * math.pi, turn)
+
+
+def _action(
+    env: TaskEnv, robot: str, move: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, fingers: float = 0.0
+) -> Action:
+    """Return the action in which one arm alone moves, in metres and radians; `fingers` is what the action has."""
+    numbers = np.zeros((len(env.layout.robots), SIZES["tool"]), dtype=np.float32)
+    farthest = max(1.0, *(abs(part) / STRIDE for part in move))
+    own = [*(part / STRIDE / farthest for part in move), turn / TURN, fingers]
+    numbers[env.layout.robots.index(robot)] = np.clip(own, -1.0, 1.0)
+    return numbers.ravel()

@@ -1,0 +1,190 @@
+"""LeRobotDatasets, read by what is published of them, and by LeRobot itself where it is installed."""
+
+from __future__ import annotations
+
+import json
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from prag_asp import Dataset
+from prag_asp.dataset import export
+from prag_asp.dataset.formats.chunks import places
+from prag_asp.dataset.formats.lerobot import LeRobot
+from prag_asp.dataset.formats.source import Source
+from prag_asp.dataset.formats.statistics import Aggregate, Colours, statistics_of
+from prag_asp.dataset.formats.video import Video
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.physics import Staging, film
+from tests.dataset.formats.conftest import RATE, SIZE, of
+from tests.dataset.formats.published import Published
+
+JOINTS = [*(f"joint_{number}" for number in range(1, 8)), "gripper"]
+CAMERAS = ["observation.images.front", "observation.images.wrist"]
+ALLOWED = 300_000
+"""Bytes of an episode of 185 frames with two cameras of 128 x 128 pixels."""
+
+
+@pytest.fixture(scope="module")
+def written(filmed: Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return export(filmed, "lerobot", tmp_path_factory.mktemp("lerobot") / "out")
+
+
+def assert_same(data: Dataset, folder: Path) -> None:
+    """Check each frame of each episode against its recording."""
+    read = Published(folder)
+    number = 0
+    for number, (entry, start, shown) in enumerate(data.demonstrations(), 1):
+        footage = shown.footage
+        frames = np.arange(len(shown.times)) if footage is None else footage.frames
+        rows, episode = read.frames(number - 1), read.episodes.iloc[number - 1]
+        assert len(rows) == episode["length"] == len(frames)
+        assert np.allclose(rows["timestamp"], shown.times[frames] - shown.times[0], atol=1e-6)
+        assert [*rows["frame_index"]] == [*range(len(frames))]
+        arms = np.concatenate([shown.joints, shown.widths[..., None]], axis=2).reshape(len(shown.times), -1)
+        assert np.array_equal(np.stack(rows["observation.state"].to_numpy()), arms[frames])
+        driven = shown.commands.reshape(len(shown.times), -1)
+        after = [*frames[1:], len(shown.times) - 1]
+        assert np.array_equal(np.stack(rows["action"].to_numpy()), driven[after])
+        ends = shown.ends.tolist()
+        at = [min(sum(end < frame for end in ends[1:]), len(ends) - 2) for frame in frames]
+        assert [*rows["subgoal_index"]] == at and (footage is None or at == footage.subgoals.tolist())
+        assert [read.subtasks.index[each] for each in rows["subtask_index"]] == [entry.subgoals[each] for each in at]
+        assert [*read.subtasks["subtask_index"]] == [*range(len(read.subtasks))]
+        assert {read.tasks.index[each] for each in rows["task_index"]} == {entry.instruction["default"]}
+        assert [*episode["tasks"]] == [entry.instruction["default"]]
+        assert [*rows["next.done"]] == [False] * (len(rows) - 1) + [True]
+        assert [*rows["next.reward"]] == [0.0] * (len(rows) - 1) + [1.0] and ends[-1] == len(shown.times) - 1
+        assert (episode["prag_asp/part"], episode["prag_asp/task"]) == (entry.part, entry.number)
+        assert episode["prag_asp/start"] == start and [*episode["prag_asp/plan"]] == [*map(str, entry.task.actions)]
+        for camera in read.cameras:
+            assert footage is not None
+            seen = footage.films[camera.rpartition(".")[2]].rgb
+            for frame, picture in enumerate(read.pictures(number - 1, camera)):
+                assert far(picture, seen[frame]) < 12
+                nearest = min(range(len(seen)), key=lambda each: far(picture, seen[each]))
+                assert far(seen[nearest], seen[frame]) < 1.5
+    assert number == read.info["total_episodes"] == len(read.episodes)
+    assert read.info["total_frames"] == read.episodes["length"].sum()
+    assert read.info["total_tasks"] == len(read.tasks)
+
+
+def far(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
+    """Return how far two pictures are from each other, on average over pixels."""
+    return float(np.abs(one.astype(int) - other).mean())
+
+
+def test_each_frame_is_that_of_its_recording_with_its_time_words_and_pictures(filmed: Dataset, written: Path) -> None:
+    assert_same(filmed, written)
+    info = Published(written).info
+    assert (info["fps"], info["robot_type"], info["splits"]) == (RATE, "panda", {"train": "0:1", "test": "1:2"})
+    assert info["features"]["action"]["names"] == [f"panda/{joint}" for joint in JOINTS]
+    width, height = SIZE
+    for camera in CAMERAS:
+        feature = info["features"][camera]
+        assert feature["shape"] == [height, width, 3] and feature["info"]["video.fps"] == RATE
+
+
+def test_files_that_are_full_are_followed_by_others(filmed: Dataset, tmp_path: Path) -> None:
+    LeRobot(data_megabytes=0, video_megabytes=0).write(Source(filmed), tmp_path / "out", lambda *_: None)
+    assert_same(filmed, tmp_path / "out")
+    for pattern in ("data/chunk-000/*", *(f"videos/{camera}/chunk-000/*" for camera in CAMERAS)):
+        assert len(list((tmp_path / "out").glob(pattern))) == 2
+    assert [*islice(places(), 998, 1002)] == [(0, 998), (0, 999), (1, 0), (1, 1)]
+
+
+def test_two_robots_without_cameras_have_states_and_actions_of_each_joint(arms: Dataset, tmp_path: Path) -> None:
+    folder = export(arms, "lerobot", tmp_path / "out")
+    assert_same(arms, folder)
+    info = Published(folder).info
+    names = [f"{robot}/{joint}" for robot in ("left", "right") for joint in JOINTS]
+    assert info["features"]["observation.state"]["names"] == info["features"]["action"]["names"] == names
+    assert (info["fps"], info["video_path"], info["total_episodes"]) == (20, None, 2)
+    assert not (folder / "videos").exists()
+
+
+def test_statistics_are_those_of_all_frames_and_of_each_episode(filmed: Dataset, written: Path) -> None:
+    read = Published(written)
+    parts = [np.stack(read.frames(number)["observation.state"].to_numpy()) for number in range(2)]
+    whole, told = np.concatenate(parts).astype(float), read.statistics["observation.state"]
+    assert np.allclose(told["mean"], whole.mean(0)) and np.allclose(told["std"], whole.std(0))
+    assert np.allclose(told["min"], whole.min(0)) and np.allclose(told["max"], whole.max(0))
+    assert told["count"] == [len(whole)]
+    for share, name in ((0.01, "q01"), (0.5, "q50"), (0.99, "q99")):
+        each = [np.quantile(part, share, axis=0) for part in parts]
+        assert np.allclose(told[name], np.min(each, 0) if share <= 0.5 else np.max(each, 0))
+    first = read.episodes.iloc[0]
+    assert np.allclose(first["stats/observation.state/q90"], np.quantile(parts[0], 0.9, axis=0))
+    seen = [shown.footage.films["wrist"].rgb / 255 for _, _, shown in filmed.demonstrations() if shown.footage]
+    colours = read.statistics["observation.images.wrist"]
+    assert np.allclose(np.ravel(colours["mean"]), np.concatenate(seen).mean((0, 1, 2)))
+    assert np.shape(colours["std"]) == (3, 1, 1) and colours["count"] == [sum(map(len, seen))]
+    assert np.allclose(np.ravel(colours["std"]), np.concatenate(seen).std((0, 1, 2)))
+    assert {*read.statistics} == {*read.info["features"]}
+
+
+def test_statistics_of_one_value_and_of_one_colour() -> None:
+    (alone,) = statistics_of(np.array([2.5]))["q50"]
+    assert alone == 2.5
+    colours = Colours()
+    colours.add(np.full((2, 2, 3), 255, dtype=np.uint8))
+    assert {float(each) for name, found in colours.statistics().items() if name not in ("std", "count") for each in
+            found.ravel()} == {1.0}  # fmt: skip
+    sums = Aggregate()
+    for values in ([0.0, 2.0], [4.0]):
+        sums.add(statistics_of(np.array(values)))
+    assert sums.statistics()["mean"] == pytest.approx(2.0)
+    assert sums.statistics()["std"] == pytest.approx(np.std([0.0, 2.0, 4.0]))
+
+
+def test_datasets_and_pandas_read_the_tables(written: Path, tmp_path: Path) -> None:
+    import datasets
+    import pandas
+
+    rows = datasets.Dataset.from_parquet(str(written / "data/chunk-000/file-000.parquet"), cache_dir=str(tmp_path))
+    assert len(rows[0]["action"]) == 8 and rows[0]["subgoal_index"] == 0
+    assert pandas.read_parquet(written / "meta/tasks.parquet").index.name == "task"
+    assert pandas.read_parquet(written / "meta/subtasks.parquet").index.name == "subtask"
+
+
+def test_the_same_data_set_gives_the_same_bytes(filmed: Dataset, written: Path, tmp_path: Path) -> None:
+    assert of(export(filmed.folder, "lerobot", tmp_path / "again")) == of(written)
+
+
+def test_an_episode_of_185_frames_is_small(filmed: Dataset, written: Path, tmp_path: Path) -> None:
+    _, _, shown = next(filmed.demonstrations())
+    large = film(shown, scene_of(filmed.domain), Staging(("front", "wrist"), (128, 128), 10)).footage
+    assert large is not None
+    total = 0
+    for camera, each in large.films.items():
+        video = Video(tmp_path / f"{camera}.mp4", (128, 128), 10)
+        for picture in each.rgb:
+            video.add(picture)
+        video.close()
+        assert video.seconds == len(large.frames) / 10
+        total += video.size
+    rows, about = (
+        sum(path.stat().st_size for path in written.glob(f"{room}/**/*.parquet")) for room in ("data", "meta")
+    )
+    frames = Published(written).info["total_frames"]
+    assert (total / len(large.frames) + rows / frames) * 185 + about / 2 < ALLOWED
+
+
+def test_lerobot_itself_loads_it(filmed: Dataset, written: Path) -> None:
+    try:
+        from lerobot.datasets import lerobot_dataset as lerobot  # type: ignore[import-not-found,unused-ignore]
+    except Exception as error:  # PyTorch and torchvision that do not fit raise whatever they like
+        pytest.skip(f"LeRobot cannot be loaded ({error}): it asks for older versions of PyTorch and NumPy than we do")
+    found = lerobot.LeRobotDataset("prag_asp/tabletop", root=written)
+    assert (len(found), found.num_episodes) == (Published(written).info["total_frames"], 2)
+    entry = filmed.entry(0)
+    assert found[0]["task"] == entry.instruction["default"] and tuple(found[0][CAMERAS[0]].shape) == (3, *SIZE[::-1])
+
+
+def test_what_is_beside_says_of_which_data_set_it_is(filmed: Dataset, written: Path) -> None:
+    told = json.loads((written / "export.json").read_text())
+    assert (told["form"], told["identity"]) == ("lerobot", filmed.manifest.identity)
+    assert "2 episodes of `tabletop`" in (written / "README.md").read_text()

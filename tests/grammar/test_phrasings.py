@@ -1,0 +1,47 @@
+"""Phrasings: some of the ways to say the same, so that others are left for somebody who has not heard them."""
+
+from __future__ import annotations
+
+import pytest
+
+from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.dataset import teller_of
+from prag_asp.grammar.phrasings import Phrasings
+
+
+def test_two_phrasings_are_disjoint_exactly_where_they_have_no_place_in_common() -> None:
+    known = [Phrasings(number, every) for every in range(1, 7) for number in range(1, every + 1)]
+    for one in known:
+        for other in known:
+            places = [place for place in range(720) if one.has(place) and other.has(place)]
+            assert one.disjoint(other) == (not places)
+
+
+def test_a_list_without_such_a_way_is_said_as_it_is() -> None:
+    assert Phrasings(2, 2).of(["only"]) == ["only"] and Phrasings(2, 2).of("abcd") == ["b", "d"]
+    assert Phrasings.parse("") == Phrasings() and str(Phrasings.parse(" 2  of 3 ")) == "2 of 3"
+
+
+@pytest.mark.parametrize("text", ["0 of 2", "3 of 2", "1", "one of two", "1 of 2 of 3", "1/2", "-1 of 2"])
+def test_what_is_no_phrasing_is_refused(text: str) -> None:
+    with pytest.raises(QueryError, match="write which of how many"):
+        Phrasings.parse(text)
+
+
+@pytest.mark.parametrize(("name", "language"), [("tabletop", "en"), ("tabletop", "de")])
+def test_no_instruction_of_one_phrasing_is_one_of_the_other_and_both_are_read_back(name: str, language: str) -> None:
+    space = TaskSpace(load_domain(name), 2)
+    tellers = [teller_of(space.domain, language, phrasings=f"{number} of 2") for number in (1, 2)]
+    words: list[set[str]] = [set(), set()]
+    for task in space.sample(60, seed=3):
+        for teller, heard in zip(tellers, words, strict=True):
+            for seed in range(3):
+                told = teller.instructions(task, seed)
+                heard |= {told.vague, told.default, told.exact, *told.subgoals}
+                assert teller.read(task, told.default).actions == teller.read(task, told.exact).actions == task.actions
+    assert words[0].isdisjoint(words[1]) and min(map(len, words)) > 100
+
+
+def test_an_action_with_too_few_sentences_is_told_by_its_name() -> None:
+    with pytest.raises(QueryError, match=r"phrasings 3 of 3: \w+ has only 2 in en; write more under"):
+        teller_of(load_domain("tabletop"), phrasings="3 of 3")

@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import pytest
+
+from prag_asp import Task, TaskSpace, load_domain
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.physics import Witness, open_validator
+from prag_asp.scene.model import Scene
+
+Given = tuple[Task, Witness]
+DOMAINS = ("tabletop", "prag", "kitchen", "two_arms")
+
+
+@pytest.fixture(scope="session")
+def scenes() -> Mapping[str, Scene]:
+    return {name: scene_of(load_domain(name)) for name in DOMAINS}
+
+
+@pytest.fixture(scope="session")
+def given(scenes: Mapping[str, Scene]) -> Mapping[str, list[Given]]:
+    """Some tasks of four actions, with witnesses, of each domain."""
+    return {name: list(feasible(name, scene)) for name, scene in scenes.items()}
+
+
+def feasible(name: str, scene: Scene, count: int = 6) -> Iterator[Given]:
+    found = 0
+    with open_validator(scene) as validator:
+        for index, task in enumerate(TaskSpace(load_domain(name), length=4).draw(seed=5)):
+            witness = validator.validate(task, seed=5, index=index).witness
+            if witness is not None:
+                yield task, witness
+                found += 1
+            if found == count:
+                return

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+
+from prag_asp.physics import physical_task
+from prag_asp.physics.situation import Situation
+from prag_asp.rl.arena import Arena
+from prag_asp.rl.control import FINGERS, STRIDE
+from prag_asp.scene.geometry import rotate
+from prag_asp.scene.model import Scene
+from prag_asp.scene.robots import robot_of
+from tests.chance import Chance
+from tests.rl.conftest import DOMAINS, Given
+
+SECOND = 20
+
+
+@pytest.mark.parametrize("name", DOMAINS)
+def test_every_state_of_a_witness_stands_for_a_second_with_its_facts(
+    name: str, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+) -> None:
+    scene = scenes[name]
+    with ExitStack() as resources:
+        arena = Arena(scene, resources)
+        for task, witness in given[name]:
+            for number, facts in enumerate(physical_task(task, scene).states):
+                situation = arena.start(witness, number)
+                assert all(fact.satisfied(situation) for fact in facts)
+                for _ in range(SECOND):
+                    situation = arena.act(np.zeros(5 * len(scene.robots)), "tool")
+                assert all(fact.satisfied(situation) for fact in facts), (str(task), number)
+
+
+def test_what_follows_a_start_is_the_same_after_any_history(
+    chance: Chance, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+) -> None:
+    rng = chance.generator(4)
+    starts = [(witness, number) for _, witness in given["tabletop"] for number in range(5)]
+
+    def followed(arena: Arena, index: int) -> Situation:
+        actions = np.random.default_rng(index).uniform(-1.0, 1.0, (10, 5))
+        situation = arena.start(*starts[index])
+        for action in actions:
+            situation = arena.act(action, "tool")
+        return situation
+
+    with ExitStack() as resources:
+        arena = Arena(scenes["tabletop"], resources)
+        for index in rng.sample(range(len(starts)), 8):
+            with ExitStack() as own:
+                fresh = followed(Arena(scenes["tabletop"], own), index)
+            found = followed(arena, index)
+            assert (found.poses, found.arms) == (fresh.poses, fresh.arms)
+            for _ in range(rng.randrange(20)):
+                arena.act(np.array([rng.uniform(-1.0, 1.0) for _ in range(5)]), "tool")
+
+
+@pytest.mark.parametrize("name", ["tabletop", "two_arms"])
+def test_an_action_moves_the_tool_as_it_says_and_keeps_it_upright(
+    name: str, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+) -> None:
+    robots = list(scenes[name].robots)
+    with ExitStack() as resources:
+        arena = Arena(scenes[name], resources)
+        for i, robot in enumerate(robots):
+            begun = arena.start(given[name][0][1], 0).tool(robot)
+            action = np.zeros((len(robots), 5))
+            for move in ((0.0, 0.0, 0.6), (0.5, 0.0, 0.0), (0.0, -0.5, 0.0)):
+                action[i, :3] = move
+                for _ in range(3):
+                    situation = arena.act(action.ravel(), "tool")
+            x, y, z = (b - a for a, b in zip(begun.position, situation.tool(robot).position, strict=True))
+            assert (x, y, z) == pytest.approx([1.5 * STRIDE, -1.5 * STRIDE, 1.8 * STRIDE], abs=0.012)
+            assert rotate(situation.tool(robot).quaternion, (0.0, 0.0, 1.0))[2] < -0.999
+
+
+def test_fingers_open_by_so_much_and_joints_move_no_faster_than_they_may(
+    scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+) -> None:
+    scene = scenes["tabletop"]
+    robot = robot_of(scene, "panda")
+    with ExitStack() as resources:
+        arena = Arena(scene, resources)
+        situation = arena.start(given["tabletop"][0][1], 0)
+        width = arena.asked["panda"]
+        arena.act(np.array([0.0] * 7 + [-0.5]), "joints")
+        assert arena.asked["panda"] == pytest.approx(width - FINGERS / 2)
+        for sign in (1.0, -1.0):
+            for _ in range(15):
+                last, situation = situation, arena.act(np.array([sign] * 8), "joints")
+                steps = np.subtract(situation.arm("panda").joints, last.arm("panda").joints)
+                assert (np.abs(steps) <= np.array(robot.speeds) / SECOND + 0.02).all()
+                assert robot.within_limits(situation.arm("panda").joints, tolerance=0.03)
+
+
+def test_an_arm_that_is_blocked_by_the_table_is_free_at_once(
+    scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+) -> None:
+    down, up = np.array([0.0, 0.0, -1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0, 0.0, 0.0])
+    with ExitStack() as resources:
+        arena = Arena(scenes["tabletop"], resources)
+        arena.start(given["tabletop"][0][1], 0)
+        for _ in range(60):
+            low = arena.act(down, "tool").tool("panda").position[2]
+        high = arena.act(up, "tool").tool("panda").position[2]
+    assert low > 0.005 and high - low > STRIDE / 3

@@ -1,0 +1,311 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import prag_asp.rl
+from prag_asp import TaskSpace, TaskSpaces, load_domain
+from prag_asp.dataset import generate
+from prag_asp.errors import QueryError
+from prag_asp.physics import Witness
+from prag_asp.rl import TaskEnv, oracle
+from prag_asp.rl.goals import PLACES
+from tests.chance import Chance
+from tests.rl.conftest import DOMAINS, Given
+
+STILL = np.zeros(5, dtype=np.float32)
+
+
+@pytest.fixture(scope="module")
+def space() -> TaskSpace:
+    return TaskSpace(load_domain("tabletop"), length=2)
+
+
+@pytest.fixture
+def env(space: TaskSpace) -> Iterator[TaskEnv]:
+    found = TaskEnv(space)
+    yield found
+    found.close()
+
+
+@pytest.mark.filterwarnings("ignore:.*infinity.*", "ignore:.*not within the observation space.*")
+@pytest.mark.parametrize("name", DOMAINS)
+@pytest.mark.parametrize("control", ["tool", "joints"])
+def test_gymnasium_finds_nothing_wrong(name: str, control: Any, given: Mapping[str, list[Given]]) -> None:
+    task, witness = given[name][0]
+    env = TaskEnv(task=task, witness=witness, control=control, everything=control == "joints")
+    check_env(env, skip_render_check=True)
+    env.close()
+
+
+def test_it_is_made_by_its_name(space: TaskSpace) -> None:
+    assert prag_asp.rl.TaskEnv is TaskEnv
+    env = gymnasium.make("prag_asp/Task-v0", space=space, reward="sparse", stage=-1)
+    observation, info = env.reset(seed=3)
+    assert info["stage"] == 1 and env.observation_space.contains(observation)
+    env.close()
+
+
+def test_the_same_seed_gives_the_same_episodes_in_any_environment(chance: Chance, space: TaskSpace) -> None:
+    def told(env: TaskEnv) -> list[Any]:
+        found: list[Any] = []
+        rng = np.random.default_rng(chance.seed(1))
+        for seed in (7, None, None):
+            observation, info = env.reset(seed=seed)
+            found += [info["task"], info["stage"], info["log_probability"]]
+            for _ in range(5):
+                observation, *rest = env.step(rng.uniform(-1.0, 1.0, 5))
+                found += [observation[name].tobytes() for name in sorted(observation)] + rest
+        return found
+
+    one, two = TaskEnv(space, stage="any"), TaskEnv(space, stage="any")
+    first = told(one)
+    assert told(two) == first == told(one)
+    one.close()
+    two.close()
+
+
+def test_compute_reward_is_what_a_step_earns_alone_and_in_batches(chance: Chance, env: TaskEnv) -> None:
+    rng = np.random.default_rng(chance.seed(2))
+    env.reset(seed=1)
+    goals, gains = [], []
+    for _ in range(30):
+        observation, gain, *_, info = env.step(rng.uniform(-1.0, 1.0, 5))
+        goal = observation["achieved_goal"], observation["desired_goal"]
+        assert env.compute_reward(*goal, info) == gain
+        assert env.compute_terminated(*goal, info) is False
+        goals.append(goal)
+        gains.append(gain)
+    achieved, desired = map(np.stack, zip(*goals, strict=True))
+    assert env.compute_reward(achieved, desired, [{}] * 30).tolist() == gains
+    assert not env.compute_terminated(achieved, desired, [{}] * 30).any()
+    assert env.compute_terminated(achieved, achieved, None).all(), "any moment can serve as a goal"
+
+
+@pytest.mark.parametrize("name", DOMAINS)
+def test_the_oracle_reaches_the_subgoals_and_whole_tasks(name: str, given: Mapping[str, list[Given]]) -> None:
+    ends = []
+    for task, witness in given[name][:4]:
+        env = TaskEnv(task=task, witness=witness, reward="sparse", steps=300)
+        _, info = env.reset()
+        total, ended = 0.0, False
+        for action in oracle(env):
+            _, gain, ended, late, info = env.step(action)
+            total += gain
+            if ended or late:
+                break
+        assert total == info["stage"] + ended, "1 for each subgoal"
+        assert info["is_success"] is ended
+        ends.append(ended)
+        env.close()
+    assert sum(ends) >= 3
+
+
+def test_any_subgoal_can_be_begun_with_and_is_the_end_where_that_is_asked(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, until="subgoal", reward="sparse")
+    for stage in (0, 1, 2, 3, -1):
+        observation, info = env.reset(options={"stage": stage})
+        assert info["stage"] == stage % 4 and info["action"] == str(task.actions[stage])
+        assert observation["desired_goal"][0, 0] == observation["achieved_goal"][0, 0] == stage % 4
+        gains = []
+        for action in oracle(env):
+            _, gain, ended, _, _ = env.step(action)
+            gains.append(gain)
+            if ended:
+                break
+        assert ended and sum(gains) == 1.0
+    env.close()
+
+
+def test_an_episode_ends_after_its_steps_and_standing_still_earns_nothing(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, steps=3, discount=0.99)
+    env.reset()
+    found = [env.step(STILL) for _ in range(12)]
+    assert [(ended, late) for _, _, ended, late, _ in found] == [(False, False)] * 11 + [(False, True)]
+    assert all(gain < 0.0 for _, gain, *_ in found)
+    env.close()
+
+
+def test_going_to_and_fro_and_pushing_what_is_in_the_way_earns_nothing(
+    chance: Chance, given: Mapping[str, list[Given]]
+) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, steps=1000)
+    rng = np.random.default_rng(chance.seed(5))
+    for _ in range(3):
+        first, _ = env.reset()
+        total, begun = 0.0, first["achieved_goal"][0]
+        for move in rng.uniform(-1.0, 1.0, (10, 5)):
+            for action in (move, -move):
+                observation, gain, ended, *_ = env.step(action.astype(np.float32))
+                total += gain
+        last = observation["achieved_goal"][0]
+        # What is earned is no more than what has been come nearer by, whatever was done in between.
+        nearer = env.compute_reward(np.stack([last, begun]), observation["desired_goal"], {})
+        assert not ended and total <= nearer + 1e-6
+    env.close()
+
+
+def test_what_the_options_say_is_begun(space: TaskSpace, given: Mapping[str, list[Given]], env: TaskEnv) -> None:
+    _, info = env.reset(options={"rank": 100})
+    assert info["task"] == str(space[100]) and info["rank"] == 100
+    task, witness = given["tabletop"][1]
+    _, info = env.reset(options={"task": task, "witness": witness, "stage": 2})
+    assert info["task"] == str(task) and info["stage"] == 2 and set(info["reached"])
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"stag": 1}, "stage"),
+        ({"stage": 2}, "0 to 1"),
+        ({"stage": "last"}, "0 to 1"),
+        ({"stage": True}, "0 to 1"),
+        ({"rank": 10**9}, "rank"),
+        ({"witness": None, "task": None, "rank": -1}, "rank"),
+    ],
+)
+def test_options_that_mean_nothing_are_refused(env: TaskEnv, options: dict[str, Any], told: str) -> None:
+    with pytest.raises(QueryError, match=told):
+        env.reset(options=options)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"space": "tabletop"}, {"space": None, "dataset": "data"}, {"space": None, "task": "pick(panda,can_1,table_1)"},
+        {"steps": True}, {"steps": 1.5}, {"discount": "x"}, {"witness": "x"},
+        {"reward": "dens"}, {"until": "never"}, {"control": "legs"}, {"steps": 0}, {"discount": 0.0},
+        {"reward": "faded", "fade": 0}, {"reward": "faded", "fade": "soon"}, {"space": None},
+    ],
+)  # fmt: skip
+def test_environments_that_mean_nothing_are_refused(space: TaskSpace, asked: dict[str, Any]) -> None:
+    with pytest.raises(QueryError):
+        TaskEnv(**{"space": space, **asked})
+
+
+def test_a_faded_reward_goes_from_dense_to_sparse_over_its_steps(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, reward="faded", fade=20, steps=5, until="subgoal", discount=0.9)
+    gains = []
+    for _ in range(6):
+        env.reset()
+        gains.append(sum(env.step(STILL)[1] for _ in range(5)))
+    assert gains[0] < gains[1] < gains[3] < 0.0 == gains[4] == gains[5]
+    env.close()
+
+
+def test_tasks_of_a_data_set_are_begun_from_its_witnesses(space: TaskSpace, tmp_path: Path) -> None:
+    dataset = generate(space, tmp_path / "data", tasks=3, starts=2, seed=1)
+    env = TaskEnv(dataset=dataset)
+    found = {env.reset(seed=0 if i == 0 else None)[1]["task"] for i in range(20)}
+    assert found == {str(task) for task in dataset.tasks()}
+    env.close()
+
+
+def test_each_number_of_an_observation_has_a_name(env: TaskEnv) -> None:
+    observation, info = env.reset(seed=1)
+    seen = dict(zip(env.layout.names, observation["observation"].tolist(), strict=True))
+    assert observation["achieved_goal"].shape == (2, PLACES)
+    robot, (x, y, z) = env.situation.arm("panda"), env.situation.tool("panda").position
+    assert [seen[f"panda: {what}"] for what in "xyz"] == pytest.approx([x, y, z], abs=1e-6)
+    assert seen["panda: width"] == pytest.approx(robot.width, abs=1e-6)
+    assert seen["pick(panda,_,_)"] == 1.0 and sum(seen[name] for name in env.layout.skills) == 1.0
+    thing = info["action"].removeprefix("pick(").split(",")[1]
+    at = env.situation.pose(thing).position
+    assert [seen[f"body 1: {what}"] for what in ("x", "y", "z")] == pytest.approx(list(at), abs=1e-6)
+    assert seen["body 1: dz"] == pytest.approx(at[2] - z, abs=1e-6)
+
+
+def test_a_closed_environment_leaves_nothing_behind_and_prints_nothing(tmp_path: Path) -> None:
+    code = (
+        "import os, gymnasium, prag_asp.rl; from prag_asp import TaskSpace, load_domain\n"
+        "env = gymnasium.make('prag_asp/Task-v0', space=TaskSpace(load_domain('tabletop'), length=1))\n"
+        "env.reset(seed=0); env.step(env.action_space.sample()); env.close(); env.close()\n"
+        f"assert os.listdir({str(tmp_path)!r}) == []\n"
+    )
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert (run.stdout, run.stderr) == ("", "")
+
+
+def test_several_processes_act_at_once(space: TaskSpace) -> None:
+    made = gymnasium.make_vec(
+        "prag_asp/Task-v0", num_envs=2, vectorization_mode="async", space=space, reward="sparse", stage="any"
+    )
+    observations, infos = made.reset(seed=4)
+    assert observations["achieved_goal"].shape == (2, 2, PLACES) and len(infos["task"]) == 2
+    for _ in range(3):
+        made.step(made.action_space.sample())
+    made.close()
+
+
+def test_neither_torch_nor_gymnasium_is_loaded_by_what_needs_none() -> None:
+    code = "import sys, prag_asp.dataset, prag_asp.physics; assert 'gymnasium' not in sys.modules; import prag_asp.rl"
+    code += "; import prag_asp.rl.environment; assert 'torch' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness)
+    with pytest.raises(QueryError, match="no episode has begun"):
+        env.step(STILL)
+    env.reset()
+    for action in (np.zeros(4), np.zeros((5, 1)), np.full(5, np.nan)):
+        with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):
+            env.step(action)
+    assert env.step(np.full(5, np.inf))[0]["observation"].shape == (52,)
+    env.close()
+    with pytest.raises(QueryError, match="no episode has begun"):
+        env.step(STILL)
+
+
+def test_a_closed_environment_can_be_begun_with_again(space: TaskSpace) -> None:
+    env = TaskEnv(space)
+    first = env.reset(seed=3)[1]["task"]
+    env.close()
+    assert env.reset(seed=3)[1]["task"] == first
+    env.close()
+
+
+def test_tasks_of_no_action_are_passed_over() -> None:
+    domain = load_domain("tabletop")
+    with pytest.raises(QueryError, match="have no subgoal"):
+        TaskEnv(TaskSpace(domain, 0))
+    env = TaskEnv(TaskSpaces(domain, range(2)), stage="any")
+    assert all(env.reset(seed=0 if number == 0 else None)[1]["task"] for number in range(8))
+    with pytest.raises(QueryError, match="has no subgoal"):
+        env.reset(options={"task": next(iter(TaskSpace(domain, 0)))})
+    env.close()
+
+
+def test_the_witness_of_another_task_is_refused(given: Mapping[str, list[Given]]) -> None:
+    (task, witness), (_, other) = given["tabletop"][:2]
+    short = Witness(witness.moments[:3], witness.motions[:2])
+    for wrong, told in (
+        (other, "of the witness it does not hold that"),
+        (short, "has 3 states, the task 5"),
+    ):
+        with pytest.raises(QueryError, match=told):
+            TaskEnv(task=task, witness=wrong)
+
+
+def test_environments_without_a_seed_draw_different_tasks(space: TaskSpace) -> None:
+    drawn = set()
+    for _ in range(6):
+        env = TaskEnv(space)
+        drawn.add(env.reset()[1]["task"])
+        env.close()
+    assert len(drawn) > 1
