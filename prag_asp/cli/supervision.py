@@ -28,8 +28,12 @@ from prag_asp.processes.machine import family_of, memory_of, usual_memory
 POLL = 0.05
 """Seconds between two looks at time and memory."""
 
-UNHEARD, HEARD = 2.0, 5.0
-"""Seconds that the command has to end once it is asked to, before and after it has heard so."""
+UNHEARD, HEARD = 2.0, 8.0
+"""Seconds that the command has to end once it is asked to, before and after it has heard so.
+
+Only those count in which this process runs itself: a machine that stood still, or a terminal that stopped both with
+Ctrl-Z, takes nothing of them.
+"""
 
 SOON = 0.3
 """Seconds within which signals are one wish; a later one ends the command at once."""
@@ -88,10 +92,13 @@ class _Supervisor:
         self._usual_memory: int | None = None
         self._asked: tuple[float, int, str] | None = None
         """When the command was asked to end, the code that this gives, and the line; empty words for the stage."""
+        self._waited = 0.0
+        """Seconds for which it has not ended since."""
 
     def code(self) -> int:
         """Wait until the command has ended, one way or another, and return the code for it."""
         while True:
+            before = monotonic()
             came = signal.sigtimedwait({*self._watched, signal.SIGCHLD}, POLL)
             wish = None if came is None or came.si_signo == signal.SIGCHLD else came.si_signo
             if wish is not None:  # first: the command may have ended by it already
@@ -102,8 +109,8 @@ class _Supervisor:
             if wish is None:
                 self._look()
             if self._asked is not None:
-                patience = HEARD if self._board.heard else UNHEARD
-                if monotonic() - self._asked[0] > patience:
+                self._waited += min(monotonic() - before, 2 * POLL)
+                if self._waited > (HEARD if self._board.heard else UNHEARD):
                     return self._kill()
 
     def _hand_on(self, number: int) -> None:
@@ -111,10 +118,10 @@ class _Supervisor:
         now = monotonic()
         code, line = (Exit.INTERRUPTED, "interrupted") if number == signal.SIGINT else (Exit.TERMINATED, "terminated")
         if self._asked is None or self._asked[1] == Exit.LIMIT:
-            self._asked = (now, code, line)
+            self._asked, self._waited = (now, code, line), 0.0
             os.kill(self._command, number)
         elif now - self._asked[0] > SOON:
-            self._asked = (now - HEARD - UNHEARD, code, line)
+            self._asked, self._waited = (now, code, line), HEARD
 
     def _look(self) -> None:
         """Ask the command to end where a limit is reached; where it takes far too much memory, do not ask."""
@@ -125,8 +132,8 @@ class _Supervisor:
         taken = memory_of(family_of(self._command))
         now = monotonic()
         if taken > TOO_MUCH * most:
-            told = (Exit.LIMIT, ending.memory_reached(memory, self._board.stage()))
-            self._asked = (now - HEARD - UNHEARD, *(told if self._asked is None else self._asked[1:]))
+            self._asked = self._asked or (now, Exit.LIMIT, ending.memory_reached(memory, self._board.stage()))
+            self._waited = HEARD
         elif self._asked is None and taken > most:
             self._ask(ending.memory_reached(memory, self._board.stage()))
         elif self._asked is None and seconds is not None and now - self._begun > seconds + grace(seconds):

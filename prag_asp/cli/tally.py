@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from prag_asp.cli import ending
 from prag_asp.errors import PragError, one_line
 from prag_asp.wording import plural
 
@@ -26,12 +27,15 @@ def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
 
 @contextmanager
 def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
-    """Show a tally on stderr at the end, also where a run is broken off; a mistake is told alone."""
+    """Show a tally on stderr at the end, also where a run is broken off; a mistake is told alone.
+
+    An error is no mistake where foreign code has made it of an interruption.
+    """
     mistaken = False
     try:
         yield
     except PragError:
-        mistaken = True
+        mistaken = ending.asked_for() is None
         raise
     finally:
         if not mistaken:

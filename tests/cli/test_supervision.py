@@ -277,6 +277,37 @@ def test_an_interruption_that_foreign_code_turns_into_an_error_of_its_own_is_an_
     assert ends(work) == (130, "interrupted\n")
 
 
+def test_figures_are_told_where_foreign_code_turns_an_interruption_into_a_mistake() -> None:
+    work = """
+    from prag_asp.cli.tally import tallied
+    from prag_asp.dataset import Tally
+    from prag_asp.errors import DomainError
+    tally = Tally()
+    tally.count("feasible", "", {{}})
+    with tallied(tally, lambda: "one task"):
+        try: {raised}
+        except KeyboardInterrupt: pass
+        raise DomainError("error in callback")"""
+    assert ends(work.format(raised="signal.raise_signal(signal.SIGINT)")) == (130, "one task\ninterrupted\n")
+    assert ends(work.format(raised="pass")) == (2, "error in callback\n")
+
+
+def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_has_to_end() -> None:
+    work = """
+    try: print("begun", flush=True); time.sleep(60)
+    except KeyboardInterrupt: time.sleep(0.7); print("ended", flush=True); raise"""
+    hasty = f"import prag_asp.cli.supervision\nprag_asp.cli.supervision.HEARD = 1.0\n{DEAF.format(work=work)}"
+    with interruptible([sys.executable, "-c", hasty, "domains"], Path()) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        os.killpg(process.pid, signal.SIGINT)
+        time.sleep(0.3)
+        os.killpg(process.pid, signal.SIGSTOP)
+        time.sleep(2)
+        os.killpg(process.pid, signal.SIGCONT)
+        out, err = process.communicate(timeout=30)
+        assert (out, err.lstrip()) == ("ended\n", "interrupted\n")
+
+
 def test_an_interruption_in_what_clingo_calls_comes_when_that_is_done(tmp_path: Path) -> None:
     work = """
     import clingo
