@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from string import Formatter
 from typing import NamedTuple
 
@@ -63,7 +64,7 @@ class Template:
                     yield (text[:at], *rest)
             at = text.find(between, at + 1)
 
-    @property
+    @cached_property
     def arguments(self) -> tuple[int, ...]:
         """The arguments that it names, in the order of its slots."""
         return tuple(slot.argument for slot in self.slots)

@@ -49,6 +49,25 @@ class Instructions:
     named: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class _Sentences:
+    """The sentences that tell something: those `given`, and others for where none of them means it alone.
+
+    `known` tells whether the domain has it at all.
+    """
+
+    given: tuple[Clause, ...]
+    spare: tuple[Clause, ...]
+    known: bool
+
+    def ways(self, dice: Dice | None) -> Iterator[tuple[Clause, int]]:
+        """Yield them and the ways to say relations in them, from one that the dice pick on; without dice, the first."""
+        first = dice.number(len(self.given)) if self.given and dice else 0
+        for variant in VARIANTS:
+            for clause in (*self.given[first:], *self.given[:first], *self.spare):
+                yield clause, variant
+
+
 class Teller:
     """Tells tasks of a domain in one language, and reads what it is told."""
 
@@ -66,6 +85,7 @@ class Teller:
         self.reader = Reader(self.tongue)
         self.phrasings = Phrasings.parse(phrasings)
         self.phrasings.require(self.tongue.grammar.actions, self.tongue.words.frames, language)
+        self._sentences: dict[tuple[Atom, bool, bool], _Sentences] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> Teller:
         """Return what tells and reads in pictures that show some entities in other colours than the scene's."""
@@ -74,6 +94,7 @@ class Teller:
         other = copy(self)
         other.tongue = self.tongue.recoloured(colors)
         other.reader = Reader(other.tongue)
+        other._sentences = {}
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
@@ -237,9 +258,8 @@ class Teller:
         Raises:
             QueryError: there is none.
         """
-        clauses = self.tongue.clauses.actions if of_actions else self.tongue.clauses.facts
-        known = [each for each in clauses.get((atom.name, len(atom.arguments)), ()) if each.value == value]
-        for clause, variant in self._ways(known, atom, dice, of_actions):
+        sentences = self._sentences_of(atom, value, of_actions)
+        for clause, variant in sentences.ways(dice):
             text = self._written(view, clause, atom, topic, variant)
             heard = self.reader.clause(view, text, topic, of_actions=of_actions)
             if len(heard) == 1:
@@ -247,7 +267,7 @@ class Teller:
                 if (said.atom, said.value) == (atom, value):
                     return text, said.topic
         where = "actions" if of_actions else "facts"
-        if all(atom not in clause.atoms for clause in known):
+        if not sentences.known:
             kind = "action" if of_actions else "fluent"
             raise QueryError(f"{atom} is no {kind} of {self.tongue.domain.name}; tell tasks of that domain")
         raise QueryError(
@@ -255,15 +275,20 @@ class Teller:
             f"under [language.{self.tongue.language}.{where}]"
         )
 
-    def _ways(
-        self, clauses: Sequence[Clause], atom: Atom, dice: Dice | None, of_actions: bool
-    ) -> Iterator[tuple[Clause, int]]:
-        """Yield the sentences that tell it and the ways to say relations in them, from one that the dice pick on.
+    def _sentences_of(self, atom: Atom, value: bool, of_actions: bool) -> _Sentences:
+        """Return the sentences that tell an action, or a fluent and its value."""
+        key = (atom, value, of_actions)
+        found = self._sentences.get(key)
+        if found is None:
+            found = self._sentences[key] = self._found_sentences(atom, value, of_actions)
+        return found
 
-        Without dice it is the first one. Where only some phrasings are said, no other sentence tells an action.
-        """
+    def _found_sentences(self, atom: Atom, value: bool, of_actions: bool) -> _Sentences:
+        """Find them: where only some phrasings are said, no other sentence tells an action."""
+        clauses = self.tongue.clauses.actions if of_actions else self.tongue.clauses.facts
+        known = [each for each in clauses.get((atom.name, len(atom.arguments)), ()) if each.value == value]
         gender = self._gender
-        usable = [each for each in clauses if not each.template.genders or gender(each, atom) in each.template.genders]
+        usable = [each for each in known if not each.template.genders or gender(each, atom) in each.template.genders]
         given = [each for each in usable if not each.spare and each.tells(atom, self.tongue.looks.robots)]
         if not of_actions:  # with one robot nobody says which
             fewest = min((len(each.template.slots) for each in given), default=0)
@@ -271,12 +296,8 @@ class Teller:
         chosen = [each for each in given if self.phrasings.has(each.template.phrasing)]
         if chosen or of_actions:
             given = chosen
-        first = dice.number(len(given)) if given and dice else 0
         spare = [] if of_actions and self.phrasings.all > 1 else [each for each in usable if each.spare]
-        ordered = [*given[first:], *given[:first], *spare]
-        for variant in VARIANTS:
-            for clause in ordered:
-                yield clause, variant
+        return _Sentences(tuple(given), tuple(spare), any(atom in clause.atoms for clause in known))
 
     def _gender(self, clause: Clause, atom: Atom) -> str:
         """Return the gender of what a sentence names first."""
