@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from typing import Annotated, Any, TypeVar
 
 import msgspec
@@ -92,7 +93,9 @@ def one_of(options: Sequence[Option], value: str, name: str) -> Option:
 
 def shown(value: object) -> str:
     """Return a value as one short line, a list by its length where it is long."""
-    text = next((word for word, each in CONSTANTS.items() if value is each), repr(value))
+    text = next((word for word, each in CONSTANTS.items() if value is each), None)
+    if text is None:
+        text = str(value) if isinstance(value, Decimal) else repr(value)
     if len(text) <= LONGEST:
         return text
     if isinstance(value, list):
@@ -117,11 +120,14 @@ def _with_column(why: str, text: str) -> str:
 
 def _needed(what: str) -> str:
     """Return in words what msgspec expected."""
-    found = re.match(r"Expected `([^`]+)`(?: of length (\d+))?", what)
+    found = re.match(r"Expected `([^`]+)`(?: of length (\d+)| >= (\d+)| <= (\d+))?", what)
     if found is None:
         return WORDS["float"] if what == "Number out of range" else what
-    words = " or ".join(WORDS.get(name, name) for name in found[1].split(" | "))
-    return words if found[2] is None else f"{words} of {found[2]}"
+    kinds, length, least, most = found.groups()
+    if kinds == "int" and (least or most):
+        return f"a whole number from {least}" if least else f"a whole number up to {most}"
+    words = " or ".join(WORDS.get(name, name) for name in kinds.split(" | "))
+    return words if length is None else f"{words} of {length}"
 
 
 def _trail(data: Any, kind: type[object], told: str, steps: Sequence[tuple[str, str]]) -> Trail:

@@ -13,6 +13,10 @@ SPELLED = re.compile(r"(?<![\w'@#])(?:0x[\da-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'
 PLAIN_BITS = 10_000
 """Bits of a number up to which Python writes it as fast as anything does."""
 
+PLAIN_DIGITS = 3_000
+"""Digits of a number up to which Python reads and writes it at once, whatever it is told to refuse."""
+
+GROUP = 3
 LONGEST = 40
 """Digits, in any base, beyond which a number is not even read."""
 
@@ -61,3 +65,29 @@ def digits_of(number: int) -> str:
         context.traps[decimal.Inexact] = True
         found = str(joined(abs(number), number.bit_length()))
     return f"-{found}" if number < 0 else found
+
+
+def number_of(digits: str) -> int:
+    """Return the number that decimal digits spell, however many there are: Python itself reads some thousands.
+
+    Raises:
+        ValueError: they spell none.
+    """
+    if len(digits) <= PLAIN_DIGITS:
+        return int(digits)
+    if not (digits.isascii() and digits.isdecimal()):
+        raise ValueError("it is no whole number")
+    import decimal  # noqa: PLC0415 - as above
+
+    with decimal.localcontext() as context:
+        context.prec, context.Emax = decimal.MAX_PREC, decimal.MAX_EMAX
+        return int(decimal.Decimal(digits))
+
+
+def grouped(number: int) -> str:
+    """Return the decimal digits of a number, however long, with commas between thousands."""
+    digits = digits_of(number)
+    if len(digits) <= PLAIN_DIGITS:
+        return f"{number:,}"
+    first = (len(digits) - 1) % GROUP + 1
+    return ",".join([digits[:first], *(digits[at : at + GROUP] for at in range(first, len(digits), GROUP))])

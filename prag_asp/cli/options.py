@@ -188,17 +188,6 @@ class Checking:
             if is_given:
                 raise QueryError(f"{option} needs physics; leave it out, or use a domain with a [scene]")
 
-    def tries(self) -> tuple[int, int]:
-        """Return how many first states are tried for a task, and how often each action.
-
-        Raises:
-            QueryError: --budget is not of the form RxS with positive numbers.
-        """
-        restarts, _, samples = self.budget.partition("x")
-        if not (restarts.isdecimal() and samples.isdecimal() and int(restarts) and int(samples)):
-            raise QueryError(f"--budget {self.budget}: write RESTARTSxSAMPLES, two positive numbers such as 10x10")
-        return int(restarts), int(samples)
-
     def limits(self) -> Budget:
         """Return the budget; whoever asks for recordings asks for demonstrations.
 
@@ -208,7 +197,10 @@ class Checking:
         from prag_asp.physics import TIERS, Budget
 
         dearest = "demonstration" if self.demonstrate is not None else self.tier
-        return Budget(*self.tries(), TIERS[TIERS.index(dearest)])
+        try:
+            return Budget.parse(self.budget, TIERS[TIERS.index(dearest)])
+        except QueryError as error:
+            raise QueryError(f"--{error}") from None
 
     def arguments(self) -> dict[str, Any]:
         """Return them as arguments for what looks at tasks."""

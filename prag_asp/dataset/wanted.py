@@ -57,6 +57,8 @@ class Wanted:
     def __post_init__(self) -> None:
         if self.tasks < 1:
             raise QueryError(f"tasks {self.tasks}: a data set needs at least 1")
+        if self.max_draws is not None and self.max_draws < 1:
+            raise QueryError(f"max_draws {self.max_draws}: a data set needs at least 1 draw")
         for name, number, most in (("starts", self.starts, MOST_STARTS), ("shard", self.shard, LARGEST_SHARD)):
             if not 1 <= number <= most:
                 raise QueryError(f"{name} {number}: give a number from 1 to {most}")

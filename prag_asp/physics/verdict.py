@@ -21,6 +21,9 @@ STATUSES: tuple[Status, ...] = get_args(Status)
 TIERS: tuple[Tier, ...] = get_args(Tier)
 """The tiers of checks, the cheapest first."""
 
+LONGEST = 9
+"""Digits of a number of a budget that a text spells."""
+
 
 @dataclass(frozen=True)
 class Budget:
@@ -36,6 +39,19 @@ class Budget:
     restarts: int = 10
     samples: int = 10
     tier: Tier = "kinematics"
+
+    @classmethod
+    def parse(cls, text: str, tier: Tier = "kinematics") -> Budget:
+        """Return the budget that a text such as ``10x10`` spells: restarts, and samples.
+
+        Raises:
+            QueryError: it spells none.
+        """
+        restarts, _, samples = text.partition("x")
+        if not all(each.isdecimal() and len(each) <= LONGEST and int(each) for each in (restarts, samples)):
+            most = f"two numbers from 1 to {10**LONGEST - 1:,}"
+            raise QueryError(f"budget {text!r}: write RESTARTSxSAMPLES, {most}, such as 10x10")
+        return cls(int(restarts), int(samples), tier)
 
     def __post_init__(self) -> None:
         if self.restarts < 1 or self.samples < 1:

@@ -105,7 +105,7 @@ def generate(
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
-    checking.tries()
+    checking.limits()
     filming.refuse_at_odds(output if performed else None)
     shares = None if split is None else parse_shares_option(split)
     with progress() as tell, whole_lines(), warnings_as_lines():

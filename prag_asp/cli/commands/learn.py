@@ -50,7 +50,7 @@ def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bo
     from prag_asp.domain.load import LEARNED
     from prag_asp.physics import require_physics
 
-    checking.tries()
+    checking.limits()
     require_physics()
     with progress() as tell:
         before = replace(asked, learned=False).space(tell)

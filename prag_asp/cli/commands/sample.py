@@ -74,7 +74,7 @@ def sample(
 
     telling.check()
     require_writable(output)
-    checking.tries()
+    checking.limits()
     filming.refuse_at_odds(checking.demonstrate)
     with progress() as tell:
         space = asked.spaces(tell)

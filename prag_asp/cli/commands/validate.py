@@ -52,7 +52,7 @@ def validate(
     from prag_asp.physics import require_physics
 
     require_writable(output)
-    checking.tries()
+    checking.limits()
     filming.refuse_at_odds(checking.demonstrate)
     if witness_only and checking.budget != options.BUDGET:
         raise QueryError(

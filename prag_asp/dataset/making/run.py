@@ -35,6 +35,7 @@ from prag_asp.dataset.store.told import Told, telling_of
 from prag_asp.dataset.wanted import Wanted
 from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
+from prag_asp.integers import digits_of, number_of
 from prag_asp.output import Lines, file_in, make_folder, replace_file
 from prag_asp.processes.children import uninterrupted
 from prag_asp.reading import read_bytes
@@ -113,7 +114,7 @@ class Run:
                 self._journal.suspend()
                 self._journal.close()
         for note in self._manifest.parts:
-            dealt_out = asked.part is not None and note.draws >= int(note.size)  # others may have what is missing
+            dealt_out = asked.part is not None and note.draws >= number_of(note.size)  # others may have what is missing
             if note.tasks < note.wanted and not dealt_out:
                 raise NotFound(too_few(note, parts[note.name], wanted.draws(shares[note.name])))
         return Dataset.open(self._folder)
@@ -128,8 +129,8 @@ class Run:
         wanted, shares = self._wanted, self._wanted.division.shares
         manifest = read_manifest(self._folder)
         if manifest is None:
-            spaces = [SpaceNote(length, str(at(self._space, length).count())) for length in asked.lengths]
-            notes = [PartNote(name, str(part.size), 0) for name, part in parts.items()]
+            spaces = [SpaceNote(length, digits_of(at(self._space, length).count())) for length in asked.lengths]
+            notes = [PartNote(name, digits_of(part.size), 0) for name, part in parts.items()]
             manifest = Manifest(FORMAT, VERSION, False, identity, 0, asked, self._told, spaces, notes)
         elif manifest.identity != identity:
             raise OutputError(f"{self._folder}: {difference(manifest, self._told.name, asked)}; give a new folder")
@@ -141,7 +142,7 @@ class Run:
         for note in manifest.parts:
             note.wanted = wanted.of(shares[note.name])
             more = note.rows("tasks") < note.wanted and note.draws < wanted.draws(shares[note.name])
-            if more and note.draws < int(note.size):
+            if more and note.draws < number_of(note.size):
                 manifest.complete = False
                 if note.shards and not note.shards[-1].full:
                     note.tail = note.shards.pop()

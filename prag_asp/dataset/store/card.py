@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.manifest import Manifest, PartNote, summed
 from prag_asp.dataset.store.strips import write_strips
+from prag_asp.integers import grouped, number_of
 from prag_asp.output import file_in, replace_file
 from prag_asp.wording import plural
 
@@ -92,7 +93,7 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
         effort = f"{asked.budget.restarts} x {asked.budget.samples}, {asked.budget.tier}"
         yield f"Each was found feasible by physics (budget {effort})."
     assert manifest.covered is not None
-    yield f"The space has {manifest.size:,} tasks; these are {_percent(manifest.covered.value)} of them."
+    yield f"The space has {grouped(manifest.size)} tasks; these are {_percent(manifest.covered.value)} of them."
     yield ""
     for path in pictures:
         yield f"![The states of a task]({path})"
@@ -100,7 +101,7 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     yield "| part | tasks | draws | of all tasks of the part |"
     yield "|---|---|---|---|"
     for part in manifest.parts:
-        yield f"| {part.name} | {part.tasks:,} | {part.draws:,} | {_share(part)} of {int(part.size):,} |"
+        yield f"| {part.name} | {part.tasks:,} | {part.draws:,} | {_share(part)} of {grouped(number_of(part.size))} |"
     yield ""
     yield from _by_length(manifest)
     yield "| table | rows | what |"
@@ -122,13 +123,13 @@ def _by_length(manifest: Manifest) -> Iterator[str]:
     for space in manifest.spaces:
         each = drawn.get(space.length)
         if each is None:
-            yield f"| {space.length} | {int(space.tasks):,} | 0 | | | | |"
+            yield f"| {space.length} | {grouped(number_of(space.tasks))} | 0 | | | | |"
             continue
         causes = sorted(each.causes, key=lambda cause: (-cause.count, cause.cause))[:3]
         told = ", ".join(f"{cause.cause} ({cause.count:,})" for cause in causes)
         feasible = f"{each.feasible:,} ({_percent(each.pass_rate)})"
         numbers = f"{each.drawn:,} | {feasible} | {each.not_found:,} | {each.infeasible:,}"
-        yield f"| {space.length} | {int(space.tasks):,} | {numbers} | {told} |"
+        yield f"| {space.length} | {grouped(number_of(space.tasks))} | {numbers} | {told} |"
     yield ""
 
 

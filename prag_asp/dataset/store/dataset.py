@@ -14,6 +14,7 @@ from prag_asp.dataset.store.kept import kept_domain
 from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest
 from prag_asp.errors import QueryError
 from prag_asp.fields import decoded
+from prag_asp.integers import number_of
 from prag_asp.missing import require_pyarrow
 from prag_asp.reading import is_inside
 from prag_asp.space.ordered import Division, order_of
@@ -240,7 +241,7 @@ class Dataset:
     @cached_property
     def _sizes(self) -> dict[int, int]:
         """How many tasks there are of each length."""
-        return {space.length: int(space.tasks) for space in self.manifest.spaces}
+        return {space.length: number_of(space.tasks) for space in self.manifest.spaces}
 
     def _start(self, table: str, number: int, start: int) -> Mapping[str, Any]:
         """Return the row of a first state of a task.

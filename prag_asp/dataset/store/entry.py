@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from prag_asp.atom import parse_atom
 from prag_asp.dataset.store.manifest import MOST_DIGITS
 from prag_asp.errors import QueryError
+from prag_asp.integers import number_of
 from prag_asp.physics.verdict import Verdict
 from prag_asp.task import FrozenDict, Task
 
@@ -73,7 +74,7 @@ def _rank(text: str) -> int:
     """
     if len(text) > MOST_DIGITS or not text.isascii() or not text.isdecimal():
         raise ValueError("the rank is no number")
-    return int(text)
+    return number_of(text)
 
 
 def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:

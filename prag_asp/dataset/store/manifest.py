@@ -13,6 +13,7 @@ import msgspec
 from prag_asp.dataset.store.kept import KeptDomain, KeptFile
 from prag_asp.errors import QueryError
 from prag_asp.fields import Whole, decoded, read
+from prag_asp.integers import digits_of, number_of
 from prag_asp.output import replace_file
 from prag_asp.reading import read_bytes
 from prag_asp.space.drawing.deal import ALL, Deal
@@ -198,13 +199,13 @@ class Manifest(msgspec.Struct):
     @property
     def size(self) -> int:
         """How many tasks there are in the space."""
-        return sum(int(space.tasks) for space in self.spaces)
+        return sum(number_of(space.tasks) for space in self.spaces)
 
 
 def share_of(some: int, whole: int) -> Share:
     """Return which share some are of the whole."""
     share = Fraction(some, whole) if whole else Fraction(0)
-    return Share(str(share.numerator), str(share.denominator), float(share))
+    return Share(digits_of(share.numerator), digits_of(share.denominator), float(share))
 
 
 def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
@@ -231,7 +232,7 @@ def derive(manifest: Manifest) -> None:
     for part in manifest.parts:
         part.draws = part.shards[-1].end if part.shards else 0
         part.tasks = part.rows("tasks")
-        part.covered = share_of(part.tasks, int(part.size))
+        part.covered = share_of(part.tasks, number_of(part.size))
         part.lengths = summed(tally for shard in part.shards for tally in shard.tally)
     manifest.covered = share_of(manifest.rows("tasks"), manifest.size)
 

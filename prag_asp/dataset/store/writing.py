@@ -16,6 +16,7 @@ from prag_asp.dataset.store.manifest import Cause, LengthTally, PartNote, Reason
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import open_shard, write_shard
 from prag_asp.errors import PragError
+from prag_asp.integers import digits_of
 from prag_asp.processes.stage import stage
 from prag_asp.space.drawing.draws import log_probability
 from prag_asp.versions import versions
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 LIMITS: Mapping[str, int] = {"tasks": 1, "refused": 10, "witnesses": 4}
 """How many times the rows of tasks in a full shard its other tables have at most, about."""
 
+
+TOGETHER = "; "
+"""What stands between the versions of several that have made a shard."""
 
 SUMMED_TOGETHER = 256
 """Draws that are counted together."""
@@ -106,7 +110,7 @@ class PartWriter:
             if rows.count
         }
         tally = summed(self._tallies)
-        made_by = "; ".join(sorted(self._versions))
+        made_by = TOGETHER.join(sorted(self._versions))
         self.note.shards.append(Shard(number, self._first, self.next, self.full, files, tally, made_by))
         self.note.tail = None
         self._begin()
@@ -134,6 +138,7 @@ class PartWriter:
             return
         self._rows = {table: Rows(table, before.get(table)) for table in SCHEMAS}
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
+        self._versions = {*tail.versions.split(TOGETHER)}
 
     def _add_start(self, task: int, start: int, found: Start) -> None:
         """Add a first state of a task."""
@@ -157,7 +162,7 @@ def _row(placed: Placed, task: Task, looked: Looked, words: Told) -> dict[str, A
         "draw": looked.draw,
         "domain": task.domain,
         "length": len(task),
-        "rank": str(placed.rank),
+        "rank": digits_of(placed.rank),
         "log_probability": log_probability(placed.probability),
         "plan": placed.word,
         "skeleton": task.skeleton,

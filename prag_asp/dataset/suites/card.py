@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from prag_asp.dataset.store.card import TABLES
 from prag_asp.dataset.suites.note import SuiteNote, SuitePart
+from prag_asp.integers import grouped, number_of
 from prag_asp.wording import plural
 
 NAME = "README.md"
@@ -44,7 +45,7 @@ def _text(note: SuiteNote) -> Iterator[str]:
     yield "| part | what | lengths | tasks | of all tasks of the part | phrasings |"
     yield "|---|---|---|---|---|---|"
     for part in note.parts:
-        share = f"{100 * part.tasks / int(part.size):.3g} % of {int(part.size):,}"
+        share = f"{100 * part.tasks / number_of(part.size):.3g} % of {grouped(number_of(part.size))}"
         words = f"{part.language} {part.phrasings}".strip()
         link = f"[{part.name}]({part.name}/README.md)"
         yield f"| {link} | {part.about} | {_lengths(part)} | {part.tasks:,} | {share} | {words} |"
@@ -68,17 +69,18 @@ def _text(note: SuiteNote) -> Iterator[str]:
 
 def _apart(note: SuiteNote) -> Iterator[str]:
     """Yield how many tasks parts have in common, and what is unseen."""
-    none = sum(not int(each.tasks) for each in note.shared)
+    none = sum(not number_of(each.tasks) for each in note.shared)
     yield f"Counted exactly: {plural(none, 'pair')} of {len(note.shared)} of parts have no task in common."
     for each in note.shared:
-        if int(each.tasks):
-            yield f"{each.one} and {each.other} have {int(each.tasks):,}, as {'' if each.declared else 'nobody '}said."
+        tasks = number_of(each.tasks)
+        if tasks:
+            yield f"{each.one} and {each.other} have {grouped(tasks)}, as {'' if each.declared else 'nobody '}said."
     yield ""
     if note.unseen:
         yield "| held out | part | tasks of the part that have it |"
         yield "|---|---|---|"
         for every in note.unseen:
-            yield f"| `{every.what}` | {every.part} | {int(every.tasks):,} |"
+            yield f"| `{every.what}` | {every.part} | {grouped(number_of(every.tasks))} |"
         yield ""
 
 

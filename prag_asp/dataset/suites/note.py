@@ -15,6 +15,7 @@ from prag_asp.dataset.store.manifest import NAME as MANIFEST
 from prag_asp.dataset.store.manifest import Decimal, SpaceNote, read_manifest
 from prag_asp.errors import QueryError
 from prag_asp.fields import Whole, decoded, read
+from prag_asp.integers import digits_of
 from prag_asp.output import file_in, replace_file
 from prag_asp.reading import read_bytes
 
@@ -83,16 +84,16 @@ def note_of(suite: Suite, figures: Figures, identity: str, versions: str) -> Sui
     parts = [
         SuitePart(
             part.name, part.about, part.of, list(part.unseen), list(part.where), part.language, part.phrasings,
-            [SpaceNote(length, str(tasks)) for length, tasks in figures.sizes[part.name].items()],
-            str(figures.size(part.name)), part.tasks,
+            [SpaceNote(length, digits_of(tasks)) for length, tasks in figures.sizes[part.name].items()],
+            digits_of(figures.size(part.name)), part.tasks,
         )
         for part in suite.parts.values()
     ]  # fmt: skip
     return SuiteNote(
         FORMAT, VERSION, False, identity, suite.name, suite.title, suite.description, suite.domain.name,
         KeptFile(SPELLED, len(text), sha256(text).hexdigest()), parts,
-        [SharedNote(each.one, each.other, str(each.tasks), each.declared) for each in figures.shared],
-        [UnseenNote(each.what, each.part, str(each.tasks)) for each in figures.unseen], versions,
+        [SharedNote(each.one, each.other, digits_of(each.tasks), each.declared) for each in figures.shared],
+        [UnseenNote(each.what, each.part, digits_of(each.tasks)) for each in figures.unseen], versions,
     )  # fmt: skip
 
 

@@ -138,9 +138,9 @@ class _Reader:
         """
         name = self._table.domain
         found = Path(name) if name in shipped_domains() else self._path.parent / name
-        if name not in shipped_domains() and not found.exists():
+        if name not in shipped_domains() and not (name and found.exists()):
             hint = did_you_mean(name, shipped_domains(), "name a shipped domain, or a folder or file beside the suite")
-            raise QueryError(f"{self._place('domain')}: no domain {name}; {hint}")
+            raise QueryError(f"{self._place('domain')}: no domain {name!r}; {hint}")
         return load_domain(found, trust=self._trust)
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
@@ -155,17 +155,15 @@ class _Reader:
             return None, None, False
         from prag_asp.physics import TIERS, Budget, Staging
 
-        restarts, _, samples = table.budget.partition("x")
         with self._told("physics", "budget"):
             if not scene:
                 raise QueryError(f"{self._domain.label} has no scene; leave physics out")
-            if not (restarts.isdecimal() and samples.isdecimal() and int(restarts) and int(samples)):
-                raise QueryError(f"budget {table.budget!r}: write RESTARTSxSAMPLES, two positive numbers such as 10x10")
+            tries = Budget.parse(table.budget)
         with self._told("physics", "tier"):
             if table.tier not in TIERS:
                 raise QueryError(unknown(table.tier, TIERS, "tier of checks"))
             dearest = "demonstration" if table.demonstrate else table.tier
-            budget = Budget(int(restarts), int(samples), TIERS[TIERS.index(dearest)])
+            budget = replace(tries, tier=TIERS[TIERS.index(dearest)])
         if not table.cameras and not table.vary:
             return budget, None, table.demonstrate
         with self._told("physics", "cameras" if table.cameras else "vary"):

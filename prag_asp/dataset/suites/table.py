@@ -6,10 +6,11 @@ from typing import Annotated, Any
 
 import msgspec
 
+from prag_asp.dataset.wanted import LARGEST_SEED, MOST_STARTS
 from prag_asp.errors import QueryError
 
 Positive = Annotated[int, msgspec.Meta(ge=1)]
-Whole = Annotated[int, msgspec.Meta(ge=0)]
+Seed = Annotated[int, msgspec.Meta(ge=0, le=LARGEST_SEED)]
 Words = str | list[str]
 """One text, or several."""
 
@@ -32,15 +33,15 @@ class PhysicsTable(msgspec.Struct):
 class PartTable(msgspec.Struct):
     """``[parts.NAME]``: the tasks of a part, and how many are drawn; what is left out is as for the whole suite."""
 
-    tasks: Positive
+    tasks: Annotated[int, msgspec.Meta(ge=1, le=10**12)]
     about: str = ""
     lengths: str | int | None = None
     where: Words = []
     unseen: Words = []
     of: str | None = None
     shares: Words = []
-    seed: Whole | None = None
-    starts: Positive = 1
+    seed: Seed | None = None
+    starts: Annotated[int, msgspec.Meta(ge=1, le=MOST_STARTS)] = 1
     split: dict[str, Any] = {}
     skeletons: bool = False
     evenly: bool = False
@@ -55,7 +56,7 @@ class SuiteTable(msgspec.Struct):
     parts: dict[str, PartTable]
     title: str = ""
     description: str = ""
-    seed: Whole = 0
+    seed: Seed = 0
     lengths: str | int | None = None
     where: Words = []
     uniform: bool = False

@@ -12,6 +12,7 @@ import msgspec
 from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, Shard, derive
 from prag_asp.dataset.verifying.finding import Finding
 from prag_asp.domain.identity import digest
+from prag_asp.integers import grouped, number_of
 
 if TYPE_CHECKING:
     from prag_asp.space.ordered import Ordered
@@ -73,10 +74,10 @@ def wrong_sizes(manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapp
         return
     for space in manifest.spaces:
         count = spaces[space.length].count()
-        if int(space.tasks) != count:
-            told = f"there are {count:,} tasks of length {space.length}, not {int(space.tasks):,}"
+        if number_of(space.tasks) != count:
+            told = f"there are {grouped(count)} tasks of length {space.length}, not {grouped(number_of(space.tasks))}"
             yield Finding(NAME, None, f"spaces: {told}")
     for part in manifest.parts:
-        if int(part.size) != parts[part.name].size:
-            told = f"has {parts[part.name].size:,} tasks to draw, not {int(part.size):,}"
+        if number_of(part.size) != parts[part.name].size:
+            told = f"has {grouped(parts[part.name].size)} tasks to draw, not {grouped(number_of(part.size))}"
             yield Finding(NAME, None, f"parts, {part.name}: {told}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from prag_asp.dataset.language import teller_of
+from prag_asp.dataset.language.reader import LONGEST
 from prag_asp.dataset.store.entry import entry_of
 from prag_asp.dataset.store.manifest import NAME, Cause, LengthTally, Manifest, PartNote, Reason, Shard, summed
 from prag_asp.dataset.store.told import PLAIN, telling_by
@@ -161,7 +162,10 @@ class Rows:
         return space is not None and plan in space
 
     def _wrong_words(self, entry: Entry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield what words say otherwise than the task: they are read back from the text and the colours alone."""
+        """Yield what words say otherwise than the task: they are read back from the text and the colours alone.
+
+        Instructions that are longer than any that can be read are compared with those that the seed draws.
+        """
         told, teller = self._tell(task, colours), self._teller.recoloured(colours)
         if (dict(told.whole), told.subgoals, told.named) != (entry.instruction, entry.subgoals, entry.named):
             yield "its words are not those that the seed draws"
@@ -169,6 +173,8 @@ class Rows:
             if level not in entry.instruction:
                 if PLAIN not in entry.instruction:
                     yield f"has no words at the level {level}"
+                continue
+            if len(entry.instruction[level]) > LONGEST:
                 continue
             try:
                 read = teller.read(task, entry.instruction[level]).actions

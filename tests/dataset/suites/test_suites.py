@@ -216,7 +216,7 @@ def test_what_was_changed_is_found(made: Path, tmp_path: Path, name: str) -> Non
 
 PART = "[parts.train]\ntasks = 3\n"
 MISTAKES: Mapping[str, tuple[str, str]] = {
-    "no such domain": (f'domain = "tabeltop"\n{PART}', r":1: no domain tabeltop; did you mean tabletop"),
+    "no such domain": (f'domain = "tabeltop"\n{PART}', r":1: no domain 'tabeltop'; did you mean tabletop"),
     "no TOML": ('domain = "tabletop\n', r":1: not TOML"),
     "no parts": ('domain = "shelves"\n[parts]\n', r":2: a suite needs parts"),
     "no domain": (PART, r": domain: is missing"),
@@ -235,7 +235,14 @@ MISTAKES: Mapping[str, tuple[str, str]] = {
         r":5: .*several fluents",
     ),
     "wrong name": ('domain = "shelves"\nlengths = 2\n[parts."a/b"]\ntasks = 1\n', r":3: part 'a/b'"),
-    "no tasks": ('domain = "shelves"\nlengths = 2\n[parts.train]\ntasks = 0\n', r":4: parts.train.tasks: needs"),
+    "no tasks": (
+        'domain = "shelves"\nlengths = 2\n[parts.train]\ntasks = 0\n',
+        r":4: parts.train.tasks: needs a whole number from 1; got 0",
+    ),
+    "half a task": ('domain = "shelves"\nlengths = 2\n[parts.train]\ntasks = 1.5\n', r":4: .* whole .*; got 1.5"),
+    "too many starts": (f'domain = "shelves"\nlengths = 2\n{PART}starts = 1001\n', r":5: .*up to 1000; got 1001"),
+    "a large seed": (f'domain = "shelves"\nseed = 9223372036854775808\n{PART}', r":2: seed: needs .*up to 9223372036"),
+    "a domain without a name": (f'domain = ""\n{PART}', r":1: no domain ''"),
     "a copy of none": (f'domain = "shelves"\nlengths = 2\n{PART}[parts.b]\nof = "c"\ntasks = 1\n', r":6: .*\bc\b"),
     "a copy of itself": ('domain = "shelves"\nlengths = 2\n[parts.b]\nof = "b"\ntasks = 1\n', r":4: "),
     "a copy in the same words": (
@@ -255,6 +262,7 @@ MISTAKES: Mapping[str, tuple[str, str]] = {
     "no language": (f'domain = "shelves"\nlengths = 2\n{PART}language = "fr"\n', r":5: .*fr"),
     "no scene": (f'domain = "hanoi"\nphysics = true\nlengths = 2\n{PART}', r":2: .*has no scene"),
     "wrong budget": (f'domain = "kitchen"\nlengths = 2\n{PART}[physics]\nbudget = "0x2"\n', r":6: budget '0x2'"),
+    "a large budget": (f'domain = "kitchen"\nlengths = 2\n{PART}[physics]\nbudget = "1x{"9" * 20}"\n', r":6: .*from 1"),
     "wrong tier": (f'domain = "kitchen"\nlengths = 2\n{PART}[physics]\ntier = "transti"\n', r":6: .*transti"),
     "cameras alone": (f'domain = "kitchen"\nlengths = 2\n{PART}[physics]\ncameras = ["front"]\n', r":6: .*demonstrate"),
 }  # fmt: skip
