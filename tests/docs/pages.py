@@ -30,6 +30,9 @@ from typing import Any
 ROOT = Path(__file__).parent.parent.parent
 DOCS = ROOT / "docs"
 PAGES = tuple(sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *DOCS.rglob("*.md")]))
+FRESH = tuple(DOCS / "guides" / name for name in ("first_dataset.md", "formats.md", "datasets.md"))
+"""Pages that a test follows word by word in an environment of their own, with what they say to install."""
+
 TIMEOUT = 300
 """Seconds that one command of a page may take."""
 

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import DOCS, ROOT, blocks
+from tests.docs.pages import FRESH, ROOT, blocks
 
-NEW = ("first_dataset.md", "formats.md", "datasets.md")
 NEEDED = ("prag_asp", "encodings", "domains", "suites", "pyproject.toml", "README.md", "LICENSE", "examples", "docs")
 READER = ("__init__.py", "docs/__init__.py", "docs/pages.py")
 """What runs the examples of a page; it imports nothing that the page does not say to install."""
@@ -39,15 +38,16 @@ def test_the_pages_on_data_sets_need_what_they_say_and_no_more(tmp_path: Path) -
         shutil.copy(ROOT / "tests" / name, reader / "tests" / name)
     for name in ("docs", "encodings", "examples"):
         (reader / name).symlink_to(clone / name)
-    said = [block.text for page in NEW for block in blocks(DOCS / "guides" / page) if block.language == "sh"]
+    said = [block.text for page in FRESH for block in blocks(page) if block.language == "sh"]
     assert said[0].startswith("python3 -m venv .venv")
     outside = {name: value for name, value in os.environ.items() if name not in ("VIRTUAL_ENV", "PYTHONPATH")}
     call(["sh", "-ec", "".join(said)], clone, outside)
-    for page in NEW:
-        work = tmp_path / page.removesuffix(".md")
+    for page in FRESH:
+        work = tmp_path / page.stem
         work.mkdir()
-        command = [str(clone / ".venv/bin/python"), "-c", RUN, page]
-        assert call(command, work, {**outside, "PYTHONPATH": str(reader)}) == "", page
+        command = [str(clone / ".venv/bin/python"), "-c", RUN, page.name]
+        wrong = call(command, work, {**outside, "PYTHONPATH": str(reader)})
+        assert not wrong, f"write them anew: python -m tests.docs.pages\n{wrong}"
 
 
 def call(command: list[str], folder: Path, environment: dict[str, str]) -> str:

@@ -109,6 +109,8 @@ class _Counting:
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
         asked = frozenset(clauses)
+        if any({held.having, held.without} <= asked for held in self._suite.held):
+            return dict.fromkeys(lengths, 0)  # each is the negation of the other
         missing = [length for length in lengths if (asked, length) not in self._known]
         if missing:
             space = _space(self._suite, tuple(dict.fromkeys(clauses)), missing, self._limits)
