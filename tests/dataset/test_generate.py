@@ -15,9 +15,9 @@ from prag_asp.dataset import Teller, generate, instruction, looking, teller_of, 
 from prag_asp.dataset.language.looks import BASIC, color_terms
 from prag_asp.dataset.looking import Draw, Found, Look, first_state
 from prag_asp.dataset.making.places import Processes
+from prag_asp.dataset.making.refusals import JOURNAL
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import told, writing
-from prag_asp.dataset.store.refusals import JOURNAL
 from prag_asp.errors import NotFound
 from prag_asp.physics import Budget, Staging, check_demonstration
 from tests.dataset.conftest import POOR

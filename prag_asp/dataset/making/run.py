@@ -15,6 +15,7 @@ import msgspec
 
 from prag_asp.dataset.looking import Draw, Found, Look, Telling
 from prag_asp.dataset.making.places import Place
+from prag_asp.dataset.making.refusals import JOURNAL, difference, require_ours, too_few
 from prag_asp.dataset.recordings import name_of, remove_after
 from prag_asp.dataset.store.card import write_card
 from prag_asp.dataset.store.dataset import Dataset
@@ -30,7 +31,6 @@ from prag_asp.dataset.store.manifest import (
     read_manifest,
     write_manifest,
 )  # fmt: skip
-from prag_asp.dataset.store.refusals import JOURNAL, difference, require_ours, too_few
 from prag_asp.dataset.store.told import Told, telling_of
 from prag_asp.dataset.wanted import Wanted
 from prag_asp.domain.identity import digest

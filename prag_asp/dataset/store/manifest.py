@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
@@ -10,12 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import msgspec
 
+from prag_asp.dataset.store.description import read_description, write_description
 from prag_asp.dataset.store.kept import KeptDomain, KeptFile
-from prag_asp.errors import QueryError
-from prag_asp.fields import Whole, decoded, read
+from prag_asp.fields import Whole
 from prag_asp.integers import digits_of, number_of
-from prag_asp.output import replace_file
-from prag_asp.reading import read_bytes
 from prag_asp.space.drawing.deal import ALL, Deal
 
 if TYPE_CHECKING:
@@ -244,8 +241,7 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
         OutputError: it cannot be written.
     """
     derive(manifest)
-    content = json.dumps(msgspec.to_builtins(manifest), indent=1, ensure_ascii=False)
-    replace_file(folder / NAME, f"{content}\n".encode(), follow=False)
+    write_description(folder, NAME, manifest)
 
 
 def read_manifest(folder: Path) -> Manifest | None:
@@ -254,22 +250,4 @@ def read_manifest(folder: Path) -> Manifest | None:
     Raises:
         QueryError: it is damaged, of another program, or of another version.
     """
-    path = folder / NAME
-    try:
-        text = read_bytes(path, within=folder).decode()
-    except FileNotFoundError:
-        return None
-    except UnicodeDecodeError:
-        raise QueryError(f"{path}: it is not UTF-8; copy the data set once more") from None
-    except OSError as error:
-        raise QueryError(f"{path}: cannot be read: {error.strerror or error}; name a folder of a data set") from None
-    try:
-        told = decoded(text)
-        if not isinstance(told, dict) or told.get("format") != FORMAT:
-            raise QueryError(f"is no data set of prag_asp, for it has no format {FORMAT!r}")
-        if told.get("version") != VERSION:
-            form = told.get("version")
-            raise QueryError(f"has the form {form!r}, but {VERSION} is read; use the prag_asp that made it")
-        return read(told, Manifest, "")
-    except QueryError as error:
-        raise QueryError(f"{path}: {error}") from None
+    return read_description(folder, NAME, Manifest, (FORMAT, VERSION), "data set")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,14 +9,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.dataset.store.description import read_description, write_description
 from prag_asp.dataset.store.kept import KeptFile, digest_of
 from prag_asp.dataset.store.manifest import NAME as MANIFEST
 from prag_asp.dataset.store.manifest import Decimal, SpaceNote, read_manifest
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole, decoded, read
+from prag_asp.fields import Whole
 from prag_asp.integers import digits_of
-from prag_asp.output import file_in, replace_file
-from prag_asp.reading import read_bytes
 
 if TYPE_CHECKING:
     from prag_asp.dataset.suites.counting import Figures
@@ -116,8 +114,7 @@ def write_note(folder: Path, note: SuiteNote) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    content = json.dumps(msgspec.to_builtins(note), indent=1, ensure_ascii=False)
-    replace_file(file_in(folder, NAME), f"{content}\n".encode(), follow=False)
+    write_description(folder, NAME, note)
 
 
 def is_suite(folder: str | Path) -> bool:
@@ -141,26 +138,13 @@ def read_note(folder: Path) -> SuiteNote | None:
     Raises:
         QueryError: it is damaged, of another program, or of another version.
     """
-    path = folder / NAME
-    try:
-        text = read_bytes(path, within=folder).decode()
-    except FileNotFoundError:
+    note = read_description(folder, NAME, SuiteNote, (FORMAT, VERSION), "suite")
+    if note is None:
         return None
-    except UnicodeDecodeError:
-        raise QueryError(f"{path}: it is not UTF-8; copy the suite once more") from None
-    except OSError as error:
-        raise QueryError(f"{path}: cannot be read: {error.strerror or error}; name a folder of a suite") from None
     try:
-        told = decoded(text)
-        if not isinstance(told, dict) or told.get("format") != FORMAT:
-            raise QueryError(f"is no suite of prag_asp, for it has no format {FORMAT!r}")
-        if told.get("version") != VERSION:
-            raise QueryError(
-                f"has the form {told.get('version')!r}, but {VERSION} is read; use the prag_asp that made it"
-            )
-        return _checked(read(told, SuiteNote, ""))
+        return _checked(note)
     except QueryError as error:
-        raise QueryError(f"{path}: {error}") from None
+        raise QueryError(f"{folder / NAME}: {error}") from None
 
 
 def _checked(note: SuiteNote) -> SuiteNote:
