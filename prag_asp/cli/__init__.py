@@ -39,7 +39,11 @@ def main() -> None:
             raise
         write_line(out_of_memory())
         code = Exit.LIMIT
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # All is told, and Python would tell of what it is torn from.
+    finally:  # All is told, and Python would tell of what it is torn from.
+        from prag_asp.cli.ending import deafen
+
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        deafen()
     sys.exit(code)
 
 

@@ -194,6 +194,13 @@ def limits() -> tuple[float | None, int, float]:
     return _command.seconds, _command.memory or usual_memory(), _command.begun
 
 
+def deafen() -> None:
+    """Hear nothing more: the command is about to say why it ends, and ends by that alone."""
+    if _command.board is not None:
+        for number in ASKED:
+            signal.signal(number, signal.SIG_IGN)
+
+
 def said() -> None:
     """Note that the command has said why it ends."""
     if _command.board is not None:

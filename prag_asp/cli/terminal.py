@@ -115,10 +115,18 @@ def _insisting() -> Iterator[None]:
 
 
 def _end(error: BaseException) -> int:
-    """Say on stderr why the command ends, and return its exit code."""
+    """Say on stderr why the command ends, once, and return its exit code."""
     if isinstance(error, BrokenPipeError):
         sys.stdout = None  # nothing more can be flushed into it
         return Exit.OUTPUT
+    ending.deafen()
+    code = _tell_end(error)
+    ending.said()
+    return code
+
+
+def _tell_end(error: BaseException) -> int:
+    """Say on stderr why the command ends, and return its exit code."""
     interruption = _interruption(error)
     if interruption is not None:
         return _end_asked(interruption)
@@ -150,7 +158,6 @@ def _end_asked(kind: type[BaseException]) -> Exit:
     told = {Terminated: ("terminated", Exit.TERMINATED), Struck: (ending.struck(), Exit.LIMIT)}
     line, code = told.get(kind, ("interrupted", Exit.INTERRUPTED))
     click.echo(line, err=True)
-    ending.said()
     return code
 
 

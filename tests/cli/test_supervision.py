@@ -292,6 +292,17 @@ def test_figures_are_told_where_foreign_code_turns_an_interruption_into_a_mistak
     assert ends(work.format(raised="pass")) == (2, "error in callback\n")
 
 
+@pytest.mark.parametrize("raised", ['LimitReached("own line", 0)', "SystemExit(3)"])
+def test_a_limit_that_strikes_while_a_command_is_ending_already_adds_no_line(raised: str) -> None:
+    work = f"""
+    import atexit
+    from prag_asp.errors import LimitReached
+    atexit.register(time.sleep, 2)
+    raise {raised}"""
+    code, said = ends(work, "--time", "0.3")
+    assert (code, said) == (3, "own line\n" if "own" in raised else "")
+
+
 def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_has_to_end() -> None:
     work = """
     try: print("begun", flush=True); time.sleep(60)
