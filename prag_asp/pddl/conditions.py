@@ -42,9 +42,12 @@ class Rules:
         """Add a rule, unless its body never holds."""
         conditions = list(dict.fromkeys(body))
         if NEVER not in conditions:
+            if not head and not conditions:
+                conditions = ["#true"]
             line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
+            line = line.removeprefix(" ")
             if line not in self.parts[part]:
-                self.parts[part].append(line.removeprefix(" "))
+                self.parts[part].append(line)
 
 
 @dataclass

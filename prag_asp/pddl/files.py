@@ -107,10 +107,6 @@ class _DomainReader(_Reader):
         lines: dict[str, int] = {}
         for name, kind in self.typed_names(tree):
             lines[str(name)] = name.line
-            if name == OBJECT:
-                if kind is not None and kind != OBJECT:
-                    self.refuse(name.line, "the type object is above all others; leave out what is above it")
-                continue
             above = (str(kind),) if kind is not None and kind != OBJECT else ()
             self._types[str(name)] = tuple(dict.fromkeys((*self._types.get(str(name), ()), *above)))
             for each in above:

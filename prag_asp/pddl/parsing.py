@@ -18,6 +18,7 @@ from prag_asp.errors import DomainError
 from prag_asp.missing import require_pddl
 from prag_asp.pddl.nodes import Node, Word
 from prag_asp.program.sources import read_text
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from lark import Lark, Token, Tree
@@ -27,7 +28,7 @@ DEEPEST = 100
 
 COMMENT = re.compile(r";[^\n]*")
 BEGIN = re.compile(r"\s*\(\s*define\s*\(\s*(\w+)")
-WORD = re.compile(r"[:?]?[\w-]+|\S?")
+WORDS = re.compile(r"([:?]?[\w-]+|\S|)\s*([:?]?[\w-]*)")
 KINDS = ("domain", "problem")
 
 UNSUPPORTED = {
@@ -51,7 +52,7 @@ def parse(path: Path, kind: str) -> Node:
     """
     text = read_text(path).lower()
     _check_kind(path, text, kind)
-    _check_depth(path, text)
+    _check_parentheses(path, text)
     grammar = _grammar()
     from lark import UnexpectedInput
 
@@ -84,18 +85,16 @@ def _line(path: Path, text: str, error: object) -> int:
 
 def _told(text: str, at: int, kind: str) -> str:
     """Return what is wrong at a place of a text, and what to do."""
-    found = WORD.match(text, at)
-    word = found[0] if found else ""
-    before = text[:at].rstrip()
-    if word in UNSUPPORTED:
-        return f"{word}: {UNSUPPORTED[word]} cannot be imported; leave them out"
-    if word == ")" and not before.endswith(("-", "(")):
-        return "')' comes too early here; look for what is missing before it, or for one ')' too many"
-    if not text[at:].strip() or (word and not before):
-        return f"the {kind} ends before it is whole; close its parentheses, and write all that it needs"
-    return (
-        f"{word!r} is not expected here; look for a word that is misspelt, or a parenthesis that is missing before it"
-    )
+    begin, around = WORDS.match(text, at), WORDS.match(text, max(text.rfind("(", 0, at), 0))
+    words = begin.groups() if begin else ("", "")
+    for word in (*words, *(around.groups() if around else ())):
+        if word in UNSUPPORTED:
+            return f"{word}: {UNSUPPORTED[word]} cannot be imported; leave them out"
+    if words[0] == ")":
+        return f"')' comes too early, for the {kind} lacks what belongs here; write it, or look for a ')' too many"
+    if not words[0]:
+        return f"the {kind} ends before it is whole; write all that it needs"
+    return f"{words[0]!r} is not expected here; look for a misspelt word, or a parenthesis that is missing before it"
 
 
 def _check_kind(path: Path, text: str, kind: str) -> None:
@@ -112,8 +111,8 @@ def _check_kind(path: Path, text: str, kind: str) -> None:
         raise DomainError(f"{path}:1: this is a {begin[1]}, and a {kind} is needed here; {hint}")
 
 
-def _check_depth(path: Path, text: str) -> None:
-    """Check that parentheses are not nested beyond what is of use.
+def _check_parentheses(path: Path, text: str) -> None:
+    """Check that parentheses fit each other, and are not nested beyond what is of use.
 
     Raises:
         DomainError: they are.
@@ -122,8 +121,13 @@ def _check_depth(path: Path, text: str) -> None:
     for sign in re.findall(r"[()\n]", COMMENT.sub("", text)):
         line += sign == "\n"
         depth += {"(": 1, ")": -1}.get(sign, 0)
+        if depth < 0:
+            raise DomainError(f"{path}:{line}: this ')' closes nothing; remove it, or look for a '(' that is missing")
         if depth > DEEPEST:
             raise DomainError(f"{path}:{line}: parentheses are nested more than {DEEPEST} deep; write it flatter")
+    if depth:
+        line, open_ones = text.rstrip().count("\n") + 1, plural(depth, "'('", "'('")
+        raise DomainError(f"{path}:{line}: the file ends, and {open_ones} is open; close each with a ')'")
 
 
 @cache
