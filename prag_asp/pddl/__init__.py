@@ -13,10 +13,11 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.pddl.reading import Imported, read
+    from prag_asp.pddl.writing import Exported, write
 
-__all__ = ["Imported", "read"]
+__all__ = ["Exported", "Imported", "read", "write"]
 
-_HOMES = {"prag_asp.pddl.reading": ("Imported", "read")}
+_HOMES = {"prag_asp.pddl.reading": ("Imported", "read"), "prag_asp.pddl.writing": ("Exported", "write")}
 
 __getattr__ = names_from(__name__, _HOMES)
 
