@@ -57,3 +57,20 @@ def test_without_the_package_it_is_said_how_to_get_it(tmp_path: Path, monkeypatc
     parsing._grammar.cache_clear()
     done = run("count", *FILES, "-n", "1", cwd=tmp_path)
     assert done.stderr == 'PDDL needs the package pddl; install it: pip install "prag_asp[pddl]"\n'
+
+
+def test_a_domain_and_a_task_are_exported_as_pddl(tmp_path: Path) -> None:
+    assert run("export", "pddl", "blocks", "-o", "out", cwd=tmp_path).stdout == "out\n"
+    files = ("out/domain.pddl", "out/problem.pddl")
+    counts = [run("count", *given, "-n", "3", "--by", "plan", cwd=tmp_path).stdout for given in (["blocks"], files)]
+    assert counts == ["52\n", "52\n"]
+    plan = "pick_up(a) stack(a,b)"
+    assert run("export", "pddl", "blocks", "--plan", plan, "--positive", "-o", "task", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "task" / "plan.txt").read_text().splitlines()[0] == "(pick_up a)"
+    assert "(not (" not in (tmp_path / "task" / "problem.pddl").read_text()
+    task = ("task/domain.pddl", "task/problem.pddl")
+    assert run("count", *task, "-n", "2", "--by", "plan", cwd=tmp_path).stdout == "1\n"
+    done = run("export", "pddl", "blocks", "-o", "out", cwd=tmp_path)
+    assert done.stderr == "out: exists already; choose another name, or remove it first\n"
+    done = run("export", "pddl", "prag", "-o", "open", cwd=tmp_path)
+    assert done.returncode == 2 and "its world is open" in done.stderr and not (tmp_path / "open").exists()
