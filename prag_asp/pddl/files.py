@@ -136,7 +136,7 @@ class _DomainReader(_Reader):
         for each in tree.nodes:
             name = each.words[0]
             self.check_new(kind, name, known)
-            types = tuple(variable.types for variable in self._scope().declare(each.nodes[0]))
+            types = tuple(variable.types for variable in self._scope().declare(each.nodes[0], named=False))
             known[str(name)] = Signature(types, name.line)
 
     def _derived(self, tree: Node) -> Derived:

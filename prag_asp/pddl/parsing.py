@@ -35,7 +35,7 @@ UNSUPPORTED = {
     **dict.fromkeys([":durative-action", ":durative-actions", ":duration-inequalities"], "actions that take time"),
     **dict.fromkeys([":preferences", "preference"], "preferences"),
     **dict.fromkeys([":constraints"], "constraints on whole plans"),
-    **dict.fromkeys([":timed-initial-literals", "at"], "literals that are timed"),
+    **dict.fromkeys([":timed-initial-literals"], "literals that are timed"),
     **dict.fromkeys([":process", ":event", ":time", ":continuous-effects"], "processes and events"),
     **dict.fromkeys([":object-fluents"], "functions whose values are objects"),
     **dict.fromkeys([":probabilistic-effects", "probabilistic"], "effects by chance"),

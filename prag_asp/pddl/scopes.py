@@ -42,15 +42,15 @@ class Scope:
         inner._variables = {name: new.get(each.name, each) for name, each in self._variables.items()}
         return inner
 
-    def declare(self, tree: Node) -> tuple[Variable, ...]:
-        """Declare the variables of a list with types, and return them."""
+    def declare(self, tree: Node, *, named: bool = True) -> tuple[Variable, ...]:
+        """Declare the variables of a list with types, and return them; where they are `named`, they differ."""
         found: list[Variable] = []
         waiting: list[Word] = []
         seen: set[str] = set()
 
         def settle(types: tuple[str, ...]) -> None:
             for name in waiting:
-                if str(name) in seen:
+                if named and str(name) in seen:
                     self._refuse(name.line, f"the variable ?{name} is declared twice; give each another name")
                 seen.add(str(name))
                 variable = Variable(variable_name(name, self._taken), types)

@@ -65,7 +65,7 @@ TASKS: dict[str, tuple[str, str]] = {
     ),
     "add wins": (
         """(define (domain d) (:requirements :strips)
-          (:predicates (p ?x) (q ?x ?y))
+          (:predicates (p ?x) (q ?x ?x))
           (:action both :parameters (?x ?y)
               :precondition (p ?x) :effect (and (not (p ?x)) (p ?y) (not (q ?x ?y)) (q ?y ?x)))
           (:action all :parameters (?x) :precondition (q ?x ?x) :effect (and (not (p ?x)) (p ?x) (not (q ?x ?x))))
