@@ -13,12 +13,12 @@ from pathlib import Path
 import clingo
 
 from prag_asp.errors import DomainError
+from prag_asp.pddl.pairs import MOST, Pairs, Values
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program, owned
 
-Values = Mapping[clingo.Symbol, bool]
 NOT_OVER_TIME = ("closed_world", "canonical_names", "weights")
 """Rules of the encodings that say nothing about which plans there are."""
 
@@ -32,8 +32,8 @@ class GroundAction:
     after: Values
 
 
-def ground_actions(name: str, program: Program, facts: Facts) -> list[GroundAction]:
-    """Return all actions that may occur.
+def ground_actions(name: str, program: Program, facts: Facts, state: Values) -> list[GroundAction]:
+    """Return all actions that may occur from a first state on; what it does not name is false.
 
     Raises:
         DomainError: the domain says what PDDL cannot: rules over time, composites, effects that are unknown.
@@ -42,9 +42,13 @@ def ground_actions(name: str, program: Program, facts: Facts) -> list[GroundActi
         raise DomainError(f"{path}:{line}: PDDL cannot say this rule over time; leave it out, or export without it")
     if facts.composites:
         raise DomainError(f"{name}: PDDL cannot say which actions make a composite; export with --flat")
-    graph = invariant_graph(facts, impossible=True)
-    clauses = _clauses(facts)
-    return [found for action in facts.actions if (found := _ground(action, facts, graph, clauses)) is not None]
+    found = [each for action in facts.actions if (each := _stated(action, facts)) is not None]
+    pairs = None
+    if len(facts.fluents) <= MOST:
+        whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
+        pairs = Pairs(whole, [(each.before, each.after) for each in found])
+    graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
+    return [safe for each in found if (safe := _safe(each, graph, clauses, pairs)) is not None]
 
 
 def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
@@ -73,13 +77,8 @@ def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
     return found
 
 
-def _ground(
-    action: clingo.Symbol,
-    facts: Facts,
-    graph: Mapping[FluentValue, tuple[FluentValue, ...]],
-    clauses: Mapping[FluentValue, list[FluentValue]],
-) -> GroundAction | None:
-    """Return an action, None where the invariants or its own conditions never let it occur.
+def _stated(action: clingo.Symbol, facts: Facts) -> GroundAction | None:
+    """Return an action as the domain states it, None where it contradicts itself.
 
     Raises:
         DomainError: an effect of it is unknown.
@@ -95,13 +94,26 @@ def _ground(
     for fluent, value in facts.preconditions.get(action, ()):
         if before.setdefault(fluent, value == "true") != (value == "true"):
             return None
+    return GroundAction(action, before, after)
+
+
+def _safe(
+    action: GroundAction,
+    graph: Mapping[FluentValue, tuple[FluentValue, ...]],
+    clauses: Mapping[FluentValue, list[FluentValue]],
+    pairs: Pairs | None,
+) -> GroundAction | None:
+    """Return an action that also needs what keeps the invariants, None where it always breaks one."""
+    before = dict(action.before)
     known = entailed(before.items(), graph)
-    for fluent, made in after.items():
+    for fluent, made in action.after.items():
         for other, needed in clauses.get((fluent, not made), ()):
-            if after.get(other, needed) != needed:
+            if action.after.get(other, needed) != needed:
                 return None
-            if other in after or (other, needed) in known:
+            if other in action.after or (other, needed) in known:
+                continue
+            if pairs is not None and pairs.excludes(action.before, other, not needed):
                 continue
             if before.setdefault(other, needed) != needed:
                 return None
-    return GroundAction(action, before, after)
+    return GroundAction(action.term, before, action.after)

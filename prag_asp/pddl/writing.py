@@ -13,7 +13,8 @@ import clingo
 
 from prag_asp.atom import symbol_of
 from prag_asp.errors import DomainError
-from prag_asp.pddl.ground import GroundAction, Values, broken_invariant, ground_actions
+from prag_asp.pddl.ground import GroundAction, broken_invariant, ground_actions
+from prag_asp.pddl.pairs import Values
 from prag_asp.pddl.spelling import Spelling
 from prag_asp.program.facts import Facts
 from prag_asp.program.sources import Program
@@ -54,8 +55,14 @@ def write(name: str, program: Program, facts: Facts, task: Task | None = None, *
         DomainError: the domain says what PDDL cannot, its first state breaks an invariant, or it is an open world and
             no task is given.
     """
-    writer = _Writer(name, facts, ground_actions(name, program, facts), negative)
-    return writer.written(task)
+    if task is None and not facts.closed:
+        told = "its world is open, so it has no first state that PDDL can say; state one"
+        raise DomainError(f"{name}: {told} with initially(...), or export a task")
+    stated = _known(facts.initially) if task is None else _values(task.initial.items())
+    if broken_invariant(facts, stated):
+        raise DomainError(f"{name}: its first state breaks an invariant, so there is no plan; change either")
+    actions = ground_actions(name, program, facts, stated)
+    return _Writer(name, facts, actions, negative).written(task, stated)
 
 
 class _Writer:
@@ -76,14 +83,8 @@ class _Writer:
             by_name.setdefault((action.term.name, len(action.term.arguments)), []).append(action)
         self._schemas = [schema for key, found in by_name.items() for schema in self._schemas_of(key, found)]
 
-    def written(self, task: Task | None) -> Exported:
-        """Return the texts for the whole domain, or for a task."""
-        if task is None and not self._facts.closed:
-            told = "its world is open, so it has no first state that PDDL can say; state one"
-            raise DomainError(f"{self._name}: {told} with initially(...), or export a task")
-        stated = _known(self._facts.initially) if task is None else _values(task.initial.items())
-        if broken_invariant(self._facts, stated):
-            raise DomainError(f"{self._name}: its first state breaks an invariant, so there is no plan; change either")
+    def written(self, task: Task | None, stated: Values) -> Exported:
+        """Return the texts for the whole domain, or for a task, and for what is stated of the first state."""
         last = (task.states[-1] if task.states else task.initial) if task is not None else {}
         goal = _known(self._facts.goal) if task is None else _values(last.items())
         left = len(self._facts.fluents) - len(stated)
