@@ -23,6 +23,10 @@ NOT_OVER_TIME = ("closed_world", "canonical_names", "weights")
 """Rules of the encodings that say nothing about which plans there are."""
 
 
+Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
+"""What actions make of fluents that they may change."""
+
+
 @dataclass(frozen=True)
 class GroundAction:
     """An action with the values of fluents that it needs, and those that it makes."""
@@ -32,17 +36,22 @@ class GroundAction:
     after: Values
 
 
-def ground_actions(name: str, program: Program, facts: Facts, state: Values) -> list[GroundAction]:
+def ground_actions(
+    name: str, program: Program, facts: Facts, state: Values, outcomes: Outcomes | None = None
+) -> list[GroundAction]:
     """Return all actions that may occur from a first state on; what it does not name is false.
 
+    With `outcomes`, effects that are unknown have these values, false where there is none.
+
     Raises:
-        DomainError: the domain says what PDDL cannot: rules over time, composites, effects that are unknown.
+        DomainError: the domain says what PDDL cannot: rules over time, composites, and, without `outcomes`, effects
+            that are unknown.
     """
     for path, line in _rules_over_time(program):
         raise DomainError(f"{path}:{line}: PDDL cannot say this rule over time; leave it out, or export without it")
     if facts.composites:
         raise DomainError(f"{name}: PDDL cannot say which actions make a composite; export with --flat")
-    found = [each for action in facts.actions if (each := _stated(action, facts)) is not None]
+    found = [each for action in facts.actions if (each := _stated(action, facts, outcomes)) is not None]
     pairs = None
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
@@ -77,7 +86,7 @@ def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
     return found
 
 
-def _stated(action: clingo.Symbol, facts: Facts) -> GroundAction | None:
+def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> GroundAction | None:
     """Return an action as the domain states it, None where it contradicts itself.
 
     Raises:
@@ -85,11 +94,15 @@ def _stated(action: clingo.Symbol, facts: Facts) -> GroundAction | None:
     """
     after: dict[clingo.Symbol, bool] = {}
     for fluent, value in facts.postconditions.get(action, ()):
-        if value == "unknown":
+        if value == "unknown" and outcomes is None:
             told = f"{action} leaves {fluent} unknown, which PDDL cannot say"
-            raise DomainError(f"{told}; let the action make it true or false")
+            raise DomainError(f"{told}; let the action make it true or false, or export a task")
+    stated = facts.postconditions.get(action, ())
+    for fluent, value in (each for each in stated if each[1] != "unknown"):
         if after.setdefault(fluent, value == "true") != (value == "true"):
             return None
+    for fluent, _ in stated:
+        after.setdefault(fluent, bool(outcomes and outcomes.get((action, fluent))))
     before: dict[clingo.Symbol, bool] = {}
     for fluent, value in facts.preconditions.get(action, ()):
         if before.setdefault(fluent, value == "true") != (value == "true"):

@@ -14,10 +14,9 @@ KEYWORDS = frozenset([
 
 
 class Spelling:
-    """Gives each thing of one kind a name, the same whenever it is asked for."""
+    """Gives each thing a name, the same whenever it is asked for; no two share one, for some readers refuse that."""
 
-    def __init__(self, otherwise: str) -> None:
-        self._otherwise = otherwise
+    def __init__(self) -> None:
         self._names: dict[Hashable, str] = {}
         self._taken: set[str] = set(KEYWORDS)
 
@@ -25,7 +24,7 @@ class Spelling:
         """Return the name of a thing, which is like a text."""
         if thing not in self._names:
             plain = re.sub(r"[^a-z0-9_]+", "-", text.lower()).strip("-_")
-            first = plain if re.match("[a-z]", plain) else f"{self._otherwise}{plain}"
+            first = plain if re.match("[a-z]", plain) else f"n{plain}"
             found, number = first, 2
             while found in self._taken:
                 found, number = f"{first}-{number}", number + 1

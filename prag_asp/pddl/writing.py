@@ -13,7 +13,7 @@ import clingo
 
 from prag_asp.atom import symbol_of
 from prag_asp.errors import DomainError
-from prag_asp.pddl.ground import GroundAction, broken_invariant, ground_actions
+from prag_asp.pddl.ground import GroundAction, Outcomes, broken_invariant, ground_actions
 from prag_asp.pddl.pairs import Values
 from prag_asp.pddl.spelling import Spelling
 from prag_asp.program.facts import Facts
@@ -48,8 +48,10 @@ class _Schema:
 def write(name: str, program: Program, facts: Facts, task: Task | None = None, *, negative: bool = True) -> Exported:
     """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its last state.
 
-    What a task leaves open of its initial state is false in PDDL, and a comment says so. Without `negative`, no
-    condition and no goal is negative: a predicate of its own says what is not so.
+    What a task leaves open of its initial state is false in PDDL. An effect that is unknown is what the task needs it
+    to be, and false in all other actions: of the plans of the domain, PDDL has those for which that is so. Comments of
+    the problem say both. Without `negative`, no condition and no goal is negative: a predicate of its own says what is
+    not so.
 
     Raises:
         DomainError: the domain says what PDDL cannot, its first state breaks an invariant, or it is an open world and
@@ -61,8 +63,26 @@ def write(name: str, program: Program, facts: Facts, task: Task | None = None, *
     stated = _known(facts.initially) if task is None else _values(task.initial.items())
     if broken_invariant(facts, stated):
         raise DomainError(f"{name}: its first state breaks an invariant, so there is no plan; change either")
-    actions = ground_actions(name, program, facts, stated)
+    actions = ground_actions(name, program, facts, stated, None if task is None else _outcomes(task, facts))
     return _Writer(name, facts, actions, negative).written(task, stated)
+
+
+def _outcomes(task: Task, facts: Facts) -> Outcomes:
+    """Return what the actions of a task make of fluents that they may change, where that is known.
+
+    Raises:
+        DomainError: an action occurs twice, and has to make something else of a fluent each time.
+    """
+    found: dict[tuple[clingo.Symbol, clingo.Symbol], bool] = {}
+    for atom, state in zip(task.actions, task.states, strict=True):
+        action, known = symbol_of(atom), _values(state.items())
+        for fluent, value in facts.postconditions.get(action, ()):
+            if value != "unknown" or fluent not in known:
+                continue
+            if found.setdefault((action, fluent), known[fluent]) != known[fluent]:
+                told = f"{action} occurs twice, and {fluent} is true after one and false after the other"
+                raise DomainError(f"{told}, which PDDL cannot say; choose another task")
+    return found
 
 
 class _Writer:
@@ -71,8 +91,10 @@ class _Writer:
     def __init__(self, name: str, facts: Facts, actions: Sequence[GroundAction], negative: bool) -> None:
         self._facts = facts
         self._negative = negative
-        self._objects, self._predicates, self._actions = Spelling("o"), Spelling("p"), Spelling("a")
-        self._name = Spelling("d").name(name, name)
+        self._spelling = Spelling()
+        self._name = Spelling().name(name, name)
+        for fluent in facts.fluents:
+            self._predicate(fluent)
         self._entities = [self._object(entity) for entity in facts.entities]
         self._terms = {self._object(term): None for fluent in facts.fluents for term in fluent.arguments}
         self._fluents = {fluent: self._literal(fluent, True) for fluent in facts.fluents}
@@ -97,10 +119,13 @@ class _Writer:
             for fluent, each in self._fluents.items()
             if each[0] in flipped and not stated.get(fluent)
         ]
-        comment = f"; {plural(left, 'fluent')} that the task leaves open {'is' if left == 1 else 'are'} false here.\n"
+        told = f"; {plural(left, 'fluent')} that the task leaves open {'is' if left == 1 else 'are'} false here.\n"
+        comment = told if left else ""
+        if any(value == "unknown" for values in self._facts.postconditions.values() for _, value in values):
+            comment += "; Effects that the domain leaves open are what the task needs, and false otherwise.\n"
         steps = tuple(self._steps[symbol_of(action)] for action in task.actions) if task is not None else ()
         wanted = [_positive(each, flipped) for each in wanted]
-        problem = self._problem([*initial, *self._allowed], wanted, comment if left else "")
+        problem = self._problem([*initial, *self._allowed], wanted, comment)
         return Exported(self._domain(flipped), problem, steps)
 
     def _conditions(self, goal: Iterable[Literal]) -> Iterator[Literal]:
@@ -109,11 +134,13 @@ class _Writer:
             yield from schema.before
 
     def _object(self, term: clingo.Symbol) -> str:
-        return self._objects.name(term, str(term))
+        return self._spelling.name(("object", term), str(term))
+
+    def _predicate(self, fluent: clingo.Symbol) -> str:
+        return self._spelling.name(("predicate", fluent.name, len(fluent.arguments)), fluent.name)
 
     def _literal(self, fluent: clingo.Symbol, value: bool) -> Literal:
-        predicate = self._predicates.name((fluent.name, len(fluent.arguments)), fluent.name)
-        return predicate, tuple(map(self._object, fluent.arguments)), value
+        return self._predicate(fluent), tuple(map(self._object, fluent.arguments)), value
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
         """Yield the actions of a name: one with parameters, if all of them are like it."""
@@ -125,15 +152,15 @@ class _Writer:
             self._terms.update(dict.fromkeys(arguments))
         lifted = _lifted(key[1], ground)
         if lifted is not None and key[1]:
-            name = self._actions.name(key, key[0])
-            allowed = self._predicates.name(("can", *key), f"can-{key[0]}")
+            name = self._spelling.name(("action", *key), key[0])
+            allowed = self._spelling.name(("can", *key), f"can-{key[0]}")
             for action, (arguments, *_) in zip(actions, ground, strict=True):
                 self._allowed.append((allowed, arguments, True))
                 self._steps[action.term] = f"({' '.join([name, *arguments])})"
             yield _Schema(name, tuple(_variable(number) for number in range(key[1])), *lifted, allowed)
             return
         for action, (_, before, after) in zip(actions, ground, strict=True):
-            name = self._actions.name(action.term, str(action.term))
+            name = self._spelling.name(("action", action.term), str(action.term))
             self._steps[action.term] = f"({name})"
             yield _Schema(name, (), before, after)
 

@@ -135,3 +135,26 @@ def test_what_pddl_cannot_say_is_refused(tmp_path: Path) -> None:
         exported(load_domain(text="fluent(f). initially(f,true). action(a). postcondition(a,f,unknown).\n"))
     with pytest.raises(DomainError, match="prag: its world is open, so it has no first state that PDDL can say"):
         exported(load_domain("prag"))
+
+
+OPEN = """class(c). entity((on;behind),c). fluent(on(X)) :- entity(X,c). fluent(seen).
+initially(seen,false). exclusive(on(on),on(behind)).
+action((push(X);take(X))) :- entity(X,c).
+postcondition(push(X),on(Y),unknown) :- entity(X,c), entity(Y,c).
+precondition(take(X),on(X),true) :- entity(X,c). postcondition(take(X),on(X),false) :- entity(X,c).
+postcondition(take(X),seen,true) :- entity(X,c).
+"""
+"""Open effects, an open start, and an object and a predicate of one name."""
+
+
+def test_effects_that_are_open_are_what_the_task_needs_and_its_plan_is_one_in_pddl() -> None:
+    domain = load_domain(text=OPEN)
+    for task in TaskSpace(domain, 2):
+        found = exported(domain, task)
+        search = Search(found.domain, found.problem)
+        state = search.start
+        for step in found.plan:
+            state = dict(search.after(state))[tuple(step.strip("()").split())]
+        assert search.holds(search.goal, state, {})
+        assert "; Effects that the domain leaves open are what the task needs, and false otherwise." in found.problem
+        assert "(on on-2)" in found.domain + found.problem
