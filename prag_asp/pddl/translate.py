@@ -290,13 +290,20 @@ class Translation:
         fluents = set(self.words.predicates) - self.words.static - self.words.derived
         plain = [part for part in parts if isinstance(part, Literal) and part.predicate in fluents]
         opposite = [part for part in plain if any(_is_opposite(part, other) for other in plain)]
+        signs = {
+            (found[2].predicate, found[2].positive) for part in parts if (found := self._guarded(part)) is not None
+        }
         facts = []
         for part in parts:
             if isinstance(part, Literal) and part in plain and part not in opposite:
                 facts.append(f"goal({self.words.atom(part)}, {TRUTH[part.positive]}).")
                 continue
             simple = self._guarded(part)
-            if simple is not None and not opposite and (not plain or simple[2].positive == plain[0].positive):
+            if (
+                part not in opposite
+                and simple is not None
+                and (simple[2].predicate, not simple[2].positive) not in signs
+            ):
                 variables, guard, literal = simple
                 body = [*map(self.words.belongs, variables), *self._bodies.body(guard, BASE)]
                 facts.append(_rule(f"goal({self.words.atom(literal)}, {TRUTH[literal.positive]})", body))

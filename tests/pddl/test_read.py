@@ -50,3 +50,19 @@ def test_random_tasks_have_the_plans_of_a_forward_search(seed: int, tmp_path_fac
     for engine, most in (("automaton", 3), ("clingo", 2)):
         found = [TaskSpace(loaded, n, engine=engine).count(by="plan") for n in range(most + 1)]
         assert found == counts[: most + 1], f"{seed}\n{domain}\n{problem}\n{read(*paths).text}"
+
+
+@pytest.mark.parametrize(
+    "goal",
+    [
+        "(and (forall (?x - room) (p ?x)) (not (exists (?x - room) (p ?x))))",
+        "(and (forall (?x - room) (p ?x)) (not (p a)))",
+        "(and (forall (?x - room) (imply (static ?x) (not (p ?x)))) (p a) (not (static b)) (not (= a b)))",
+        "(and (p a) (static a))",
+    ],
+)
+def test_goals_that_contradict_themselves_or_facts_are_no_mistakes(goal: str, tmp_path: Path) -> None:
+    domain, problem = TASKS["never"]
+    problem = f"{problem[: problem.index('(:goal')]}(:goal {goal}))"
+    loaded = load_domain(*written(tmp_path, domain, problem))
+    assert [TaskSpace(loaded, n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
