@@ -10,6 +10,7 @@ PragError
 │   ├── PhysicsMissingError
 │   ├── PicturesMissingError
 │   ├── DatasetsMissingError
+│   ├── PddlMissingError
 │   └── RayMissingError
 ├── NotFound           less was found than was asked for
 ├── WorkerError        the processes that validate tasks died again and again, or could not be started
@@ -104,6 +105,10 @@ class LearningMissingError(MissingError):
 
 class RayMissingError(MissingError):
     """Work on several machines needs Ray."""
+
+
+class PddlMissingError(MissingError):
+    """Files of PDDL need the package pddl to be read."""
 
 
 class NotFound(PragError):

@@ -13,7 +13,13 @@ from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
-from prag_asp.errors import DatasetsMissingError, LearningMissingError, PhysicsMissingError, RayMissingError
+from prag_asp.errors import (
+    DatasetsMissingError,
+    LearningMissingError,
+    PddlMissingError,
+    PhysicsMissingError,
+    RayMissingError,
+)
 
 NEWEST = (3, 13)
 """The newest Python that both have wheels for; pyproject.toml says so, too."""
@@ -88,6 +94,20 @@ def require_ray() -> None:
     """
     if find_spec("ray") is None:
         raise RayMissingError('a cluster needs Ray; install it on every node: pip install "prag_asp[ray]"')
+
+
+def require_pddl() -> None:
+    """Check that files of PDDL can be read.
+
+    Raises:
+        PddlMissingError: the package pddl is not installed, or cannot be loaded.
+    """
+    try:
+        import_module("pddl.parser")
+    except ImportError as error:
+        missing = (error.name or "").partition(".")[0] in ("pddl", "lark")
+        told = "PDDL needs the package pddl" if missing else f"pddl cannot be loaded: {' '.join(str(error).split())}"
+        raise PddlMissingError(f'{told}; install it: pip install "prag_asp[pddl]"') from None
 
 
 def advice(version: tuple[int, int]) -> str:

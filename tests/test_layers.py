@@ -47,7 +47,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "scene": GROUND - {"task"},
     "grammar": (GROUND - {"task"}) | {"program", "scene"},
     "lint": (GROUND - {"task"}) | {"program", "scene", "grammar"},
-    "domain": (GROUND - {"task"}) | {"program", "scene", "lint"},
+    "pddl": GROUND | {"program"},
+    "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "space": GROUND | {"program", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
@@ -55,7 +56,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "rl": GROUND | {"scene", "domain", "space", "physics", "dataset"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
+    | {"program", "scene", "grammar", "pddl", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -96,6 +97,8 @@ HEAVY = {
     "multiprocessing",
     "pysat",
     "pyganak",
+    "pddl",
+    "lark",
     "pyarrow",
     "gymnasium",
     "difflib",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli.words import domain_and_others
-from prag_asp.program.paths import data_folder, is_file_name, rule_names, shipped_domains, shipped_suites
+from prag_asp.program.paths import PDDL, data_folder, is_file_name, rule_names, shipped_domains, shipped_suites
 from prag_asp.reading import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def _domains(given: Sequence[str]) -> Offer:
             yield from () if given else shipped_domains()
             folder = typed[: typed.rfind("/") + 1]
             for path in sorted(Path(folder or ".").iterdir()):
-                if path.suffix == ".lp" or (not given and (path / "domain.lp").is_file()):
+                if path.suffix in (".lp", PDDL) or (not given and (path / "domain.lp").is_file()):
                     yield f"{folder}{path.name}"
 
     return offer

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from importlib import import_module
+from keyword import iskeyword
 from typing import Any
 
 import click
@@ -23,6 +24,7 @@ COMMANDS = {
     "explain": "explain",
     "export": "export",
     "generate": "generate",
+    "import": "importing",
     "learn": "learn",
     "merge": "merge",
     "new": "domains",
@@ -51,7 +53,8 @@ class Commands(Command):
             return None
         from prag_asp.cli.options import with_limits
 
-        found = getattr(import_module(f"prag_asp.cli.commands.{COMMANDS[cmd_name]}"), cmd_name)
+        name = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
+        found = getattr(import_module(f"prag_asp.cli.commands.{COMMANDS[cmd_name]}"), name)
         assert isinstance(found, click.Command)
         return with_limits(found)
 
@@ -85,6 +88,6 @@ def cli() -> None:
     """Robot manipulation tasks from logic programs: counted exactly, drawn exactly, checked by physics.
 
     DOMAIN is a shipped domain (see `prag-asp domains`), a folder with a domain.lp, or files: one or more that end in
-    .lp, or - for standard input. Of a folder, its domain.toml and learned.lp are read too; files come without, unless
-    --settings names a file.
+    .lp, or - for standard input, or a domain and its problem in PDDL, two files that end in .pddl. Of a folder, its
+    domain.toml and learned.lp are read too; files come without, unless --settings names a file.
     """

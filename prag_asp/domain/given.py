@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.program.paths import domain_folder, is_file_name
+from prag_asp.program.paths import PDDL, domain_folder, is_file_name
 from prag_asp.program.sources import Source, decoded, read_sources
 from prag_asp.reading import LARGEST_TEXT, STANDARD_INPUT
 
@@ -38,7 +38,7 @@ def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given
     """
     files = list(dict.fromkeys([*given, *([] if text is None else [_text_source("text", text)])]))
     if not files:
-        raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, or a text")
+        raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text")
     named = [str(each) for each in given if not isinstance(each, Source) and not is_file_name(each)]
     if named and len(files) > 1:
         told = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
@@ -46,9 +46,28 @@ def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given
     if named:
         folder = domain_folder(named[0])
         return Given(folder.resolve().name, folder, (folder / "domain.lp",))
+    planning = [each for each in files if not isinstance(each, Source) and Path(each).suffix == PDDL]
+    if planning:
+        files = [_imported(planning), *(each for each in files if each not in planning)]
     entries = tuple(_entry(each) for each in files)
     first = entries[0].path if isinstance(entries[0], Source) else entries[0]
     return Given(first.stem.strip("<>"), None, entries)
+
+
+def _imported(files: Sequence[str | Path | Source]) -> Source:
+    """Return a domain and a problem of PDDL as the text of a logic program.
+
+    Raises:
+        DomainError: there are not just two files, or they cannot be imported.
+    """
+    told = " ".join(map(str, files))
+    if len(files) != 2:
+        hint = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
+        raise DomainError(f"{told}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {hint}")
+    from prag_asp.pddl import read
+
+    found = read(*map(str, files))
+    return Source(Path(f"<{found.name}>"), found.text)
 
 
 def _text_source(name: str, text: str) -> Source:

@@ -76,8 +76,9 @@ def load_domain(
     """Read and check a domain, given as a shipped name, as a folder, as files that end in .lp, or as a text.
 
     Files (``-`` is standard input) and a text together are one domain, named after the first. A file includes from its
-    own folder, a text from the working directory; they come without settings. `constants` are values for ``#const``s of
-    the domain. `settings` is a file to read in place of the folder's domain.toml; paths in it begin at its folder.
+    own folder, a text from the working directory; they come without settings. Two files that end in .pddl, a domain
+    and its problem, are read as such. `constants` are values for ``#const``s of the domain. `settings` is a file to
+    read in place of the folder's domain.toml; paths in it begin at its folder.
 
     `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites

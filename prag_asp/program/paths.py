@@ -11,6 +11,9 @@ from prag_asp.wording import did_you_mean
 BY_LIBRARY = frozenset(["canonical_names", "weights"])
 """Rules that the library adds itself, together with facts that only it knows."""
 
+PDDL = ".pddl"
+"""How the names of files of PDDL end."""
+
 PACKAGE = Path(__file__).resolve().parent.parent
 
 
@@ -31,8 +34,8 @@ def rule_names(encodings: Path) -> list[str]:
 
 
 def is_file_name(given: str | Path) -> bool:
-    """Tell whether a domain is given as a file, which ends in .lp, or as standard input, not as a name or folder."""
-    return str(given) == STANDARD_INPUT or (Path(given).suffix == ".lp" and not Path(given).is_dir())
+    """Tell whether a domain is given as files, of logic or of PDDL, or as standard input, not as a name or folder."""
+    return str(given) == STANDARD_INPUT or (Path(given).suffix in (".lp", PDDL) and not Path(given).is_dir())
 
 
 def domain_folder(name_or_path: str | Path) -> Path:

@@ -23,6 +23,7 @@ SETUP = {
     ".venv/bin/pip install '.[sharp]'",
     ".venv/bin/pip install '.[datasets]'",
     ".venv/bin/pip install '.[formats]'",
+    ".venv/bin/pip install '.[pddl]'",
     ".venv/bin/pip install '.[ray]'",
     ".venv/bin/pip install '.[rl]'",
     ".venv/bin/pip install 'minari[hdf5]'",
@@ -58,7 +59,14 @@ def test_sessions_and_examples_import_public_names_alone() -> None:
     texts = [block.text for block in BLOCKS if block.language == "pycon"]
     texts += [path.read_text(encoding="utf-8") for path in (ROOT / "examples").rglob("*.py")]
     imported = {module for text in texts for module in re.findall(r"(?:from|import) (prag_asp[\w.]*)", text)}
-    assert imported == {"prag_asp", "prag_asp.analysis", "prag_asp.dataset", "prag_asp.physics", "prag_asp.rl"}
+    assert imported == {
+        "prag_asp",
+        "prag_asp.analysis",
+        "prag_asp.dataset",
+        "prag_asp.pddl",
+        "prag_asp.physics",
+        "prag_asp.rl",
+    }
 
 
 def test_a_block_with_the_name_of_a_file_of_the_repository_is_a_piece_of_it() -> None:

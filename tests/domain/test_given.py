@@ -106,7 +106,7 @@ def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch:
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ((), "no domain; give a shipped name, a folder, files that end in .lp, or a text"),
+        ((), "no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text"),
         (("prag", "lamps.lp"), "prag lamps.lp: prag is no file that ends in .lp; give one name or folder, or files"),
         (("lamps.lp", "hanoi", "prag"), "lamps.lp hanoi prag: hanoi is no file that ends in .lp; give one name"),
         (("missing.lp",), "missing.lp:1: cannot be read: No such file or directory"),

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from prag_asp.atom import split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
 from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, say, whole_lines
 from prag_asp.cli.writing import require_writable, writer
+from prag_asp.errors import OutputError
 from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import nearest
 
@@ -45,10 +47,10 @@ class Forms(click.Group):
 
 @click.group(cls=Forms, subcommand_metavar="FORM ...")
 def export() -> None:
-    """Write a task space as a formula, or a data set as other programs read it.
+    """Write a task space as a formula, a domain or a task as PDDL, or a data set as other programs read it.
 
-    FORM is dimacs for all tasks of DOMAIN, and may then be left out; or, for a data set in DIR: lerobot, minari,
-    robomimic, bddl.
+    FORM is dimacs for all tasks of DOMAIN, and may then be left out; pddl for DOMAIN or one task of it; or, for a data
+    set in DIR: lerobot, minari, robomimic, bddl.
     """
 
 
@@ -67,6 +69,44 @@ def dimacs(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
     with writer(output) as out:
         for line in lines:
             out.write(line)
+
+
+@export.command()
+@asks(options.DOMAIN)
+@click.option(
+    "--plan", metavar="'A B ...'", shell_complete=complete.plan,
+    help="Actions of a task to write: its initial state, and as the goal what is known of its last state.",
+)  # fmt: skip
+@click.option("--positive", is_flag=True, help="No negative conditions: predicates such as not-on say what is not so.")
+@click.option(
+    "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files,
+    help="New folder, written whole or not at all: domain.pddl, problem.pddl, and plan.txt of a task.",
+)  # fmt: skip
+def pddl(*, asked: Asked, plan: str | None, positive: bool, output: str) -> None:
+    """Write a domain, or one task of it, as a domain and a problem of PDDL.
+
+    They have the same plans. What a task leaves open of its initial state is false in PDDL, and a comment says so.
+    """
+    from prag_asp.output import building, replace_file
+    from prag_asp.pddl import write
+    from prag_asp.space.task_space import TaskSpace
+
+    folder = Path(output)
+    if folder.exists():
+        raise OutputError(f"{folder}: exists already; choose another name, or remove it first")
+    domain, task = asked.domain(), None
+    if plan is not None:
+        actions = split_actions(plan)
+        space = TaskSpace(domain, len(actions))
+        task = space[space.index(actions)]
+    found = write(domain.name, domain.program, domain.facts, task, negative=not positive)
+    texts = {"domain.pddl": found.domain, "problem.pddl": found.problem}
+    if task is not None:
+        texts["plan.txt"] = "".join(f"{step}\n" for step in found.plan)
+    with building(folder, texts) as part:
+        for file, text in texts.items():
+            replace_file(part / file, text.encode(), follow=False)
+    say(folder)
 
 
 def _of_data(form: str, told: str, place: str) -> None:

@@ -1,0 +1,26 @@
+"""PDDL in and out: two files become a domain's logic program, and a domain or a task two files.
+
+>>> from prag_asp import TaskSpace, load_domain
+>>> space = TaskSpace(load_domain("domain.pddl", "problem.pddl"), length=4)  # doctest: +SKIP
+>>> print(read("domain.pddl", "problem.pddl").text)                          # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from prag_asp.lazy import names_from
+
+if TYPE_CHECKING:
+    from prag_asp.pddl.reading import Imported, read
+    from prag_asp.pddl.writing import Exported, write
+
+__all__ = ["Exported", "Imported", "read", "write"]
+
+_HOMES = {"prag_asp.pddl.reading": ("Imported", "read"), "prag_asp.pddl.writing": ("Exported", "write")}
+
+__getattr__ = names_from(__name__, _HOMES)
+
+
+def __dir__() -> list[str]:
+    return __all__

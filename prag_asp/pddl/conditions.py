@@ -1,0 +1,160 @@
+"""Formulas as bodies of rules.
+
+A conjunction is a body. What no body can say (a disjunction within a conjunction, something that holds for all values)
+gets an atom of its own, with a rule for each case; that of a universal is the exception to it, and is negated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from prag_asp.pddl.formula import (
+    Equality,
+    Formula,
+    Junction,
+    Literal,
+    Quantified,
+    Variable,
+    conjuncts,
+    literals,
+    negated,
+    variables,
+)
+
+BASE, STEP, END = "base", "step(t)", "check(t)"
+"""The parts of a program: what never changes, a step and the state before it, and the last state."""
+
+TIMES = {STEP: "t-1", END: "t"}
+"""The time of the state that a part reads."""
+
+NEVER = "#false"
+"""The body of a rule that never fires."""
+
+
+@dataclass
+class Rules:
+    """The rules of each part of a program, in the order in which they are found."""
+
+    parts: dict[str, list[str]] = field(default_factory=lambda: {BASE: [], STEP: [], END: []})
+
+    def add(self, part: str, head: str, body: Iterable[str] = ()) -> None:
+        """Add a rule, unless its body never holds."""
+        conditions = list(dict.fromkeys(body))
+        if NEVER not in conditions:
+            if not head and not conditions:
+                conditions = ["#true"]
+            line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
+            line = line.removeprefix(" ")
+            if line not in self.parts[part]:
+                self.parts[part].append(line)
+
+
+@dataclass
+class Vocabulary:
+    """How predicates, types and objects are called, which predicates never change, and which are derived."""
+
+    predicates: Mapping[str, str]
+    types: Mapping[str, str]
+    objects: Mapping[str, str]
+    static: frozenset[str]
+    derived: frozenset[str]
+    kinds: Mapping[str, tuple[tuple[str, ...], ...]]
+
+    def term(self, given: Variable | str) -> str:
+        """Return a variable, or the name of an object."""
+        return given.name if isinstance(given, Variable) else self.objects[given]
+
+    def atom(self, literal: Literal) -> str:
+        """Return the predicate of its terms."""
+        return applied(self.predicates[literal.predicate], map(self.term, literal.terms))
+
+    def belongs(self, variable: Variable) -> str:
+        """Return that the value of a variable is of one of its types."""
+        return self.is_a(variable.name, variable.types)
+
+    def is_a(self, term: str, types: Iterable[str]) -> str:
+        """Return that a term is of one of some types."""
+        names = [self.types[each] for each in types]
+        return f"is_a({term},{names[0] if len(names) == 1 else '(' + '; '.join(names) + ')'})"
+
+
+def applied(name: str, terms: Iterable[str]) -> str:
+    """Return a name with arguments in parentheses, if there are any."""
+    told = ",".join(terms)
+    return f"{name}({told})" if told else name
+
+
+class Bodies:
+    """Writes formulas as bodies, and the rules of the atoms that these need."""
+
+    def __init__(self, words: Vocabulary, rules: Rules) -> None:
+        self._words = words
+        self._rules = rules
+        self._known: dict[tuple[str, Formula], str] = {}
+        self._names: set[str] = {*words.predicates.values(), *words.types.values()}
+
+    def changes(self, formula: Formula) -> bool:
+        """Tell whether the truth of a formula depends on the state."""
+        return any(each.predicate not in self._words.static for each in literals(formula))
+
+    def body(self, formula: Formula, part: str) -> list[str]:
+        """Return a formula as one body in a part of the program; what stands beside it binds its free variables."""
+        found: list[str] = []
+        for each in conjuncts(formula):
+            if isinstance(each, Literal):
+                found.append(self._literal(each, part))
+            elif isinstance(each, Equality):
+                found += self._equality(each)
+            elif isinstance(each, Quantified) and not each.every:
+                found += [*map(self._words.belongs, each.variables), *self.body(each.part, part)]
+            elif isinstance(each, Junction) and len(each.parts) < 2:
+                found += self.body(each.parts[0], part) if each.parts else [NEVER]
+            elif isinstance(each, Junction):
+                found.append(self._named("either", each, part))
+            else:
+                found.append(f"not {self._named('exception', negated(each), part)}")
+        return found
+
+    def bodies(self, formula: Formula, part: str) -> Iterator[list[str]]:
+        """Yield the bodies that a formula is the disjunction of."""
+        if isinstance(formula, Junction) and not formula.every:
+            for each in formula.parts:
+                yield from self.bodies(each, part)
+        else:
+            yield self.body(formula, part)
+
+    def derived(self, predicate: str, part: str) -> str:
+        """Return how a derived predicate is called in a part of the program."""
+        return self._words.predicates[predicate] + ("_at_end" if part == END else "")
+
+    def _literal(self, literal: Literal, part: str) -> str:
+        atom = self._words.atom(literal)
+        if literal.predicate in self._words.derived:
+            terms = [*map(self._words.term, literal.terms), "t"]
+            atom = applied(self.derived(literal.predicate, part), terms)
+        elif literal.predicate not in self._words.static:
+            atom = f"holds({atom},true,{TIMES[part]})"
+        return atom if literal.positive else f"not {atom}"
+
+    def _equality(self, equality: Equality) -> list[str]:
+        left, right = self._words.term(equality.left), self._words.term(equality.right)
+        if left == right or (isinstance(equality.left, str) and isinstance(equality.right, str)):
+            return [] if (left == right) == equality.positive else [NEVER]
+        return [f"{left} {'=' if equality.positive else '!='} {right}"]
+
+    def _named(self, word: str, formula: Formula, part: str) -> str:
+        """Return the atom of a formula, whose rules are written when it is first asked for."""
+        part = part if self.changes(formula) else BASE
+        free = variables(formula)
+        terms = [variable.name for variable in free] + ([] if part == BASE else ["t"])
+        if (part, formula) not in self._known:
+            name = next(f"{word}_{n}" for n in range(1, len(self._names) + 2) if f"{word}_{n}" not in self._names)
+            self._names.add(name)
+            self._known[part, formula] = head = applied(name, terms)
+            before = len(self._rules.parts[part])
+            for body in self.bodies(formula, part):
+                self._rules.add(part, head, [*map(self._words.belongs, free), *body])
+            if len(self._rules.parts[part]) == before:
+                self._rules.add(part, f"#defined {name}/{len(terms)}")
+        return self._known[part, formula]

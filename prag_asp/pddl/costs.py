@@ -1,0 +1,75 @@
+"""Costs of actions as weights: each unit of cost multiplies the weight of an action by the same factor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from decimal import Context, Decimal, InvalidOperation
+from fractions import Fraction
+
+from prag_asp.errors import DomainError, QueryError
+from prag_asp.pddl.formula import Variable
+from prag_asp.pddl.model import DomainFile, ProblemFile
+
+DIGITS = 2000
+"""Significant digits that a weight may need."""
+
+
+def factor_of(text: str) -> Fraction:
+    """Return the factor that a text states.
+
+    Raises:
+        QueryError: it states none that is above 0 and at most 1.
+    """
+    try:
+        factor = Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        factor = Fraction(0)
+    if not 0 < factor <= 1:
+        raise QueryError(f"factor {text}: write a number above 0 and at most 1, such as 1/2 or 0.8")
+    return factor
+
+
+def cost_of(domain: DomainFile, problem: ProblemFile, action: str, terms: Sequence[str]) -> Decimal:
+    """Return what a ground action adds to ``total-cost``; names are those of PDDL.
+
+    Raises:
+        DomainError: the problem has no value for a function that it depends on.
+    """
+    schema = next(each for each in domain.actions if each.name == action)
+    given = dict(zip((each.name for each in schema.parameters), terms, strict=True))
+    total = Decimal(0)
+    for cost in schema.costs:
+        if isinstance(cost.value, str):
+            total += Decimal(cost.value)
+            continue
+        function, arguments = cost.value
+        key = function, tuple(given[each.name] if isinstance(each, Variable) else each for each in arguments)
+        if key not in problem.costs:
+            told = " ".join([key[0], *key[1]])
+            raise DomainError(f"{action}: the problem has no value for ({told}), its cost; state it in :init")
+        total += Decimal(problem.costs[key])
+    return total
+
+
+def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
+    """Return the factor to the power of a cost, exactly.
+
+    Raises:
+        QueryError: the cost is no whole number, or the weight has too many digits.
+    """
+    if cost != cost.to_integral_value():
+        raise QueryError(f"cost {cost}: only whole costs become weights; multiply all by the same number")
+    weight = factor ** int(cost)
+    exact = Context(prec=DIGITS)
+    try:
+        found = exact.divide(Decimal(weight.numerator), Decimal(weight.denominator))
+    except InvalidOperation:
+        found = Decimal(0)
+    if Fraction(found) != weight:
+        raise QueryError(f"factor {factor}: to the power of {cost} it has no end as a decimal; take one such as 1/2")
+    return found
+
+
+def weights_table(weights: Mapping[str, Decimal]) -> str:
+    """Return weights of ground actions as a table of a domain.toml."""
+    return "".join(["[weights]\n", *(f'"{action}" = {weight:f}\n' for action, weight in weights.items())])

@@ -1,0 +1,97 @@
+"""Formulas of PDDL in negation normal form, with the lines that they stand in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable as clingo spells it, unique in its action, and the types that its values may have."""
+
+    name: str
+    types: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Literal:
+    """A predicate of terms, or its negation; a term is a variable or the name of an object."""
+
+    predicate: str
+    terms: tuple[Variable | str, ...]
+    positive: bool
+    line: int
+
+
+@dataclass(frozen=True)
+class Equality:
+    """That two terms are the same, or that they are not."""
+
+    left: Variable | str
+    right: Variable | str
+    positive: bool
+    line: int
+
+
+@dataclass(frozen=True)
+class Junction:
+    """All of some formulas, or any of them; all of none is true, any of none false."""
+
+    every: bool
+    parts: tuple[Formula, ...]
+    line: int
+
+
+@dataclass(frozen=True)
+class Quantified:
+    """A formula for every value of some variables, or for any."""
+
+    every: bool
+    variables: tuple[Variable, ...]
+    part: Formula
+    line: int
+
+
+Formula: TypeAlias = "Literal | Equality | Junction | Quantified"
+
+
+def negated(formula: Formula) -> Formula:
+    """Return the negation of a formula, again in negation normal form."""
+    if isinstance(formula, Junction):
+        return Junction(not formula.every, tuple(map(negated, formula.parts)), formula.line)
+    if isinstance(formula, Quantified):
+        return Quantified(not formula.every, formula.variables, negated(formula.part), formula.line)
+    return replace(formula, positive=not formula.positive)
+
+
+def conjuncts(formula: Formula) -> Iterator[Formula]:
+    """Yield the formulas that a formula is the conjunction of."""
+    if isinstance(formula, Junction) and formula.every:
+        for part in formula.parts:
+            yield from conjuncts(part)
+    else:
+        yield formula
+
+
+def literals(formula: Formula) -> Iterator[Literal]:
+    """Yield all literals of a formula."""
+    if isinstance(formula, Literal):
+        yield formula
+    elif isinstance(formula, Junction):
+        for part in formula.parts:
+            yield from literals(part)
+    elif isinstance(formula, Quantified):
+        yield from literals(formula.part)
+
+
+def variables(formula: Formula) -> dict[Variable, None]:
+    """Return the free variables of a formula, in the order in which they come first."""
+    if isinstance(formula, Literal):
+        return dict.fromkeys(term for term in formula.terms if isinstance(term, Variable))
+    if isinstance(formula, Equality):
+        return dict.fromkeys(term for term in (formula.left, formula.right) if isinstance(term, Variable))
+    if isinstance(formula, Junction):
+        return {variable: None for part in formula.parts for variable in variables(part)}
+    return {variable: None for variable in variables(formula.part) if variable not in formula.variables}

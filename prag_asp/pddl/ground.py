@@ -1,0 +1,132 @@
+"""A domain as ground actions that PDDL can say: what has to hold before each, and what it makes so.
+
+An invariant that an action might break becomes a condition on the state before it: where the action makes one of two
+literals false that may not both be, it needs the other one, unless it makes that true itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import clingo
+
+from prag_asp.errors import DomainError
+from prag_asp.pddl.pairs import MOST, Pairs, Values
+from prag_asp.program.facts import Facts
+from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.sources import Program, owned
+
+NOT_OVER_TIME = ("closed_world", "canonical_names", "weights")
+"""Rules of the encodings that say nothing about which plans there are."""
+
+
+Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
+"""What actions make of fluents that they may change."""
+
+
+@dataclass(frozen=True)
+class GroundAction:
+    """An action with the values of fluents that it needs, and those that it makes."""
+
+    term: clingo.Symbol
+    before: Values
+    after: Values
+
+
+def ground_actions(
+    name: str, program: Program, facts: Facts, state: Values, outcomes: Outcomes | None = None
+) -> list[GroundAction]:
+    """Return all actions that may occur from a first state on; what it does not name is false.
+
+    With `outcomes`, effects that are unknown have these values, false where there is none.
+
+    Raises:
+        DomainError: the domain says what PDDL cannot: rules over time, composites, and, without `outcomes`, effects
+            that are unknown.
+    """
+    for path, line in _rules_over_time(program):
+        raise DomainError(f"{path}:{line}: PDDL cannot say this rule over time; leave it out, or export without it")
+    if facts.composites:
+        raise DomainError(f"{name}: PDDL cannot say which actions make a composite; export with --flat")
+    found = [each for action in facts.actions if (each := _stated(action, facts, outcomes)) is not None]
+    pairs = None
+    if len(facts.fluents) <= MOST:
+        whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
+        pairs = Pairs(whole, [(each.before, each.after) for each in found])
+    graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
+    return [safe for each in found if (safe := _safe(each, graph, clauses, pairs)) is not None]
+
+
+def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
+    """Tell whether a state breaks an invariant; what it does not name is false."""
+    both = (*facts.exclusive, *facts.impossible)
+    return any(state.get(f) and state.get(g) for f, g in both) or any(
+        state.get(f) and not state.get(g) for f, g in facts.implies
+    )
+
+
+def _rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
+    for source, own in owned(program):
+        if own or (source.path.parent.name == "rules" and source.path.stem not in NOT_OVER_TIME):
+            statements, _ = parse_sources([(source, own)])
+            yield from ((each.path, each.line) for each in statements if each.timed and each.is_rule)
+
+
+def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
+    """Return for each value the values one of which, by an invariant, holds wherever it does not."""
+    found: dict[FluentValue, list[FluentValue]] = {}
+    pairs = [((f, False), (g, False)) for f, g in (*facts.exclusive, *facts.impossible)]
+    pairs += [((f, False), (g, True)) for f, g in facts.implies if f != g]
+    for one, other in pairs:
+        found.setdefault(one, []).append(other)
+        found.setdefault(other, []).append(one)
+    return found
+
+
+def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> GroundAction | None:
+    """Return an action as the domain states it, None where it contradicts itself.
+
+    Raises:
+        DomainError: an effect of it is unknown.
+    """
+    after: dict[clingo.Symbol, bool] = {}
+    for fluent, value in facts.postconditions.get(action, ()):
+        if value == "unknown" and outcomes is None:
+            told = f"{action} leaves {fluent} unknown, which PDDL cannot say"
+            raise DomainError(f"{told}; let the action make it true or false, or export a task")
+    stated = facts.postconditions.get(action, ())
+    for fluent, value in (each for each in stated if each[1] != "unknown"):
+        if after.setdefault(fluent, value == "true") != (value == "true"):
+            return None
+    for fluent, _ in stated:
+        after.setdefault(fluent, bool(outcomes and outcomes.get((action, fluent))))
+    before: dict[clingo.Symbol, bool] = {}
+    for fluent, value in facts.preconditions.get(action, ()):
+        if before.setdefault(fluent, value == "true") != (value == "true"):
+            return None
+    return GroundAction(action, before, after)
+
+
+def _safe(
+    action: GroundAction,
+    graph: Mapping[FluentValue, tuple[FluentValue, ...]],
+    clauses: Mapping[FluentValue, list[FluentValue]],
+    pairs: Pairs | None,
+) -> GroundAction | None:
+    """Return an action that also needs what keeps the invariants, None where it always breaks one."""
+    before = dict(action.before)
+    known = entailed(before.items(), graph)
+    for fluent, made in action.after.items():
+        for other, needed in clauses.get((fluent, not made), ()):
+            if action.after.get(other, needed) != needed:
+                return None
+            if other in action.after or (other, needed) in known:
+                continue
+            if pairs is not None and pairs.excludes(action.before, other, not needed):
+                continue
+            if before.setdefault(other, needed) != needed:
+                return None
+    return GroundAction(action.term, before, action.after)

@@ -1,0 +1,63 @@
+"""Names of PDDL as names of clingo: readable, and each the name of one thing.
+
+A hyphen becomes an underscore; what is then taken, or means something else to clingo or to the contract, begins with a
+word for what it is (``the_``, ``do_``, ``some_``, ``is_``), and with a number at its end if that is taken, too. Which
+name comes from which is kept, so that plans can be told in PDDL's names.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Mapping
+
+RESERVED = frozenset([
+    "not", "true", "false", "unknown", "inf", "sup", "class", "entity", "is_a", "fluent", "action", "precondition",
+    "postcondition", "initially", "exclusive", "implies", "impossible", "goal", "composite", "stage", "free", "at_most",
+    "occurs", "holds", "name", "mentions", "left_out", "successor", "asked", "condition", "tested", "opposite", "known",
+    "changed", "propagates", "entails", "never", "bound", "sought", "reached", "state", "ruled_out", "impossible_with",
+    "named", "adds", "deletes", "mentioned", "introduces_late", "times", "requires", "reverts", "differs", "undoes",
+])  # fmt: skip
+"""What means something to clingo or to the encodings, whatever the number of arguments."""
+
+TERMS = frozenset(["not", "true", "false", "unknown"])
+"""What cannot name a fluent, which is a term and no predicate of its own."""
+
+CLINGO = re.compile(r"[a-z][a-z0-9_]*")
+
+
+def clingo_names(
+    names: Iterable[str], word: str, taken: Collection[str] = (), reserved: Collection[str] = RESERVED
+) -> Mapping[str, str]:
+    """Return clingo's name for each name of PDDL; names of one kind, and those `taken` by others, stay apart.
+
+    Names that need no change keep theirs, however others are called.
+    """
+    given = list(dict.fromkeys(names))
+    used = {*reserved, *taken}
+    found = {name: name for name in given if CLINGO.fullmatch(name) and name not in used}
+    used |= found.keys()
+    for name in given:
+        if name not in found:
+            plain = re.sub(r"[^a-z0-9_]", "_", name)
+            found[name] = _free(plain, f"{word}_{plain}", used)
+            used.add(found[name])
+    return {name: found[name] for name in given}
+
+
+def _free(name: str, other: str, used: Collection[str]) -> str:
+    if name not in used and CLINGO.fullmatch(name):
+        return name
+    number, free = 2, other
+    while free in used:
+        free, number = f"{other}_{number}", number + 1
+    return free
+
+
+def variable_name(name: str, taken: Collection[str]) -> str:
+    """Return clingo's name for a variable of PDDL, other than those taken."""
+    plain = re.sub(r"[^A-Za-z0-9_]", "_", str(name)).lower()
+    found = first = plain[0].upper() + plain[1:]
+    number = 2
+    while found in taken:
+        found, number = f"{first}_{number}", number + 1
+    return found

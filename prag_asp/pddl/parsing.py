@@ -1,0 +1,146 @@
+"""Text of PDDL to a syntax tree, by the grammar of the package `pddl`.
+
+Of the first two tasks of all families of the public planning competition collection (294 tasks), the parser of `pddl`
+0.5.1 takes 194, for it refuses files that declare fewer requirements than they use; the reader of `unified-planning`
+1.3.0 takes 262, and knows neither derived predicates nor a name that two things have in common. The grammar of `pddl`
+alone takes all 294, in 10 s, and tells the line of every word. So that grammar is used, on text in
+small letters, and what it means is read from the tree.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from prag_asp.errors import DomainError
+from prag_asp.missing import require_pddl
+from prag_asp.pddl.nodes import Node, Word
+from prag_asp.program.sources import read_text
+from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from lark import Lark, Token, Tree
+
+DEEPEST = 100
+"""How deep parentheses may be nested."""
+
+COMMENT = re.compile(r";[^\n]*")
+BEGIN = re.compile(r"\s*\(\s*define\s*\(\s*(\w+)")
+WORDS = re.compile(r"([:?]?[\w-]+|\S|)\s*([:?]?[\w-]*)")
+KINDS = ("domain", "problem")
+
+UNSUPPORTED = {
+    **dict.fromkeys([":durative-action", ":durative-actions", ":duration-inequalities"], "actions that take time"),
+    **dict.fromkeys([":preferences", "preference"], "preferences"),
+    **dict.fromkeys([":constraints"], "constraints on whole plans"),
+    **dict.fromkeys([":timed-initial-literals"], "literals that are timed"),
+    **dict.fromkeys([":process", ":event", ":time", ":continuous-effects"], "processes and events"),
+    **dict.fromkeys([":object-fluents"], "functions whose values are objects"),
+    **dict.fromkeys([":probabilistic-effects", "probabilistic"], "effects by chance"),
+}
+"""What other planners know and a task space has no meaning for, by the words that it begins with."""
+
+
+def parse(path: Path, kind: str) -> Node:
+    """Return the syntax tree of a file that is a ``domain`` or a ``problem``.
+
+    Raises:
+        DomainError: it cannot be read, or is none.
+        PddlMissingError: the package pddl is not installed.
+    """
+    text = read_text(path).lower()
+    _check_kind(path, text, kind)
+    _check_parentheses(path, text)
+    grammar = _grammar()
+    from lark import UnexpectedInput
+
+    try:
+        return _node(grammar.parse(text, start=kind))
+    except UnexpectedInput as error:
+        at = min(error.pos_in_stream or 0, len(text))
+        raise DomainError(f"{path}:{_line(path, text, error)}: {_told(text, at, kind)}") from None
+
+
+def _node(tree: Tree[Token]) -> Node:
+    """Return a tree of the grammar without its parentheses."""
+    from lark import Tree
+
+    found: list[Node | Word] = []
+    for each in tree.children:
+        if isinstance(each, Tree):
+            found.append(_node(each))
+        elif each is not None and each not in ("(", ")"):
+            found.append(Word(str(each), each.line or 1))
+    return Node(str(tree.data), tuple(found))
+
+
+def _line(path: Path, text: str, error: object) -> int:
+    """Return the line of an error; one at the end of the text is in its last line."""
+    line = getattr(error, "line", -1)
+    at_end = str(getattr(getattr(error, "token", None), "type", "")) == "$END"
+    return max(text.rstrip().count("\n") + 1, 1) if at_end or not isinstance(line, int) or line < 1 else line
+
+
+def _told(text: str, at: int, kind: str) -> str:
+    """Return what is wrong at a place of a text, and what to do."""
+    begin, around = WORDS.match(text, at), WORDS.match(text, max(text.rfind("(", 0, at), 0))
+    words = begin.groups() if begin else ("", "")
+    for word in (*words, *(around.groups() if around else ())):
+        if word in UNSUPPORTED:
+            return f"{word}: {UNSUPPORTED[word]} cannot be imported; leave them out"
+    if words[0] == ")":
+        return f"')' comes too early, for the {kind} lacks what belongs here; write it, or look for a ')' too many"
+    if not words[0]:
+        return f"the {kind} ends before it is whole; write all that it needs"
+    return f"{words[0]!r} is not expected here; look for a misspelt word, or a parenthesis that is missing before it"
+
+
+def _check_kind(path: Path, text: str, kind: str) -> None:
+    """Check that a text is what it is given as.
+
+    Raises:
+        DomainError: it is not.
+    """
+    begin = BEGIN.match(COMMENT.sub("", text))
+    if begin is None:
+        raise DomainError(f"{path}:1: no {kind} of PDDL; begin it with (define ({kind} NAME) ...")
+    if begin[1] != kind and begin[1] in KINDS:
+        hint = "give the domain first, then its problem: DOMAIN.pddl PROBLEM.pddl"
+        raise DomainError(f"{path}:1: this is a {begin[1]}, and a {kind} is needed here; {hint}")
+
+
+def _check_parentheses(path: Path, text: str) -> None:
+    """Check that parentheses fit each other, and are not nested beyond what is of use.
+
+    Raises:
+        DomainError: they are.
+    """
+    depth, line = 0, 1
+    for sign in re.findall(r"[()\n]", COMMENT.sub("", text)):
+        line += sign == "\n"
+        depth += {"(": 1, ")": -1}.get(sign, 0)
+        if depth < 0:
+            raise DomainError(f"{path}:{line}: this ')' closes nothing; remove it, or look for a '(' that is missing")
+        if depth > DEEPEST:
+            raise DomainError(f"{path}:{line}: parentheses are nested more than {DEEPEST} deep; write it flatter")
+    if depth:
+        line, open_ones = text.rstrip().count("\n") + 1, plural(depth, "'('", "'('")
+        raise DomainError(f"{path}:{line}: the file ends, and {open_ones} is open; close each with a ')'")
+
+
+@cache
+def _grammar() -> Lark:
+    """Return the parser of the grammar."""
+    require_pddl()
+    from lark import Lark
+    from pddl.parser import GRAMMAR_FILE, PARSERS_DIRECTORY
+
+    return Lark(
+        GRAMMAR_FILE.read_text(encoding="utf-8"),
+        parser="lalr",
+        import_paths=[PARSERS_DIRECTORY],
+        start=list(KINDS),
+        propagate_positions=True,
+    )

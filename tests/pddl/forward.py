@@ -1,0 +1,177 @@
+"""Plans of PDDL by forward search over ground states: the definition, with no code of the library."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+Tree = Any
+State = frozenset[tuple[str, ...]]
+
+
+def tree_of(text: str) -> Tree:
+    stack: list[list[Any]] = [[]]
+    for word in re.findall(r"[()]|[^\s()]+", re.sub(r";[^\n]*", "", text).lower()):
+        if word == "(":
+            stack.append([])
+        elif word == ")":
+            done = stack.pop()
+            stack[-1].append(done)
+        else:
+            stack[-1].append(word)
+    return stack[0][0]
+
+
+def typed(words: list[Any]) -> list[tuple[str, tuple[str, ...]]]:
+    found: list[tuple[str, tuple[str, ...]]] = []
+    waiting: list[str] = []
+    given = iter(words)
+    for word in given:
+        if word == "-":
+            kind = next(given)
+            kinds = tuple(kind[1:]) if isinstance(kind, list) else (kind,)
+            found += [(each, kinds) for each in waiting]
+            waiting = []
+        else:
+            waiting.append(word)
+    return found + [(each, ("object",)) for each in waiting]
+
+
+class Search:
+    """The actions, the start and the goal of a problem."""
+
+    def __init__(self, domain: str, problem: str) -> None:
+        parts = tree_of(domain)[2:] + tree_of(problem)[2:]
+        self.above = {name: kinds for part in parts if part[0] == ":types" for name, kinds in typed(part[1:])}
+        self.objects = {
+            name: kinds[0] for part in parts if part[0] in (":constants", ":objects") for name, kinds in typed(part[1:])
+        }
+        self.rules = [(part[1], part[2]) for part in parts if part[0] == ":derived"]
+        self.derived = {head[0] for head, _ in self.rules}
+        self.goal = next(part[1] for part in parts if part[0] == ":goal")
+        init = next(part[1:] for part in parts if part[0] == ":init")
+        self.start: State = frozenset(tuple(each) for each in init if each[0] not in ("=", "not"))
+        self.actions = [
+            (part[1], dict(zip(part[2::2], part[3::2], strict=True))) for part in parts if part[0] == ":action"
+        ]
+
+    def of(self, kinds: tuple[str, ...]) -> list[str]:
+        return [name for name, kind in self.objects.items() if any(self.is_below(kind, each) for each in kinds)]
+
+    def is_below(self, kind: str, other: str) -> bool:
+        return other in ("object", kind) or any(self.is_below(each, other) for each in self.above.get(kind, ()))
+
+    def values(self, words: list[Any], given: dict[str, str]) -> Iterator[dict[str, str]]:
+        names = typed(words)
+        for values in itertools.product(*(self.of(kinds) for _, kinds in names)):
+            yield {**given, **{name: value for (name, _), value in zip(names, values, strict=True)}}
+
+    def holds(self, formula: Tree, state: State, given: dict[str, str]) -> bool:  # noqa: PLR0911
+        if not formula:
+            return True
+        word, *rest = formula
+        if word == "and":
+            return all(self.holds(each, state, given) for each in rest)
+        if word == "or":
+            return any(self.holds(each, state, given) for each in rest)
+        if word == "not":
+            return not self.holds(rest[0], state, given)
+        if word == "imply":
+            return not self.holds(rest[0], state, given) or self.holds(rest[1], state, given)
+        if word == "forall":
+            return all(self.holds(rest[1], state, each) for each in self.values(rest[0], given))
+        if word == "exists":
+            return any(self.holds(rest[1], state, each) for each in self.values(rest[0], given))
+        terms = [given.get(each, each) for each in rest]
+        return terms[0] == terms[1] if word == "=" else (word, *terms) in state
+
+    def closed(self, state: State) -> State:
+        """Add what the rules derive; a rule that negates a derived predicate comes after those of that predicate."""
+        found = state
+        for predicates in self.strata():
+            while True:
+                new = {
+                    (head[0], *(values[name] for name, _ in typed(head[1:])))
+                    for head, formula in self.rules
+                    if head[0] in predicates
+                    for values in self.values(head[1:], {})
+                    if self.holds(formula, found, values)
+                }
+                if new <= found:
+                    break
+                found |= new
+        return found
+
+    def strata(self) -> list[set[str]]:
+        level = dict.fromkeys(self.derived, 0)
+        for _ in range(len(level) + 1):
+            for head, formula in self.rules:
+                for name, positive in signed(formula):
+                    if name in level:
+                        level[head[0]] = max(level[head[0]], level[name] + (not positive))
+        return [{name for name, each in level.items() if each == n} for n in range(max(level.values(), default=-1) + 1)]
+
+    def changes(self, effect: Tree, state: State, given: dict[str, str]) -> Iterator[tuple[bool, tuple[str, ...]]]:
+        if not effect or effect[0] == "increase":
+            return
+        word, *rest = effect
+        if word == "and":
+            for each in rest:
+                yield from self.changes(each, state, given)
+        elif word == "forall":
+            for values in self.values(rest[0], given):
+                yield from self.changes(rest[1], state, values)
+        elif word == "when":
+            if self.holds(rest[0], state, given):
+                yield from self.changes(rest[1], state, given)
+        elif word == "not":
+            yield False, (rest[0][0], *(given.get(each, each) for each in rest[0][1:]))
+        else:
+            yield True, (word, *(given.get(each, each) for each in rest))
+
+    def after(self, state: State) -> Iterator[tuple[tuple[str, ...], State]]:
+        """Yield the actions that are applicable in a state, with the states after them."""
+        seen = self.closed(state)
+        for name, parts in self.actions:
+            for given in self.values(parts[":parameters"], {}):
+                if self.holds(parts.get(":precondition"), seen, given):
+                    changes = list(self.changes(parts.get(":effect"), seen, given))
+                    added = {atom for positive, atom in changes if positive}
+                    yield (name, *given.values()), (state - {atom for _, atom in changes}) | added
+
+    def count(self, length: int) -> list[int]:
+        """Return how many plans of each length from 0 on lead to the goal."""
+        states: Counter[State] = Counter([self.start])
+        steps: dict[State, list[State]] = {}
+        counts = []
+        for _ in range(length + 1):
+            counts.append(sum(n for state, n in states.items() if self.holds(self.goal, self.closed(state), {})))
+            following: Counter[State] = Counter()
+            for state, number in states.items():
+                if state not in steps:
+                    steps[state] = [new for _, new in self.after(state)]
+                for new in steps[state]:
+                    following[new] += number
+            states = following
+        return counts
+
+
+def signed(formula: Tree, positive: bool = True) -> Iterator[tuple[str, bool]]:
+    if not formula:
+        return
+    word, *rest = formula
+    if word in ("and", "or"):
+        for each in rest:
+            yield from signed(each, positive)
+    elif word == "not":
+        yield from signed(rest[0], not positive)
+    elif word == "imply":
+        yield from signed(rest[0], not positive)
+        yield from signed(rest[1], positive)
+    elif word in ("forall", "exists"):
+        yield from signed(rest[1], positive)
+    elif word != "=":
+        yield word, positive

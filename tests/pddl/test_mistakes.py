@@ -1,0 +1,114 @@
+"""What is wrong with files of PDDL is one line: where, what, and what to do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from prag_asp import DomainError, load_domain
+from prag_asp.pddl import read
+from tests.pddl.test_read import written
+
+DOMAIN = """(define (domain d)
+ (:requirements :strips)
+ (:types a b - c)
+ (:constants k - a)
+ (:predicates (p ?x - a) (q ?x ?y))
+ (:functions (total-cost) - number (far ?x) - number)
+ (:derived (r) (p k))
+ (:action act
+  :parameters (?x - a ?y)
+  :precondition (and (p ?x) (q ?x ?y))
+  :effect (and (not (p ?x))
+    (increase (total-cost) 1))))
+"""
+PROBLEM = "(define (problem e)\n (:domain d)\n (:objects o - b)\n (:init (q k o))\n (:goal (p k)))\n"
+GOOD = DOMAIN.replace(" (:derived (r) (p k))\n", "")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("(p ?x) (q", "(pp ?x) (q", "domain.pddl:9: unknown predicate pp; did you mean p?"),
+        ("(q ?x ?y))\n  :e", "(q ?x))\n  :e", "domain.pddl:9: q takes 2 arguments, not 1; mend them"),
+        ("(q ?x ?y))\n  :e", "(q ?x ?z))\n  :e", r"domain.pddl:9: unknown variable \?z; declare it"),
+        ("(q ?x ?y))\n  :e", "(q ?x kk))\n  :e", "domain.pddl:9: unknown object kk; did you mean k?"),
+        ("?x - a ?y)\n", "?x - aa ?y)\n", "domain.pddl:8: unknown type aa; did you mean a?"),
+        ("?x - a ?y)\n", "?x - a ?x)\n", "domain.pddl:8: the variable \\?x is declared twice"),
+        ("a b - c", "a - b b - c c - a", "domain.pddl:3: types go around in a circle"),
+        ("(q ?x ?y))\n (", "(p ?x))\n (", "domain.pddl:5: the predicate p is declared twice"),
+        (":requirements :strips", ":requirements :preferences", "pddl:2: :preferences: preferences cannot be"),
+        ("(:action act", "(:durative-action act", "pddl:7: :durative-action: actions that take time"),
+        ("(increase (total-cost) 1)", "(increase (far k) 1)",
+         r"domain.pddl:11: \(increase \(far ...\)\): functions that change"),
+        ("(increase (total-cost) 1)", "(increase (total-cost) (* 2 1))", "domain.pddl:11: a cost that is computed"),
+        ("(increase (total-cost) 1)", "(when (p k) (increase (total-cost) 1))",
+         "domain.pddl:11: a cost that depends"),
+        ("(increase (total-cost) 1)", "(increase (total-cost) (fat k))", "domain.pddl:11: unknown function fat; did"),
+        ("(increase (total-cost) 1)", "(oneof (p k) (p ?x))", "domain.pddl:11: oneof: effects by chance"),
+        ("(and (p ?x) (q", "(and (> (far k) 1) (q", "domain.pddl:9: .> ....: numbers cannot be compared"),
+        ("(p ?x) (q ?x ?y)", "(p ?x)) (q ?x ?y)", "domain.pddl:11: this '.' closes nothing; remove it"),
+        (":parameters", ":parameter", "domain.pddl:8: ':parameter' is not expected here; look for a misspelt word"),
+        ("1))))", "1)))", "domain.pddl:11: the file ends, and 1 '.' is open; close each with"),
+        ("(p ?x) (q", "(and " * 120 + ")" * 120 + " (q", "domain.pddl:9: parentheses are nested more than 100 deep"),
+        (GOOD, "", "domain.pddl:1: no domain of PDDL; begin it with"),
+        (GOOD, PROBLEM, "domain.pddl:1: this is a problem, and a domain is needed here; give the domain first"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_a_domain_is_told_by_its_line(old: str, new: str, told: str, tmp_path: Path) -> None:
+    assert old in GOOD
+    with pytest.raises(DomainError, match=told) as error:
+        read(*written(tmp_path, GOOD.replace(old, new), PROBLEM))
+    assert len(error.value.lines) == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("(:domain d)", "(:domain dd)", "problem.pddl:2: this is a problem of dd, not of d; give the domain"),
+        ("o - b", "o - bb", "problem.pddl:3: unknown type bb; did you mean b?"),
+        ("o - b", "o - b o - c", "problem.pddl:3: the object o is a b already; give it one type"),
+        ("(q k o)", "(q k oo)", "problem.pddl:4: unknown object oo; did you mean o?"),
+        ("(q k o)", "(q k)", "problem.pddl:4: q takes 2 arguments, not 1"),
+        ("(q k o)", "(qq k)", "problem.pddl:4: unknown predicate qq; did you mean q?"),
+        ("(q k o)", "(at 5 (q k o))", "problem.pddl:4: "),
+        ("(p k))", "(p ?x))", "problem.pddl:5: unknown variable \\?x"),
+        ("(:goal (p k))", "(:goal (preference w (p k)))", "problem.pddl:5: preference: preferences cannot be imported"),
+        (PROBLEM, "; nothing\n", "problem.pddl:1: no problem of PDDL"),
+    ],
+)
+def test_a_mistake_in_a_problem_is_told_by_its_line(old: str, new: str, told: str, tmp_path: Path) -> None:
+    with pytest.raises(DomainError, match=told) as error:
+        read(*written(tmp_path, GOOD, PROBLEM.replace(old, new)))
+    assert len(error.value.lines) == 1
+
+
+def test_what_rules_derive_is_neither_set_nor_stated(tmp_path: Path) -> None:
+    domain = GOOD.replace("(q ?x ?y))\n (:f", "(q ?x ?y) (r))\n (:f").replace(
+        " (:action", " (:derived (r) (p k))\n (:action"
+    )
+    stated = PROBLEM.replace("(q k o)", "(r)")
+    with pytest.raises(DomainError, match=r"problem.pddl:4: r is derived, and is not stated at the start"):
+        read(*written(tmp_path, domain, stated))
+    with pytest.raises(DomainError, match=r"domain.pddl:11: r is derived, and no effect may set it; remove its rule"):
+        read(*written(tmp_path, domain.replace("(not (p ?x))", "(r)"), PROBLEM))
+
+
+def test_a_domain_is_two_files_in_their_order(tmp_path: Path) -> None:
+    domain, problem = written(tmp_path, GOOD, PROBLEM)
+    assert load_domain(domain, problem).name == "d_e"
+    with pytest.raises(DomainError, match=r"one file of PDDL; give a domain, then its problem: DOMAIN.pddl PROB"):
+        load_domain(domain)
+    with pytest.raises(DomainError, match=r"3 files of PDDL; give a domain, then its problem"):
+        load_domain(domain, problem, tmp_path / "other.pddl")
+    with pytest.raises(DomainError, match=r"this is a problem, and a domain is needed here; give the domain first"):
+        load_domain(problem, domain)
+    with pytest.raises(DomainError, match=r"missing.pddl:1: cannot be read: No such file"):
+        load_domain(domain, tmp_path / "missing.pddl")
+
+
+def test_logic_of_ones_own_joins_files_of_pddl(tmp_path: Path) -> None:
+    (tmp_path / "more.lp").write_text("#program step(t).\n:- occurs(act(k,o),t).\n")
+    loaded = load_domain(*written(tmp_path, GOOD, PROBLEM), tmp_path / "more.lp")
+    assert [str(action) for action in loaded.facts.actions] == ["act(k,o)"]
