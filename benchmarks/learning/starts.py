@@ -1,0 +1,114 @@
+"""Where learners begin: subgoals of witnesses, apart for training and for testing, and what they see of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp import Task, TaskSpace, load_domain
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.physics import Witness, open_validator
+from prag_asp.rl import TaskEnv
+
+DOMAINS = {"approach": "prag", "grasp": "prag", "pick": "tabletop", "place": "tabletop"}
+"""The domain in which a skill is learned."""
+
+TRAINING, HELD_OUT = 1, 2
+"""The seeds of the tasks, and of their witnesses, to learn from and to be tested with."""
+
+
+class Start(NamedTuple):
+    """A subgoal of a task, by its number, begun in the state of a witness."""
+
+    task: Task
+    witness: Witness
+    stage: int
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What a reset is told."""
+        return self._asdict()
+
+
+def witnessed(domain: str, length: int, *, seed: int) -> Iterator[tuple[Task, Witness]]:
+    """Yield feasible tasks with their witnesses, drawn uniformly, without end."""
+    loaded = load_domain(domain)
+    with open_validator(scene_of(loaded)) as validator:
+        for index, task in enumerate(TaskSpace(loaded, length).draw(seed=seed, weights={})):
+            witness = validator.validate(task, seed=seed, index=index).witness
+            if witness is not None:
+                yield task, witness
+
+
+def starts(skill: str, count: int, *, seed: int, length: int = 2, without: Sequence[str] = ()) -> list[Start]:
+    """Return subgoals that begin with a skill, one of each task; none of a task that names an object of `without`."""
+    found: list[Start] = []
+    for task, witness in witnessed(DOMAINS[skill], length, seed=seed):
+        named = {argument for action in task.actions for argument in action.arguments}
+        stages = [stage for stage, action in enumerate(task.actions) if action.name == skill]
+        if stages and not named & set(without):
+            found.append(Start(task, witness, stages[-1]))
+        if len(found) == count:
+            break
+    return found
+
+
+class FromStarts(gymnasium.Wrapper):
+    """Begins each episode with one of some subgoals, drawn or in turn."""
+
+    def __init__(self, env: gymnasium.Env, given: Sequence[Start], *, seed: int | None = None):
+        super().__init__(env)
+        self._given, self._next = given, 0
+        self._rng = None if seed is None else np.random.default_rng(seed)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
+        """Begin an episode with one of the subgoals."""
+        number = self._next if self._rng is None else int(self._rng.integers(len(self._given)))
+        self._next = (number + 1) % len(self._given)
+        return self.env.reset(seed=seed, options=self._given[number].options)
+
+
+class Seen(gymnasium.ObservationWrapper):
+    """Shows what matters to a policy of one skill, as numbers of about 1.
+
+    That is the tool, the gripper, the bodies relative to the tool, and by how much each fact is missed.
+    """
+
+    def __init__(self, env: TaskEnv):
+        super().__init__(env)
+        names = env.unwrapped.layout.names
+        scales = [(i, _scale(name)) for i, name in enumerate(names)]
+        self._places = np.array([i for i, scale in scales if scale])
+        self._scales = np.array([scale for _, scale in scales if scale], dtype=np.float32)
+        size = len(self._places) + env.observation_space["achieved_goal"].shape[1] - 1
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (size,), np.float32)
+
+    def observation(self, observation: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+        """Return the numbers that are shown."""
+        return np.concatenate(
+            [
+                observation["observation"][self._places] * self._scales,
+                np.clip(observation["achieved_goal"][0, 1:] * 10.0, -1.0, 5.0),
+            ]
+        )
+
+
+SCALES = {
+    "z": 10.0, "vx": 2.0, "vy": 2.0, "vz": 2.0, "cos yaw": 1.0, "sin yaw": 1.0, "width": 25.0, "asked width": 25.0,
+    "dx": 10.0, "dy": 10.0, "dz": 10.0, "cos turn": 1.0, "sin turn": 1.0, "half x": 20.0, "half y": 20.0,
+    "half z": 20.0,
+}  # fmt: skip
+
+
+def _scale(name: str) -> float:
+    """Return by how many times a number of an observation is shown, 0 where it is not."""
+    whose, told, what = name.partition(": ")
+    if not told:
+        return 1.0 if not name.startswith(("approach", "grasp", "pick")) else 0.0
+    if whose.startswith("body") and what in ("z", "cos yaw", "sin yaw"):
+        return 0.0
+    return SCALES.get(what, 0.0)
