@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Witness, open_validator
-from prag_asp.rl import TaskEnv
+from prag_asp.rl import Layout, TaskEnv
+from prag_asp.rl.environment import Observation
 
 DOMAINS = {"approach": "prag", "grasp": "prag", "pick": "tabletop", "place": "tabletop"}
 """The domain in which a skill is learned."""
@@ -73,28 +74,17 @@ class FromStarts(gymnasium.Wrapper):
 
 
 class Seen(gymnasium.ObservationWrapper):
-    """Shows what matters to a policy of one skill, as numbers of about 1.
-
-    That is the tool, the gripper, the bodies relative to the tool, and by how much each fact is missed.
-    """
+    """Shows what `shown` does, in place of all that there is."""
 
     def __init__(self, env: TaskEnv):
         super().__init__(env)
-        names = env.unwrapped.layout.names
-        scales = [(i, _scale(name)) for i, name in enumerate(names)]
-        self._places = np.array([i for i, scale in scales if scale])
-        self._scales = np.array([scale for _, scale in scales if scale], dtype=np.float32)
-        size = len(self._places) + env.observation_space["achieved_goal"].shape[1] - 1
+        self._shown = shown(env.layout)
+        size = self._shown(env.observation_space.sample()).size
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (size,), np.float32)
 
-    def observation(self, observation: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
-        """Return the numbers that are shown."""
-        return np.concatenate(
-            [
-                observation["observation"][self._places] * self._scales,
-                np.clip(observation["achieved_goal"][0, 1:] * 10.0, -1.0, 5.0),
-            ]
-        )
+    def observation(self, observation: Observation) -> NDArray[np.float32]:
+        """Return what is shown."""
+        return self._shown(observation)
 
 
 SCALES = {
@@ -102,13 +92,32 @@ SCALES = {
     "dx": 10.0, "dy": 10.0, "dz": 10.0, "cos turn": 1.0, "sin turn": 1.0, "half x": 20.0, "half y": 20.0,
     "half z": 20.0,
 }  # fmt: skip
+"""By how many times what is told of the arm and of bodies is shown, so that it is about 1."""
+
+MISSED = 10.0
+"""By how many times what a fact is missed by is shown."""
+
+
+def shown(layout: Layout) -> Callable[[Observation], NDArray[np.float32]]:
+    """Return what makes of an observation what matters to a skill, as numbers of about 1.
+
+    That is the tool, the gripper, the bodies relative to the tool, the skill, and by how much each fact is missed.
+    """
+    scales = np.array([_scale(name) for name in layout.names], dtype=np.float32)
+    places = np.flatnonzero(scales)
+
+    def show(observation: Observation) -> NDArray[np.float32]:
+        missed = np.clip(observation["achieved_goal"][0, 1:] * MISSED, -1.0, 5.0)
+        return np.concatenate([observation["observation"][places] * scales[places], missed], dtype=np.float32)
+
+    return show
 
 
 def _scale(name: str) -> float:
     """Return by how many times a number of an observation is shown, 0 where it is not."""
     whose, told, what = name.partition(": ")
     if not told:
-        return 1.0 if not name.startswith(("approach", "grasp", "pick")) else 0.0
+        return 1.0
     if whose.startswith("body") and what in ("z", "cos yaw", "sin yaw"):
         return 0.0
     return SCALES.get(what, 0.0)
