@@ -1,4 +1,4 @@
-"""Success against length: policies chained along held-out plans of six actions, each from where the one before left all.
+"""Success against length: policies chained along held-out plans of six actions, each from where the last left all.
 
     python benchmarks/learning/chained.py --learned MODELS
 
