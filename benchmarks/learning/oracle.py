@@ -35,14 +35,14 @@ def main() -> None:
         given = starts(skill, options.count, seed=options.seed, length=4)
         rate = subgoals(given, tries=options.tries)
         table.add_row(skill, str(rate), f"{AIMS[skill]} %")
-    console = Console()
-    parts = Table("tasks", "stage 1", "2", "3", "4")
+    parts = Table("stage of a task", "reached, where it was come to")
     for domain in sorted(set(DOMAINS.values())):
         runs = whole(domain, options.count, seed=options.seed + 1, tries=options.tries)
         kind = f"{domain}, 4 actions"
         table.add_row(kind, str(runs.whole()), f"{AIMS[kind]} %")
-        parts.add_row(kind, *map(str, runs.by_stage()))
-    console.print(table, parts)
+        for number, rate in enumerate(runs.by_stage(), 1):
+            parts.add_row(f"{domain}, stage {number}", str(rate))
+    Console().print(table, parts)
 
 
 def subgoals(given: Sequence[Start], *, tries: int) -> Rate:
