@@ -35,13 +35,15 @@ def main() -> None:
         given = starts(skill, options.count, seed=options.seed, length=4)
         rate = subgoals(given, tries=options.tries)
         table.add_row(skill, str(rate), f"{AIMS[skill]} %")
-    parts = Table("stage of a task", "reached, where it was come to")
+    parts = Table("of whole tasks", "reached, where it was come to")
     for domain in sorted(set(DOMAINS.values())):
         runs = whole(domain, options.count, seed=options.seed + 1, tries=options.tries)
         kind = f"{domain}, 4 actions"
         table.add_row(kind, str(runs.whole()), f"{AIMS[kind]} %")
         for number, rate in enumerate(runs.by_stage(), 1):
             parts.add_row(f"{domain}, stage {number}", str(rate))
+        for action, rate in runs.by_action().items():
+            parts.add_row(f"{domain}, {action}", str(rate))
     Console().print(table, parts)
 
 

@@ -15,21 +15,22 @@ from itertools import accumulate
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
+import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
-from prag_asp.rl.environment import STEPS, Observation, TaskEnv
+from prag_asp.rl.environment import STEPS, TaskEnv
 from prag_asp.rl.observing import skill
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
 from prag_asp.wording import unknown
 
-Policy = Callable[[Observation], "NDArray[Any] | None"]
-"""Returns an action for an observation, or None where it gives up.
+Policy = Callable[[Any], "NDArray[Any] | None"]
+"""Returns an action for an observation, as the environment and its wrappers show it, or None where it gives up.
 
 Where it has a method `begin()`, that is called whenever it takes over, so it can forget what it remembers.
 """
@@ -142,7 +143,7 @@ class Runs:
 
 
 def run(
-    env: TaskEnv | TaskSpace | TaskSpaces,
+    env: gymnasium.Env[Any, Any] | TaskSpace | TaskSpaces,
     policies: Policy | Mapping[str, Policy],
     tasks: Asked,
     *,
@@ -155,11 +156,11 @@ def run(
     `policies` are by the names of actions (``pick``) or by skills (``place(panda,_,left_of,_)``), which go first; one
     alone is for all. Each subgoal may be pursued for `patience` steps, `tries` times: after a failure its policy takes
     over anew, from where everything stands by then. `tasks` are tasks, with their witnesses or without, or how many
-    are drawn, from a `seed`. The environment says which subgoals of a task are pursued, and is left open; that which is
-    made for a space is closed.
+    are drawn, from a `seed`. The environment, a `TaskEnv` in whatever wrappers, says which subgoals of a task are
+    pursued and what policies see; it is left open. That which is made for a space is closed.
 
     Raises:
-        QueryError: a number is below 1, a policy is missing, or a task has no witness.
+        QueryError: it is another environment, a number is below 1, a policy is missing, or a task has no witness.
     """
     if isinstance(env, TaskSpace | TaskSpaces):
         made = TaskEnv(env, reward="sparse")
@@ -167,6 +168,8 @@ def run(
             return run(made, policies, tasks, tries=tries, patience=patience, seed=seed)
         finally:
             made.close()
+    if not isinstance(getattr(env, "unwrapped", None), TaskEnv):
+        raise QueryError(f"plans are pursued in a TaskEnv, or in a task space; got {env!r:.80}")
     for number, what in ((tries, "tries"), (patience, "patience")):
         if type(number) is not int or number < 1:
             raise QueryError(f"{what} is a whole number from 1 on; got {number!r}")
@@ -197,9 +200,14 @@ def _asked(tasks: Asked) -> Iterator[dict[str, Any]]:
 
 
 def _pursued(
-    env: TaskEnv, policies: Policy | Mapping[str, Policy], observation: Observation, tries: int, patience: int
+    wrapped: gymnasium.Env[Any, Any],
+    policies: Policy | Mapping[str, Policy],
+    observation: Any,
+    tries: int,
+    patience: int,
 ) -> Run:
     """Pursue the subgoals of an episode that has begun, until one fails."""
+    env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     first, last = env.stage, env.last
     tried, steps = [], []
     ended = False
@@ -208,7 +216,7 @@ def _pursued(
         count = taken = 0
         while env.stage == stage and not ended and count < tries:
             count += 1
-            observation, ended, more = _tried(env, policy, observation, patience)
+            observation, ended, more = _tried(wrapped, policy, observation, patience)
             taken += more
         tried.append(count)
         steps.append(taken)
@@ -218,11 +226,12 @@ def _pursued(
     return Run(env.task, first, actions, tuple(tried), tuple(steps), env.stage - first + ended)
 
 
-def _tried(env: TaskEnv, policy: Policy, observation: Observation, patience: int) -> tuple[Observation, bool, int]:
+def _tried(wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, patience: int) -> tuple[Any, bool, int]:
     """Let a policy pursue one subgoal; return what is seen then, whether the goal is reached, and after how many steps.
 
     An environment says that time is up, by its own count; here it goes on.
     """
+    env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     stage, begin = env.stage, getattr(policy, "begin", None)
     if begin is not None:
         begin()
@@ -230,7 +239,7 @@ def _tried(env: TaskEnv, policy: Policy, observation: Observation, patience: int
         action = policy(observation)
         if action is None:
             return observation, False, taken
-        observation, _, ended, _, _ = env.step(np.asarray(action))
+        observation, _, ended, _, _ = wrapped.step(np.asarray(action))
         if ended or env.stage != stage:
             return observation, ended, taken + 1
     return observation, False, patience

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -78,6 +79,13 @@ def test_a_subgoal_is_tried_again_from_where_it_stands(env: TaskEnv) -> None:
     assert failed.whole() == (0, 2) and failed.by_length() == (0,)
 
 
+def test_policies_see_what_wrappers_show(env: TaskEnv) -> None:
+    wrapped = gymnasium.wrappers.FilterObservation(env, ["observation"])
+    seen: list[Any] = []
+    runs = run(wrapped, seen.append, 1)
+    assert runs.runs[0].steps == (0,) and [set(each) for each in seen] == [{"observation"}]
+
+
 def test_an_environment_says_which_subgoals_are_pursued(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness, stage=1, until="subgoal", reward="sparse")
@@ -116,6 +124,8 @@ def test_what_means_nothing_is_refused(env: TaskEnv, given: Mapping[str, list[Gi
     for tasks in (-1, True, ["pick(panda,can_1,table_1)"], 1.5):
         with pytest.raises(QueryError, match="tasks"):
             run(env, Oracle(env), tasks)  # type: ignore[arg-type]
+    with pytest.raises(QueryError, match="in a TaskEnv, or in a task space; got 'tabletop'"):
+        run("tabletop", Oracle(env), 1)  # type: ignore[arg-type]
     with pytest.raises(QueryError, match="confidence"):
         Rate(1, 2).interval(95)
 
