@@ -57,22 +57,24 @@ def test_policies_take_over_from_each_other_where_the_predicates_say_so(env: Tas
 
 def test_a_subgoal_is_tried_again_from_where_it_stands(env: TaskEnv) -> None:
     class Late:
-        """Gives up, or stands still, before it begins to act."""
+        """Moves the arm somewhere before it gives up, and acts where it takes over again."""
 
-        def __init__(self, first: Any) -> None:
-            self.expert, self.begun, self.first = Oracle(env), 0, first
+        def __init__(self, moves: int) -> None:
+            self.expert, self.begun, self.moves = Oracle(env), 0, [np.full(5, -0.3)] * moves
 
         def begin(self) -> None:
             self.begun += 1
             self.expert.begin()
 
         def __call__(self, observation: Observation) -> Any:
-            return self.first if self.begun == 1 else self.expert(observation)
+            if self.begun > 1:
+                return self.expert(observation)
+            return self.moves.pop() if self.moves else None
 
-    for first, taken in ((None, 0), (STILL, 60)):
-        late = Late(first)
-        found = run(env, late, 1, tries=2, patience=60).runs[0]
-        assert found.tries[0] == 2 and found.steps[0] > taken and found.reached >= 1
+    for moves in (0, 20):
+        late = Late(moves)
+        found = run(env, late, 1, tries=2, patience=200).runs[0]
+        assert found.tries == (2, 1, 1, 1) and found.success and found.steps[0] > moves
         assert late.begun == sum(found.tries)
     failed = run(env, lambda observation: STILL, 2, tries=3, patience=5)
     assert [(each.tries, each.steps, each.reached) for each in failed.runs] == [((3,), (15,), 0)] * 2
