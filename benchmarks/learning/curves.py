@@ -3,8 +3,9 @@
     python benchmarks/learning/curves.py approach --steps 5000
     python benchmarks/learning/curves.py grasp --steps 4000 --rewards dense
 
-Each policy learns from subgoals of some witnesses, and is tested with those of others. Appends to SKILL.parquet in the
-folder of --output and draws SKILL.png; seeds that are there already are not learned anew. It needs the extra
+Each policy learns from subgoals of some witnesses, and is tested with those of others; with `--unseen box_1` also of an
+object that no task names of those that it learns from. Appends to SKILL.parquet in the folder of --output and draws
+SKILL.png; seeds that are there already are not learned anew. It needs the extra
 `learning`, and takes about a minute for a seed.
 """
 
@@ -48,27 +49,29 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3, help="how many policies learn from each reward")
     parser.add_argument("--training", type=int, default=100, help="how many witnesses are learned from")
     parser.add_argument("--held-out", type=int, default=30, help="how many others it is tested with")
+    parser.add_argument("--unseen", help="an object that is tested with and not learned with, such as box_1")
     parser.add_argument("--output", type=Path, default=HERE / "results", help="the folder of the curves and figures")
     parser.add_argument("--models", type=Path, help="a folder for what is learned, as Stable-Baselines3 writes it")
     options = parser.parse_args()
     torch.set_num_threads(1)
     options.output.mkdir(parents=True, exist_ok=True)
-    path = options.output / f"{options.skill}.parquet"
+    name = options.skill if options.unseen is None else f"{options.skill}_unseen_{options.unseen}"
+    path = options.output / f"{name}.parquet"
     rows = pq.read_table(path).to_pylist() if path.exists() else []
     learned = {(row["reward"], row["seed"]) for row in rows}
     asked = [(reward, seed) for reward in options.rewards for seed in range(options.seeds)]
     if missing := [each for each in asked if each not in learned]:
-        given = starts(options.skill, options.training, seed=TRAINING)
-        others = starts(options.skill, options.held_out, seed=HELD_OUT)
+        given = starts(options.skill, options.training, seed=TRAINING, without=options.unseen)
+        others = starts(options.skill, options.held_out, seed=HELD_OUT, only=options.unseen)
         for reward, seed in missing:
-            rows += curve(given, others, reward, seed, options)
+            rows += curve(given, others, reward, seed, options, name)
             pq.write_table(pa.Table.from_pylist(rows), path)
     Console().print(_table(rows))
-    draw(rows, options.skill).savefig(options.output / f"{options.skill}.png", dpi=110)
+    draw(rows, name.replace("_", " ")).savefig(options.output / f"{name}.png", dpi=110)
 
 
 def curve(
-    given: Sequence[Start], others: Sequence[Start], reward: str, seed: int, options: argparse.Namespace
+    given: Sequence[Start], others: Sequence[Start], reward: str, seed: int, options: argparse.Namespace, name: str
 ) -> Iterator[dict[str, Any]]:
     """Yield how a policy does with held-out witnesses as it learns."""
     console = Console(stderr=True)
@@ -81,7 +84,7 @@ def curve(
         seconds += time.process_time() - before
         ended = [reaches(model, test) for _ in others]
         rate = Rate(sum(ended), len(ended))
-        console.print(f"{options.skill}, {reward}, seed {seed}, {step} steps, {seconds:.0f} s: {rate}")
+        console.print(f"{name.replace('_', ' ')}, {reward}, seed {seed}, {step} steps, {seconds:.0f} s: {rate}")
         yield {
             "skill": options.skill,
             "reward": reward,
@@ -92,7 +95,7 @@ def curve(
             "processor_seconds": round(seconds, 1),
         }
     if options.models is not None:
-        model.save(options.models / f"{options.skill}_{reward}_{seed}")
+        model.save(options.models / f"{name}_{reward}_{seed}")
     env.close()
     test.close()
 
@@ -134,7 +137,7 @@ def _table(rows: Sequence[dict[str, Any]]) -> Table:
     return table
 
 
-def draw(rows: Sequence[dict[str, Any]], skill: str) -> Figure:
+def draw(rows: Sequence[dict[str, Any]], title: str) -> Figure:
     """Return a figure of the curves: each seed, and all together with their intervals of 95 %."""
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.add_subplot()
@@ -147,7 +150,7 @@ def draw(rows: Sequence[dict[str, Any]], skill: str) -> Figure:
         low, high = zip(*(rate.interval() for rate in steps.values()), strict=True)
         axes.plot(list(steps), [float(rate.share) for rate in steps.values()], "o-", color=colour, label=reward)
         axes.fill_between(list(steps), low, high, color=colour, alpha=0.15, linewidth=0)
-    axes.set(xlabel="steps", ylabel="success with held-out witnesses", ylim=(-0.03, 1.03), title=skill)
+    axes.set(xlabel="steps", ylabel="success with held-out witnesses", ylim=(-0.03, 1.03), title=title)
     axes.grid(alpha=0.3)
     axes.legend(loc="upper left", frameon=False)
     return figure

@@ -45,13 +45,22 @@ def witnessed(domain: str, length: int, *, seed: int) -> Iterator[tuple[Task, Wi
                 yield task, witness
 
 
-def starts(skill: str, count: int, *, seed: int, length: int = 2, without: Sequence[str] = ()) -> list[Start]:
-    """Return subgoals that begin with a skill, one of each task; none of a task that names an object of `without`."""
+def starts(
+    skill: str, count: int, *, seed: int, length: int = 2, only: str | None = None, without: str | None = None
+) -> list[Start]:
+    """Return subgoals of a skill, one of each task.
+
+    Their action names the object `only`; their task does not name the one of `without`.
+    """
     found: list[Start] = []
     for task, witness in witnessed(DOMAINS[skill], length, seed=seed):
         named = {argument for action in task.actions for argument in action.arguments}
-        stages = [stage for stage, action in enumerate(task.actions) if action.name == skill]
-        if stages and not named & set(without):
+        stages = [
+            stage
+            for stage, action in enumerate(task.actions)
+            if action.name == skill and (only is None or only in action.arguments)
+        ]
+        if stages and without not in named:
             found.append(Start(task, witness, stages[-1]))
         if len(found) == count:
             break
