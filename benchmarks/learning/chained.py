@@ -23,7 +23,7 @@ from cloning import Clone, cloned, demonstrations
 from matplotlib.figure import Figure
 from rich.console import Console
 from stable_baselines3 import SAC
-from starts import HELD_OUT, TRAINING, shown, witnessed
+from starts import HELD_OUT, TRAINING, moved, shown, witnessed
 
 from prag_asp.rl import Layout, Oracle, Rate, TaskEnv, run
 from prag_asp.rl.running import Policy
@@ -74,7 +74,7 @@ def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, 
     yield "oracle", 0, expert
     rest = {skill.partition("(")[0]: expert for skill in env.layout.skills}
     for seed in range(options.seeds if options.learned is not None else 0):
-        own = {name: _learned(options.learned / f"{name}_dense_{seed}", env.layout) for name in LEARNED}
+        own = {name: _learned(options.learned, name, seed, env.layout) for name in LEARNED}
         yield "learned", seed, {**rest, **own}
     drawn = witnessed(DOMAIN, 4, seed=TRAINING)
     demonstrated = list(demonstrations(itertools.islice(drawn, options.demonstrations), seed=TRAINING))
@@ -85,10 +85,10 @@ def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, 
         yield "cloned", seed, Clone(cloned(demonstrated, epochs=options.epochs, seed=seed), env.layout)
 
 
-def _learned(path: Path, layout: Layout) -> Policy:
-    """Return a policy that curves.py has learned."""
-    model, show = SAC.load(path, device="cpu"), shown(layout)
-    return lambda observation: model.predict(show(observation), deterministic=True)[0]
+def _learned(folder: Path, name: str, seed: int, layout: Layout) -> Policy:
+    """Return a policy for a skill that curves.py has learned."""
+    model, show, times = SAC.load(folder / f"{name}_dense_{seed}", device="cpu"), shown(layout), moved(name)
+    return lambda observation: model.predict(show(observation), deterministic=True)[0] * times
 
 
 def draw(rows: Sequence[dict[str, Any]], length: int) -> Figure:

@@ -82,6 +82,28 @@ class FromStarts(gymnasium.Wrapper):
         return self.env.reset(seed=seed, options=self._given[number].options)
 
 
+GENTLY = {"grasp": 0.2}
+"""How far the tool moves at an action of 1 where a skill is learned, beside how far the environment lets it."""
+
+
+def moved(skill: str) -> NDArray[np.float32]:
+    """Return by what the action of a policy that has learned a skill is multiplied."""
+    gently = GENTLY.get(skill, 1.0)
+    return np.array([gently, gently, gently, gently, 1.0], dtype=np.float32)
+
+
+class Moved(gymnasium.ActionWrapper):
+    """Moves the tool as it is done where a skill is learned."""
+
+    def __init__(self, env: gymnasium.Env, skill: str):
+        super().__init__(env)
+        self._times = moved(skill)
+
+    def action(self, action: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the action of the environment."""
+        return action * self._times
+
+
 class Seen(gymnasium.ObservationWrapper):
     """Shows what `shown` does, in place of all that there is."""
 
