@@ -44,6 +44,9 @@ OWN: dict[str, dict[str, Any]] = {"grasp": {"ent_coef": "auto_0.02"}}
 So with the weight of entropy that it begins with as a rule, it learns first to put that off.
 """
 
+STEPS = {"grasp": 25}
+"""For how many steps a skill may be pursued in an episode that is learned from, where that is fewer than as a rule."""
+
 
 def main() -> None:
     """Learn what is not learned yet, write the curves, print the table and draw the figure."""
@@ -81,7 +84,7 @@ def curve(
 ) -> Iterator[dict[str, Any]]:
     """Yield how a policy does with held-out witnesses as it learns."""
     console = Console(stderr=True)
-    env, test = begun(options.skill, given, reward, seed=seed), begun(options.skill, others, "sparse")
+    env, test = begun(given, reward, options.skill, seed=seed), begun(others, "sparse", options.skill)
     model = SAC("MlpPolicy", env, seed=seed, **SETTINGS, **OWN.get(options.skill, {}))
     seconds = 0.0
     for step in range(options.every, options.steps + 1, options.every):
@@ -106,9 +109,10 @@ def curve(
     test.close()
 
 
-def begun(skill: str, given: Sequence[Start], reward: Any, *, seed: int | None = None) -> FromStarts:
-    """Return an environment that begins with some subgoals of a skill, in turn, or drawn from a seed."""
-    env = TaskEnv(task=given[0].task, witness=given[0].witness, until="subgoal", reward=reward)
+def begun(given: Sequence[Start], reward: Any, skill: str, *, seed: int | None = None) -> FromStarts:
+    """Return an environment that begins with some subgoals of a skill: in turn to be tested, or drawn to be learned."""
+    steps = 100 if seed is None else STEPS.get(skill, 100)
+    env = TaskEnv(task=given[0].task, witness=given[0].witness, until="subgoal", reward=reward, steps=steps)
     return FromStarts(Moved(Seen(env), skill), given, seed=seed)
 
 
