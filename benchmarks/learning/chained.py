@@ -30,6 +30,9 @@ from prag_asp.rl.running import Policy
 
 HERE = Path(__file__).parent
 DOMAIN, LEARNED = "prag", ("approach", "grasp")
+WEIGHTS = {"approach": 6, "withdraw": 6, "grasp": 6, "drop": 6}
+"""Tasks drawn uniformly carry something nearly all the time, for there are so many ways to do that."""
+
 COLOURS = {"oracle": "#777777", "cloned": "#0072b2", "learned": "#d55e00"}
 LABELS = {"oracle": "oracle", "cloned": "cloned", "learned": "approach and grasp learned, the rest oracle"}
 
@@ -49,7 +52,7 @@ def main() -> None:
     options = parser.parse_args()
     torch.set_num_threads(1)
     console, rows = Console(), []
-    drawn = witnessed(DOMAIN, options.length, seed=HELD_OUT)
+    drawn = witnessed(DOMAIN, options.length, seed=HELD_OUT, weights=WEIGHTS)
     given = list(itertools.islice(drawn, options.count))
     drawn.close()
     env = TaskEnv(task=given[0][0], witness=given[0][1], reward="sparse")
@@ -76,7 +79,7 @@ def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, 
     for seed in range(options.seeds if options.learned is not None else 0):
         own = {name: _learned(options.learned, name, seed, env.layout) for name in LEARNED}
         yield "learned", seed, {**rest, **own}
-    drawn = witnessed(DOMAIN, 4, seed=TRAINING)
+    drawn = witnessed(DOMAIN, 4, seed=TRAINING, weights=WEIGHTS)
     demonstrated = list(demonstrations(itertools.islice(drawn, options.demonstrations), seed=TRAINING))
     drawn.close()
     told = f"{len(demonstrated)} of {options.demonstrations} demonstrations end well"

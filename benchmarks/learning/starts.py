@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -35,11 +35,13 @@ class Start(NamedTuple):
         return self._asdict()
 
 
-def witnessed(domain: str, length: int, *, seed: int) -> Iterator[tuple[Task, Witness]]:
-    """Yield feasible tasks with their witnesses, drawn uniformly, without end."""
+def witnessed(
+    domain: str, length: int, *, seed: int, weights: Mapping[str, float] | None = None
+) -> Iterator[tuple[Task, Witness]]:
+    """Yield feasible tasks with their witnesses, drawn uniformly, or by weights of actions, without end."""
     loaded = load_domain(domain)
     with open_validator(scene_of(loaded)) as validator:
-        for index, task in enumerate(TaskSpace(loaded, length).draw(seed=seed, weights={})):
+        for index, task in enumerate(TaskSpace(loaded, length).draw(seed=seed, weights=weights or {})):
             witness = validator.validate(task, seed=seed, index=index).witness
             if witness is not None:
                 yield task, witness
