@@ -28,7 +28,6 @@ from starts import HELD_OUT, TRAINING, moved, shown, witnessed
 from prag_asp.rl import Layout, Oracle, Rate, TaskEnv, run
 from prag_asp.rl.running import Policy
 
-HERE = Path(__file__).parent
 DOMAIN, LEARNED = "prag", ("approach", "grasp")
 WEIGHTS = {"approach": 6, "withdraw": 6, "grasp": 6, "drop": 6}
 """Tasks drawn uniformly carry something nearly all the time, for there are so many ways to do that."""
@@ -43,12 +42,12 @@ def main() -> None:
     """Clone, chain, write what became of each run, print the tables and draw the figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--demonstrations", type=int, default=200, help="how many tasks the oracle shows")
-    parser.add_argument("--epochs", type=int, default=30, help="how often a clone goes through them")
+    parser.add_argument("--epochs", type=int, default=60, help="how often a clone goes through them")
     parser.add_argument("--count", type=int, default=30, help="how many held-out tasks are pursued")
     parser.add_argument("--length", type=int, default=6, help="how many actions they have")
     parser.add_argument("--seeds", type=int, default=3, help="how many policies of a kind are chained")
     parser.add_argument("--learned", type=Path, help="a folder of policies that curves.py has learned")
-    parser.add_argument("--output", type=Path, default=HERE / "results", help="the folder of the runs and the figure")
+    parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the runs and the figure")
     options = parser.parse_args()
     torch.set_num_threads(1)
     console, rows = Console(), []

@@ -16,10 +16,11 @@ from prag_asp.physics import Witness
 from prag_asp.rl import Layout, TaskEnv, oracle
 from prag_asp.rl.environment import Observation
 
-NOISE = 0.15
-"""The standard deviation of what is added to the oracle's actions as it acts, so that it shows how to come back.
+NOISE, OFTEN = 0.5, 0.1
+"""The standard deviation of what is added to the oracle's actions as it acts, in so many of its steps.
 
-It is not part of what is learned: Laskey and others, "DART: Noise injection for robust imitation learning" (2017).
+So it shows how to come back, and what is added is not learned: Laskey and others, "DART: Noise injection for robust
+imitation learning" (2017).
 """
 
 STEPS = 150
@@ -49,7 +50,8 @@ def demonstrations(given: Iterable[tuple[Task, Witness]], *, seed: int) -> Itera
             seen.append(show(observation))
             actions.append(action)
             noise = np.zeros_like(action)
-            noise[:4] = rng.normal(0.0, NOISE, 4)
+            if rng.random() < OFTEN:
+                noise[:4] = rng.normal(0.0, NOISE, 4)
             observation, _, ended, late, _ = env.step(action + noise)
             if ended or late:
                 break

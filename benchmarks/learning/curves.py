@@ -29,7 +29,6 @@ from starts import DOMAINS, HELD_OUT, TRAINING, FromStarts, Moved, Seen, Start, 
 from prag_asp.rl import Rate, TaskEnv
 from prag_asp.rl.rewards import REWARDS
 
-HERE = Path(__file__).parent
 COLOURS = {"dense": "#2e86ab", "faded": "#3a9d5d", "sparse": "#e4572e"}
 
 SETTINGS: dict[str, Any] = {
@@ -59,7 +58,7 @@ def main() -> None:
     parser.add_argument("--training", type=int, default=100, help="how many witnesses are learned from")
     parser.add_argument("--held-out", type=int, default=30, help="how many others it is tested with")
     parser.add_argument("--unseen", help="an object that is tested with and not learned with, such as box_1")
-    parser.add_argument("--output", type=Path, default=HERE / "results", help="the folder of the curves and figures")
+    parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the curves and figures")
     parser.add_argument("--models", type=Path, help="a folder for what is learned, as Stable-Baselines3 writes it")
     options = parser.parse_args()
     torch.set_num_threads(1)
@@ -162,7 +161,7 @@ def draw(rows: Sequence[dict[str, Any]], title: str) -> Figure:
         axes.fill_between(list(steps), low, high, color=colour, alpha=0.15, linewidth=0)
     axes.set(xlabel="steps", ylabel="success with held-out witnesses", ylim=(-0.03, 1.03), title=title)
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper left", frameon=False)
+    axes.legend(loc="best", frameon=False)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, and an oracle.
+"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, an oracle, and plans by parts.
 
 >>> import gymnasium, prag_asp.rl
 >>> from prag_asp import TaskSpace, load_domain
