@@ -76,7 +76,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "search", "motion", "checks", "demonstration", "filming", "pictures", "verdict",
         "cascade", "validator", "worker", "checker", "pool", "passing",
     ),
-    "rl": ("control", "arena", "goals", "rewards", "fading", "observing", "sources", "environment", "scripted"),
+    "rl": (
+        "control", "arena", "goals", "rewards", "fading", "observing", "sources", "environment", "scripted", "running",
+    ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""
 

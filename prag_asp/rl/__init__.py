@@ -1,4 +1,4 @@
-"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, and an oracle.
+"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, an oracle, and plans by parts.
 
 >>> import gymnasium, prag_asp.rl
 >>> from prag_asp import TaskSpace, load_domain
@@ -21,16 +21,18 @@ from prag_asp.missing import require_gymnasium
 if TYPE_CHECKING:
     from prag_asp.rl.environment import TaskEnv
     from prag_asp.rl.observing import Layout
-    from prag_asp.rl.scripted import oracle
+    from prag_asp.rl.running import Rate, Run, Runs, run
+    from prag_asp.rl.scripted import Oracle, oracle
 
-__all__ = ["Layout", "TaskEnv", "oracle"]
+__all__ = ["Layout", "Oracle", "Rate", "Run", "Runs", "TaskEnv", "oracle", "run"]
 
 require_gymnasium().register(id="prag_asp/Task-v0", entry_point="prag_asp.rl.environment:TaskEnv")
 
 _HOMES = {
     "prag_asp.rl.environment": ("TaskEnv",),
     "prag_asp.rl.observing": ("Layout",),
-    "prag_asp.rl.scripted": ("oracle",),
+    "prag_asp.rl.running": ("Rate", "Run", "Runs", "run"),
+    "prag_asp.rl.scripted": ("Oracle", "oracle"),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

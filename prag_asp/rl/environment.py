@@ -210,6 +210,11 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._arena.asked
 
     @property
+    def last(self) -> int:
+        """The number of the subgoal with which the episode ends."""
+        return self._last
+
+    @property
     def action(self) -> Atom:
         """The action of the subgoal that is being pursued."""
         return self.task.actions[self.stage]

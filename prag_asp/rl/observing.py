@@ -17,11 +17,18 @@ from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import rotate, yaw_of
+from prag_asp.scene.geometry import Pose, rotate, yaw_of
 from prag_asp.scene.model import Scene
 
-BODY = ("is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "up", "half x", "half y", "half z", "opening")
-"""What is told of a body, or of its part that moves; metres, radians; dx is from the tool of the arm that acts."""
+BODY = (
+    "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
+    "half z", "opening",
+)  # fmt: skip
+"""What is told of a body, or of its part that moves; metres, radians; dx is from the tool of the arm that acts.
+
+The turn is twice the angle about the vertical from that tool to the body, for a gripper that is turned by half
+a circle grips alike.
+"""
 
 ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw", "sin yaw", "width", "asked width")
 """What is told of an arm: joints in radians, where its tool is and how fast, how far the gripper is open; metres."""
@@ -93,7 +100,7 @@ def observe(
     for robot in layout.robots:
         (at, quaternion), arm = situation.tool(robot), situation.arm(robot)
         found += [*arm.joints, *at, *speeds[robot], *_direction(yaw_of(quaternion)), arm.width, asked[robot]]
-    tool = situation.tool(acting).position
+    tool = situation.tool(acting)
     named = named_bodies(action, scene)
     for entity in named:
         found += _body(situation, entity, tool)
@@ -105,15 +112,16 @@ def observe(
     return np.array(found + one_hot, dtype=np.float32)
 
 
-def _body(situation: Situation, entity: str, tool: Vector) -> Sequence[float]:
+def _body(situation: Situation, entity: str, tool: Pose) -> Sequence[float]:
     """Return what is told of a body; all zeros where it does not take part."""
     if situation.shape(entity).traits.body and entity not in situation.poses:
         return [0.0] * len(BODY)
     at, quaternion = situation.part(entity)
-    (x, y, z), (tx, ty, tz) = at, tool
+    (x, y, z), (tx, ty, tz), yaw = at, tool.position, yaw_of(quaternion)
+    turned = (*_direction(yaw), *_direction(2.0 * (yaw - yaw_of(tool.quaternion))))
     up = rotate(quaternion, (0.0, 0.0, 1.0))[2]
     half = situation.half(entity) if situation.is_table(entity) else situation.shape(entity).half
-    return [1.0, x, y, z, x - tx, y - ty, z - tz, *_direction(yaw_of(quaternion)), up, *half, situation.opening(entity)]
+    return [1.0, x, y, z, x - tx, y - ty, z - tz, *turned, up, *half, situation.opening(entity)]
 
 
 def _direction(yaw: float) -> tuple[float, float]:

@@ -22,7 +22,7 @@ from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import compose, wrap, yaw_of
 
 if TYPE_CHECKING:
-    from prag_asp.rl.environment import TaskEnv
+    from prag_asp.rl.environment import Observation, TaskEnv
 
 CLOSE, CLOSE_TURN = 0.004, 0.03
 """How near a waypoint is passed, in metres and radians."""
@@ -39,37 +39,68 @@ PATIENCE, SETTLING = 60, 4
 Action = NDArray[np.float32]
 
 
+class Oracle:
+    """The oracle as a policy for a subgoal: it gives up where it is through, and tries anew where it takes over again.
+
+    Raises:
+        QueryError: the environment does not take displacements of the tool.
+    """
+
+    def __init__(self, env: TaskEnv):
+        _require_tool(env)
+        self._env = env
+        self.begin()
+
+    def begin(self) -> None:
+        """Take over, from where everything stands."""
+        self._actions: Iterator[Action] | None = None
+
+    def __call__(self, observation: Observation) -> Action | None:
+        """Return the next action for the subgoal that is pursued, None where there is none left."""
+        if self._actions is None:
+            self._actions = _pursued(self._env, self._env.stage)
+        return next(self._actions, None)
+
+
 def oracle(env: TaskEnv) -> Iterator[Action]:
     """Yield actions that pursue the subgoals of an episode that has begun, each for what is so by then.
 
     Raises:
         QueryError: the environment does not take displacements of the tool.
     """
+    _require_tool(env)
+    return (action for stage in range(env.stage, len(env.witness.motions)) for action in _pursued(env, stage))
+
+
+def _require_tool(env: TaskEnv) -> None:
+    """Check that an environment takes displacements of the tool.
+
+    Raises:
+        QueryError: it does not.
+    """
     if env.control != "tool":
         raise QueryError('the oracle moves the tool; make the environment with control="tool"')
-    return _pursued(env)
 
 
-def _pursued(env: TaskEnv) -> Iterator[Action]:
-    """Yield the actions of each waypoint in turn."""
-    witness, begun = env.witness, env.stage
-    held = {name: arm.held for name, arm in witness.moments[begun].arms.items()}
-    for before, motion in zip(witness.moments[begun:], witness.motions[begun:], strict=False):
-        for i, waypoint in enumerate(motion):
-            if waypoint.name == TRANSIT:
-                continue
-            robot = waypoint.robot
-            if held[robot] is None and waypoint.held is None:
-                yield from _fingers(env, robot, waypoint.width)
-            if waypoint.held == held[robot]:
-                ahead = (each.held for each in motion[i:] if each.robot == robot)
-                yield from _moved(env, waypoint, before, next(filter(None, ahead), None))
-            else:
-                squeeze = SQUEEZE if waypoint.held is not None else 0.0
-                yield from _fingers(env, robot, waypoint.width - squeeze)
-                for _ in range(SETTLING):
-                    yield _action(env, robot)
-                held[robot] = waypoint.held
+def _pursued(env: TaskEnv, stage: int) -> Iterator[Action]:
+    """Yield the actions of each waypoint of a stage in turn."""
+    before, motion = env.witness.moments[stage], env.witness.motions[stage]
+    held = {name: arm.held for name, arm in before.arms.items()}
+    for i, waypoint in enumerate(motion):
+        if waypoint.name == TRANSIT:
+            continue
+        robot = waypoint.robot
+        if held[robot] is None and waypoint.held is None:
+            yield from _fingers(env, robot, waypoint.width)
+        if waypoint.held == held[robot]:
+            ahead = (each.held for each in motion[i:] if each.robot == robot)
+            yield from _moved(env, waypoint, before, next(filter(None, ahead), None))
+        else:
+            squeeze = SQUEEZE if waypoint.held is not None else 0.0
+            yield from _fingers(env, robot, waypoint.width - squeeze)
+            for _ in range(SETTLING):
+                yield _action(env, robot)
+            held[robot] = waypoint.held
 
 
 def _fingers(env: TaskEnv, robot: str, opening: float) -> Iterator[Action]:

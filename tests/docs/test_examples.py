@@ -30,9 +30,13 @@ SETUP = {
     ".venv/bin/pip install datasets pandas duckdb",
     f"{INSTALL} '.[formats]' datasets pandas",
     ".venv/bin/pip install -e '.[docs]' && .venv/bin/mkdocs build --strict",
+    f"{INSTALL} '.[learning]'",
+    ".venv/bin/python benchmarks/learning/curves.py approach --rewards dense --seeds 1",
+    ".venv/bin/python benchmarks/learning/oracle.py",
+    ".venv/bin/python benchmarks/learning/chained.py",
     "python -m tests.fuzz --count 10000 --seed 7",
 }
-"""Commands that need a fresh machine, in what the tests run already, or hours."""
+"""Commands that need a fresh machine, in what the tests run already, or hours; tests/rl/test_learning.py shortens."""
 
 
 def name_of(page: Path) -> str:

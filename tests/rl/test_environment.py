@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
 from prag_asp.rl import TaskEnv, oracle
 from prag_asp.rl.goals import PLACES
+from prag_asp.scene.geometry import yaw_of
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given
 
@@ -225,6 +227,9 @@ def test_each_number_of_an_observation_has_a_name(env: TaskEnv) -> None:
     thing = info["action"].removeprefix("pick(").split(",")[1]
     at = env.situation.pose(thing).position
     assert [seen[f"body 1: {what}"] for what in ("x", "y", "z")] == pytest.approx(list(at), abs=1e-6)
+    turn = 2.0 * (yaw_of(env.situation.pose(thing).quaternion) - yaw_of(env.situation.tool("panda").quaternion))
+    told = seen["body 1: cos turn"], seen["body 1: sin turn"]
+    assert told == pytest.approx((math.cos(turn), math.sin(turn)), abs=1e-6)
     assert seen["body 1: dz"] == pytest.approx(at[2] - z, abs=1e-6)
 
 
@@ -266,7 +271,7 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
     for action in (np.zeros(4), np.zeros((5, 1)), np.full(5, np.nan)):
         with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):
             env.step(action)
-    assert env.step(np.full(5, np.inf))[0]["observation"].shape == (52,)
+    assert env.step(np.full(5, np.inf))[0]["observation"].shape == (56,)
     env.close()
     with pytest.raises(QueryError, match="no episode has begun"):
         env.step(STILL)

@@ -1,0 +1,169 @@
+"""How fast a skill is learned from each kind of reward: soft actor-critic, begun in the states of witnesses.
+
+    python benchmarks/learning/curves.py approach --steps 5000
+    python benchmarks/learning/curves.py grasp --steps 4000 --rewards dense
+
+Each policy learns from subgoals of some witnesses, and is tested with those of others; with `--unseen box_1` also of an
+object that no task names of those that it learns from. Appends to SKILL.parquet in the folder of --output and draws
+SKILL.png; seeds that are there already are not learned anew. It needs the extra
+`learning`, and takes about a minute for a seed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import torch
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+from stable_baselines3 import SAC
+from starts import DOMAINS, HELD_OUT, TRAINING, FromStarts, Moved, Seen, Start, starts
+
+from prag_asp.rl import Rate, TaskEnv
+from prag_asp.rl.rewards import REWARDS
+
+COLOURS = {"dense": "#2e86ab", "faded": "#3a9d5d", "sparse": "#e4572e"}
+
+SETTINGS: dict[str, Any] = {
+    "learning_rate": 1e-3, "gamma": 0.95, "batch_size": 128, "learning_starts": 300, "gradient_steps": 2,
+    "policy_kwargs": {"net_arch": [64, 64]}, "device": "cpu",
+}  # fmt: skip
+"""What soft actor-critic is told; all else is as Stable-Baselines3 has it."""
+
+OWN: dict[str, dict[str, Any]] = {"grasp": {"ent_coef": "auto_0.02"}}
+"""What it is told of a skill beside. To close the fingers earns little and ends the episode.
+
+So with the weight of entropy that it begins with as a rule, it learns first to put that off.
+"""
+
+STEPS = {"grasp": 25}
+"""For how many steps a skill may be pursued in an episode that is learned from, where that is fewer than as a rule."""
+
+
+def main() -> None:
+    """Learn what is not learned yet, write the curves, print the table and draw the figure."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("skill", choices=sorted(DOMAINS), help="the action that is learned")
+    parser.add_argument("--rewards", nargs="*", choices=REWARDS, default=list(REWARDS))
+    parser.add_argument("--steps", type=int, default=5000, help="how many steps a policy learns for")
+    parser.add_argument("--every", type=int, default=1000, help="after how many steps it is tested each time")
+    parser.add_argument("--seeds", type=int, default=3, help="how many policies learn from each reward")
+    parser.add_argument("--training", type=int, default=100, help="how many witnesses are learned from")
+    parser.add_argument("--held-out", type=int, default=30, help="how many others it is tested with")
+    parser.add_argument("--unseen", help="an object that is tested with and not learned with, such as box_1")
+    parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the curves and figures")
+    parser.add_argument("--models", type=Path, help="a folder for what is learned, as Stable-Baselines3 writes it")
+    options = parser.parse_args()
+    torch.set_num_threads(1)
+    options.output.mkdir(parents=True, exist_ok=True)
+    name = options.skill if options.unseen is None else f"{options.skill}_unseen_{options.unseen}"
+    path = options.output / f"{name}.parquet"
+    rows = pq.read_table(path).to_pylist() if path.exists() else []
+    learned = {(row["reward"], row["seed"]) for row in rows}
+    asked = [(reward, seed) for reward in options.rewards for seed in range(options.seeds)]
+    if missing := [each for each in asked if each not in learned]:
+        given = starts(options.skill, options.training, seed=TRAINING, without=options.unseen)
+        others = starts(options.skill, options.held_out, seed=HELD_OUT, only=options.unseen)
+        for reward, seed in missing:
+            rows += curve(given, others, reward, seed, options, name)
+            pq.write_table(pa.Table.from_pylist(rows), path)
+    Console().print(_table(rows))
+    draw(rows, name.replace("_", " ")).savefig(options.output / f"{name}.png", dpi=110)
+
+
+def curve(
+    given: Sequence[Start], others: Sequence[Start], reward: str, seed: int, options: argparse.Namespace, name: str
+) -> Iterator[dict[str, Any]]:
+    """Yield how a policy does with held-out witnesses as it learns."""
+    console = Console(stderr=True)
+    env, test = begun(given, reward, options.skill, seed=seed), begun(others, "sparse", options.skill)
+    model = SAC("MlpPolicy", env, seed=seed, **SETTINGS, **OWN.get(options.skill, {}))
+    seconds = 0.0
+    for step in range(options.every, options.steps + 1, options.every):
+        before = time.process_time()
+        model.learn(options.every, reset_num_timesteps=step == options.every)
+        seconds += time.process_time() - before
+        ended = [reaches(model, test) for _ in others]
+        rate = Rate(sum(ended), len(ended))
+        console.print(f"{name.replace('_', ' ')}, {reward}, seed {seed}, {step} steps, {seconds:.0f} s: {rate}")
+        yield {
+            "skill": options.skill,
+            "reward": reward,
+            "seed": seed,
+            "step": step,
+            "successes": rate.successes,
+            "trials": rate.trials,
+            "processor_seconds": round(seconds, 1),
+        }
+    if options.models is not None:
+        model.save(options.models / f"{name}_{reward}_{seed}")
+    env.close()
+    test.close()
+
+
+def begun(given: Sequence[Start], reward: Any, skill: str, *, seed: int | None = None) -> FromStarts:
+    """Return an environment that begins with some subgoals of a skill: in turn to be tested, or drawn to be learned."""
+    steps = 100 if seed is None else STEPS.get(skill, 100)
+    env = TaskEnv(task=given[0].task, witness=given[0].witness, until="subgoal", reward=reward, steps=steps)
+    return FromStarts(Moved(Seen(env), skill), given, seed=seed)
+
+
+def reaches(model: SAC, env: FromStarts) -> bool:
+    """Tell whether a policy reaches the next subgoal of an environment."""
+    seen, _ = env.reset()
+    done = late = False
+    while not done and not late:
+        seen, _, done, late, _ = env.step(model.predict(seen, deterministic=True)[0])
+    return done
+
+
+def _pooled(rows: Sequence[dict[str, Any]]) -> dict[str, dict[int, Rate]]:
+    """Return the rates of all seeds together, by reward and step."""
+    found: dict[str, dict[int, Rate]] = {}
+    for row in rows:
+        steps = found.setdefault(row["reward"], {})
+        successes, trials = steps.get(row["step"], (0, 0))
+        steps[row["step"]] = Rate(successes + row["successes"], trials + row["trials"])
+    return found
+
+
+def _table(rows: Sequence[dict[str, Any]]) -> Table:
+    """Return the table of the last tests."""
+    table = Table("reward", "steps", "seeds", "all", "processor seconds of a seed")
+    for reward, steps in _pooled(rows).items():
+        step = max(steps)
+        last = [row for row in rows if row["reward"] == reward and row["step"] == step]
+        seeds = ", ".join(f"{row['successes'] / row['trials']:.2f}" for row in last)
+        seconds = sum(row["processor_seconds"] for row in last) / len(last)
+        table.add_row(reward, f"{step:,}", seeds, str(steps[step]), f"{seconds:.0f}")
+    return table
+
+
+def draw(rows: Sequence[dict[str, Any]], title: str) -> Figure:
+    """Return a figure of the curves: each seed, and all together with their intervals of 95 %."""
+    figure = Figure(figsize=(6.4, 3.8), layout="constrained")
+    axes = figure.add_subplot()
+    for reward, steps in _pooled(rows).items():
+        colour = COLOURS[reward]
+        for seed in sorted({row["seed"] for row in rows if row["reward"] == reward}):
+            own = [row for row in rows if (row["reward"], row["seed"]) == (reward, seed)]
+            shares = [row["successes"] / row["trials"] for row in own]
+            axes.plot([row["step"] for row in own], shares, color=colour, alpha=0.35, linewidth=0.8)
+        low, high = zip(*(rate.interval() for rate in steps.values()), strict=True)
+        axes.plot(list(steps), [float(rate.share) for rate in steps.values()], "o-", color=colour, label=reward)
+        axes.fill_between(list(steps), low, high, color=colour, alpha=0.15, linewidth=0)
+    axes.set(xlabel="steps", ylabel="success with held-out witnesses", ylim=(-0.03, 1.03), title=title)
+    axes.grid(alpha=0.3)
+    axes.legend(loc="best", frameon=False)
+    return figure
+
+
+if __name__ == "__main__":
+    main()
