@@ -319,6 +319,18 @@ def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_ha
         assert (out, err.lstrip()) == ("ended\n", "interrupted\n")
 
 
+def test_half_a_value_that_an_interruption_leaves_says_nothing_as_it_is_freed() -> None:
+    work = """
+    class Half:
+        def __init__(self):
+            {made}
+            self.rep = 1
+        def __del__(self): self.rep
+    Half()"""
+    assert ends(work.format(made="signal.raise_signal(signal.SIGINT)")) == (130, "interrupted\n")
+    assert ends(work.format(made="return"))[1].endswith("AttributeError: 'Half' object has no attribute 'rep'\n")
+
+
 def test_an_interruption_in_what_clingo_calls_comes_when_that_is_done(tmp_path: Path) -> None:
     work = """
     import clingo
