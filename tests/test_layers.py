@@ -52,7 +52,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "space": GROUND | {"program", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
-    "rl": GROUND | {"scene", "domain", "space", "physics", "dataset"},
+    "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
     | {"program", "scene", "grammar", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
@@ -75,7 +75,10 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "search", "motion", "checks", "demonstration", "filming", "pictures", "verdict",
         "cascade", "validator", "worker", "checker", "pool", "passing",
     ),
-    "rl": ("control", "arena", "goals", "rewards", "fading", "observing", "sources", "environment", "scripted"),
+    "rl": (
+        "control", "arena", "goals", "rewards", "fading", "observing", "viewing", "curriculum", "sources", "origin",
+        "environment", "scripted",
+    ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""
 
