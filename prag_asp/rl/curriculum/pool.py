@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from hashlib import sha256
+from itertools import islice
 from math import lcm
 from typing import TYPE_CHECKING, NamedTuple
 
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.space.drawing.draws import log_probability
 from prag_asp.space.engines import Draw
 from prag_asp.space.ordered import MISSES, at, lengths_of
 from prag_asp.space.task_space import TaskSpace
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
     from prag_asp.space.task_spaces import TaskSpaces
 
 Word = tuple[str, ...]
+
+TOGETHER, KEPT, NOTED = 32, 256, 4096
+"""So many draws are told together at most, so many tasks are kept, and of so many it is noted which come together."""
 
 
 class Offer(NamedTuple):
@@ -45,6 +50,8 @@ class Pool:
 
     space: TaskSpace | TaskSpaces
     part: Ranks | None = None
+    _coming: dict[Word, list[Draw]] = field(default_factory=dict, repr=False, compare=False)
+    _told: dict[Word, Task] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not any(lengths_of(self.space)):
@@ -96,7 +103,7 @@ class Pool:
             NotFound: so many in a row are none.
         """
         passed = 0
-        for draw in draws:
+        for draw in self._together(draws):
             if self.has(draw.word):
                 yield Offer(draw.word, draw.probability, passed)
                 passed = 0
@@ -104,9 +111,28 @@ class Pool:
                 passed += 1
                 refuse_misses(passed)
 
+    def _together(self, draws: Iterator[Draw]) -> Iterator[Draw]:
+        """Yield draws, and note which come together: their tasks are told together, where one is asked for."""
+        size = 1
+        while batch := list(islice(draws, size)):
+            if len(self._coming) > NOTED:
+                self._coming.clear()
+            self._coming.update((draw.word, batch) for draw in batch)
+            yield from batch
+            size = min(2 * size, TOGETHER)
+
     def task(self, offer: Offer) -> Task:
         """Return the task that is offered."""
-        return next(self.at(len(offer.word)).narrate_draws([Draw(offer.word, offer.probability)]))
+        word = offer.word
+        if word not in self._told:
+            if len(self._told) > KEPT:
+                self._told.clear()
+            coming = (draw for draw in self._coming.pop(word, ()) if draw.word not in self._told)
+            alike = [draw for draw in coming if len(draw.word) == len(word)]
+            alike = alike or [Draw(word, offer.probability)]
+            tasks = self.at(len(word)).tasks_of(alike)
+            self._told.update((draw.word, task) for draw, task in zip(alike, tasks, strict=True))
+        return replace(self._told[word], log_probability=log_probability(offer.probability))
 
 
 def refuse_misses(passed: int) -> None:
