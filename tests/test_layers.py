@@ -53,7 +53,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "space": GROUND | {"program", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
-    "rl": GROUND | {"scene", "domain", "space", "physics", "dataset"},
+    "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
@@ -77,7 +77,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "cascade", "validator", "worker", "checker", "pool", "passing",
     ),
     "rl": (
-        "control", "arena", "goals", "rewards", "fading", "observing", "sources", "environment", "scripted", "running",
+        "control", "arena", "goals", "rewards", "fading", "observing", "viewing", "curriculum", "sources", "origin",
+        "environment", "scripted", "running",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -1,4 +1,4 @@
-"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, an oracle, and plans by parts.
+"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, curricula, plans by parts.
 
 >>> import gymnasium, prag_asp.rl
 >>> from prag_asp import TaskSpace, load_domain
@@ -19,16 +19,29 @@ from prag_asp.lazy import names_from
 from prag_asp.missing import require_gymnasium
 
 if TYPE_CHECKING:
+    from prag_asp.rl.curriculum.adaptive import Adaptive
+    from prag_asp.rl.curriculum.backwards import Backwards
+    from prag_asp.rl.curriculum.bandit import Bandit
+    from prag_asp.rl.curriculum.lengths import Lengths
+    from prag_asp.rl.curriculum.novelty import Novelty
     from prag_asp.rl.environment import TaskEnv
     from prag_asp.rl.observing import Layout
     from prag_asp.rl.running import Rate, Run, Runs, run
     from prag_asp.rl.scripted import Oracle, oracle
 
-__all__ = ["Layout", "Oracle", "Rate", "Run", "Runs", "TaskEnv", "oracle", "run"]
+__all__ = [
+    "Adaptive", "Backwards", "Bandit", "Layout", "Lengths", "Novelty", "Oracle", "Rate", "Run", "Runs", "TaskEnv",
+    "oracle", "run",
+]  # fmt: skip
 
 require_gymnasium().register(id="prag_asp/Task-v0", entry_point="prag_asp.rl.environment:TaskEnv")
 
 _HOMES = {
+    "prag_asp.rl.curriculum.adaptive": ("Adaptive",),
+    "prag_asp.rl.curriculum.backwards": ("Backwards",),
+    "prag_asp.rl.curriculum.bandit": ("Bandit",),
+    "prag_asp.rl.curriculum.lengths": ("Lengths",),
+    "prag_asp.rl.curriculum.novelty": ("Novelty",),
     "prag_asp.rl.environment": ("TaskEnv",),
     "prag_asp.rl.observing": ("Layout",),
     "prag_asp.rl.running": ("Rate", "Run", "Runs", "run"),

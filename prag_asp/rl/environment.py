@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import gymnasium
@@ -15,16 +16,21 @@ from numpy.typing import NDArray
 from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.domain.load import Domain, load_domain
+from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
 from prag_asp.rl.control import CONTROLS, SIZES, Control
+from prag_asp.rl.curriculum.course import Attempt, Episode
 from prag_asp.rl.fading import Fading
 from prag_asp.rl.goals import PLACES, subgoals_of
 from prag_asp.rl.observing import Layout, observe
+from prag_asp.rl.origin import Curricula, Origin
 from prag_asp.rl.rewards import REWARDS, Reward, earned, reached
-from prag_asp.rl.sources import DatasetSource, Finder, Given, OneTask, Source, SpaceSource, fitting
+from prag_asp.rl.sources import Finder, Given, OneTask, Source, fitting
+from prag_asp.rl.viewing import Image, Viewer, cameras_of
+from prag_asp.scene.cameras import Camera
+from prag_asp.space.parts.ranked import RankedTasks
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
@@ -59,22 +65,30 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     alone of which the action speaks. The dense part of a "faded" reward fades over so many steps, or with "success";
     `discount` is that of its potentials. Witnesses of tasks from a space are looked for within a `budget`.
 
+    Only tasks of a `part` of the space are given, where there is one. A `curriculum` says which come next: `Lengths`,
+    `Novelty`, `Adaptive` or `Bandit`, and `Backwards` of subgoals; or two of them, one of each kind. It learns from the
+    ends of episodes of this environment alone. `info` has the exact `probability` of the draw of a task and of its
+    `stage_probability`, and how many draws were `rejected` before it. What `cameras` see is in observations, too, as
+    `camera_` and the name: 8-bit colours, of `size` width and height in pixels; and so is it with `render`.
+
     Raises:
         QueryError: it is asked for in a wrong way, or the task has no witness.
         SceneError: the domain has no scene, or a task speaks of something for which that has no shape.
         PhysicsMissingError: PyBullet or frankik is not installed.
     """
 
-    metadata = {"render_modes": [], "render_fps": round(1 / PERIOD)}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": round(1 / PERIOD)}
 
     def __init__(
         self,
         space: TaskSpace | TaskSpaces | None = None,
         *,
+        part: RankedTasks | None = None,
         dataset: Dataset | None = None,
         task: Task | None = None,
         witness: Witness | None = None,
         domain: Domain | str | None = None,
+        curriculum: Curricula = None,
         stage: int | Literal["any"] = 0,
         until: Until = "task",
         reward: Reward = "dense",
@@ -84,21 +98,26 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         everything: bool = False,
         steps: int = STEPS,
         budget: Budget | None = None,
-        render_mode: None = None,
+        cameras: Sequence[str] = (),
+        size: int | tuple[int, int] | None = None,
+        render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
-        if sum(each is not None for each in (space, dataset, task)) != 1:
-            raise QueryError("tasks come from one place: give a space, a data set, or a task")
-        _require_kinds(space, dataset, task)
+        origin = Origin(space, part, dataset, task, curriculum)
         for given, known, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
             if given not in known:
                 raise QueryError(unknown(str(given), known, what))
         if type(steps) is not int or steps < 1 or not isinstance(discount, int | float) or not 0.0 < discount <= 1.0:
             got = f"got {steps!r} and {discount!r}"
             raise QueryError(f"an episode needs at least 1 step, and a discount above 0 and at most 1; {got}")
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise QueryError(unknown(str(render_mode), self.metadata["render_modes"], "render mode"))
         require_physics()
         self.render_mode = render_mode
-        self.domain = _domain(space, dataset, task, domain)
+        self.domain = origin.domain(domain)
         self.scene = scene_of(self.domain)
+        self._seen_by = tuple(cameras_of(self.scene, cameras, size))
+        self._cameras = cameras_of(self.scene, self._seen_by or (next(iter(self.scene.cameras)),), size)
+        self._viewer: Viewer | None = None
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
         self.control, self._stage, self._until, self._steps = control, stage, until, steps
         self._discount, self._share = discount, float(reward != "sparse")
@@ -107,14 +126,19 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         # Who forgets to close it leaves nothing behind either, not even at the end of the process.
         weakref.finalize(self, self._resources.close)
         self._finder = Finder(self.scene, self._resources, budget)
-        self._source = self._source_of(space, dataset, task, witness)
+        alone = task is not None or witness is not None
+        self._source: Source = OneTask(self._named(task, witness)) if alone else origin.source(self._finder)
+        self._walk = origin.stages.walk() if origin.stages else None
         self._arena: Arena | None = None
         self._seeded = False
         size = SIZES[control] * len(self.layout.robots)
         self.action_space = spaces.Box(-1.0, 1.0, (size,), np.float32)
         goals = spaces.Box(-np.inf, np.inf, (2, PLACES), np.float32)
         seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
-        self.observation_space = spaces.Dict({"observation": seen, "achieved_goal": goals, "desired_goal": goals})
+        self.observation_space = spaces.Dict(
+            {"observation": seen, "achieved_goal": goals, "desired_goal": goals}
+            | {f"camera_{name}": _pictures(self._cameras[name]) for name in self._seen_by}
+        )
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -136,11 +160,14 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
                 raise QueryError(unknown(name, OPTIONS, "option"))
         if seed is not None or not self._seeded:
             self._source.seed(int(self.np_random.integers(2**31)))
+            if self._walk is not None:
+                self._walk.seed(int(self.np_random.integers(2**31)))
             self._seeded = True
         given = self._given(options)
         self.task, self.witness = given.task, given.witness
         self._subgoals = subgoals_of(given.task, self.scene)
-        self.stage = self._first(options.get("stage", self._stage))
+        self.stage, chance = self._first(options.get("stage"))
+        self._begun, self._led = self.stage, (given.probability is not None, options.get("stage") is None)
         self._last = self.stage if self._until == "subgoal" else len(self._subgoals) - 1
         self._left = self._steps * (self._last + 1 - self.stage)
         if self._arena is None:
@@ -154,9 +181,13 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             "task": str(given.task),
             "rank": given.rank,
             "log_probability": given.task.log_probability,
+            "probability": given.probability,
+            "stage_probability": chance,
+            "rejected": given.rejected,
             **self._told(measured, success=False),
         }
-        return self._seen(situation, here), info
+        curriculum = {**self._source.told(), **(self._walk.told() if self._walk is not None else {})}
+        return self._seen(situation, here), info | ({"curriculum": curriculum} if curriculum else {})
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Let the agent act for 1/20 s; numbers of an action beyond -1 and 1 count as these.
@@ -183,6 +214,8 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._fading.step()
             if done or late:
                 self._fading.end(done)
+        if done or late:
+            self._report(done)
         return seen, float(gain), done, late and not done, self._told(measured, success=done)
 
     def compute_reward(self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any) -> Any:
@@ -197,9 +230,57 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         found = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
         return bool(found) if found.ndim == 0 else found
 
+    def render(self) -> Image | None:
+        """Return what the first of the `cameras` sees now, of the scene's where there are none; None without a mode.
+
+        Raises:
+            QueryError: no episode has begun.
+        """
+        if self.render_mode is None:
+            return None
+        if self._arena is None:
+            raise QueryError("no episode has begun; reset the environment")
+        return self._look(next(iter(self._cameras)))[0]
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return what the draws of tasks and subgoals, and the fading, have come to, of what JSON can write.
+
+        An environment that is made alike, and loads it, begins the next episodes as this one does. The episode that
+        goes on is no part of it.
+
+        Raises:
+            QueryError: nothing was drawn yet.
+        """
+        if not self._seeded:
+            raise QueryError("there is no state yet; reset the environment")
+        return {
+            "rng": dict(self.np_random.bit_generator.state),
+            "source": self._source.state_dict(),
+            "walk": None if self._walk is None else self._walk.state_dict(),
+            "fading": None if self._fading is None else self._fading.state_dict(),
+        }
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on from what `state_dict` of an environment that is made alike returned; the next reset takes no seed.
+
+        Raises:
+            QueryError: it is the state of another environment.
+        """
+        try:
+            self.np_random.bit_generator.state = state["rng"]
+            self._source.load_state_dict(state["source"])
+            if self._walk is not None:
+                self._walk.load_state_dict(state["walk"])
+            if self._fading is not None:
+                self._fading.load_state_dict(state["fading"])
+        except (KeyError, TypeError, ValueError) as error:
+            told = f"the state is of another environment ({error!r:.60})"
+            raise QueryError(f"{told}; make this one with the same arguments") from None
+        self._seeded = True
+
     def close(self) -> None:
         """Close the simulators; nothing is left behind. A reset opens them again."""
-        self._arena = None
+        self._arena = self._viewer = None
         self._finder.forget()
         self._resources.close()
 
@@ -235,7 +316,29 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         desired = np.zeros((2, PLACES), dtype=np.float32)
         desired[:, 0] = self._last
         seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.asked)
-        return {"observation": seen, "achieved_goal": np.stack([here, self._before]), "desired_goal": desired}
+        found = {"observation": seen, "achieved_goal": np.stack([here, self._before]), "desired_goal": desired}
+        pictures = self._look(*self._seen_by) if self._seen_by else ()
+        return found | {f"camera_{name}": each for name, each in zip(self._seen_by, pictures, strict=True)}
+
+    def _look(self, *names: str) -> list[Image]:
+        """Return what some cameras see now."""
+        if self._viewer is None:
+            self._viewer = Viewer(self._cameras, self._resources)
+        return self._viewer.see(self.situation, *names)
+
+    def _report(self, success: bool) -> None:
+        """Let the curricula hear how an episode has ended, those that had a say in it."""
+        actions = self.task.actions
+        attempts = [
+            Attempt(actions[i], actions[i - 1] if i else None, i < self.stage or success)
+            for i in range(self._begun, self.stage + 1)
+        ]
+        episode = Episode(len(actions), self._begun, attempts, success)
+        drawn, led = self._led
+        if drawn:
+            self._source.report(episode)
+        if led and self._walk is not None:
+            self._walk.report(episode)
 
     def _told(self, measured: list[float], *, success: bool) -> dict[str, Any]:
         """Return what is told beside an observation."""
@@ -259,54 +362,22 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")
         return Given(task, self._finder.required(task)) if witness is None else fitting(task, witness, self.scene)
 
-    def _first(self, stage: int | str) -> int:
-        """Return the number of the subgoal to begin with."""
+    def _first(self, asked: int | str | None) -> tuple[int, Fraction | None]:
+        """Return the number of the subgoal to begin with, and its probability where it was drawn."""
         count = len(self._subgoals)
         if count == 0:
             raise QueryError("a task of no action has no subgoal; give another one")
+        if asked is None and self._walk is not None:
+            return self._walk.stage(count)
+        stage = self._stage if asked is None else asked
         if stage == "any":
-            return int(self.np_random.integers(count))
+            return int(self.np_random.integers(count)), Fraction(1, count)
         if isinstance(stage, bool) or not isinstance(stage, int | np.integer) or not -count <= stage < count:
             raise QueryError(f"stage {stage!r}: the task has the stages 0 to {count - 1}; any draws one")
-        return int(stage) % count
-
-    def _source_of(
-        self,
-        space: TaskSpace | TaskSpaces | None,
-        dataset: Dataset | None,
-        task: Task | None,
-        witness: Witness | None,
-    ) -> Source:
-        """Return where tasks come from."""
-        if task is not None or witness is not None:
-            return OneTask(self._named(task, witness))
-        return SpaceSource(space, self._finder) if space is not None else DatasetSource(dataset)  # type: ignore[arg-type]
+        return int(stage) % count, None
 
 
-def _require_kinds(space: object, dataset: object, task: object) -> None:
-    """Check that tasks come from what they can come from.
-
-    Raises:
-        QueryError: they do not.
-    """
-    for given, kinds, told in (
-        (space, TaskSpace | TaskSpaces, 'TaskSpace(load_domain("tabletop"), length=2)'),
-        (dataset, Dataset, 'Dataset.open("DIR")'),
-        (task, Task, "a Task, such as a space yields"),
-    ):
-        if given is not None and not isinstance(given, kinds):
-            raise QueryError(f"{given!r:.80} is no place where tasks come from; give {told}")
-
-
-def _domain(
-    space: TaskSpace | TaskSpaces | None, dataset: Dataset | None, task: Task | None, domain: Domain | str | None
-) -> Domain:
-    """Return the domain of the tasks."""
-    if space is not None:
-        return space.domain
-    if dataset is not None:
-        return dataset.domain
-    assert task is not None
-    if isinstance(domain, Domain):
-        return domain
-    return load_domain(domain or task.domain, constants=dict(task.constants))
+def _pictures(camera: Camera) -> spaces.Box:
+    """Return what a camera can see."""
+    width, height = camera.size
+    return spaces.Box(0, 255, (height, width, 3), np.uint8)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 from prag_asp.errors import QueryError
 
@@ -31,6 +32,15 @@ class Fading:
     def end(self, success: bool) -> None:
         """Note how an episode has ended."""
         self._ends.append(success)
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return what was noted, of what JSON can write."""
+        return {"steps": self._steps, "ends": list(self._ends)}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on from what `state_dict` returned."""
+        self._steps = state["steps"]
+        self._ends = deque(state["ends"], maxlen=REMEMBERED)
 
     @property
     def share(self) -> float:

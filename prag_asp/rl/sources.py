@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.physics import Budget, Situation, Validator, Witness, open_validator, physical_task
-from prag_asp.space.ordered import drawn_tasks, lengths_of
+from prag_asp.rl.curriculum.course import Course, Episode, State
+from prag_asp.rl.curriculum.pool import Pool
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.scene.model import Scene
-    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
 
 PATIENCE = 1000
@@ -25,18 +26,24 @@ PATIENCE = 1000
 
 
 class Given(NamedTuple):
-    """A task that an agent is given, with a witness, and its rank among all of its length where that is known."""
+    """A task that an agent is given, with a witness, and its rank among all of its length where that is known.
+
+    `probability` is the exact one of the draw that it came of, None where it was not drawn; `rejected` is how many
+    draws since the last task that was given had none that could be given: it is not feasible, or not of the part.
+    """
 
     task: Task
     witness: Witness
     rank: int | None = None
+    probability: Fraction | None = None
+    rejected: int = 0
 
 
 class Source(Protocol):
     """Gives tasks."""
 
     def seed(self, seed: int) -> None:
-        """Begin the draws anew; what is drawn from now on depends on the seed alone."""
+        """Begin the draws anew; what is drawn from now on depends on the seed, and on what is reported, alone."""
 
     def draw(self) -> Given:
         """Return the next task.
@@ -51,6 +58,18 @@ class Source(Protocol):
         Raises:
             QueryError: there is none, or it has no witness.
         """
+
+    def report(self, episode: Episode) -> None:
+        """Hear how an episode has ended."""
+
+    def told(self) -> Mapping[str, int | str]:
+        """Return in few words what its curriculum has come to."""
+
+    def state_dict(self) -> State:
+        """Return what it has come to, of what JSON can write."""
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on from what `state_dict` returned."""
 
 
 class Finder:
@@ -97,7 +116,7 @@ class OneTask:
 
     def draw(self) -> Given:
         """Return the task."""
-        return self.given
+        return self.given._replace(probability=Fraction(1))
 
     def ranked(self, rank: int) -> Given:
         """Refuse.
@@ -106,6 +125,20 @@ class OneTask:
             QueryError: a single task has no rank.
         """
         raise QueryError(f"rank {rank}: there is one task alone; give a space or a data set")
+
+    def report(self, episode: Episode) -> None:
+        """Nothing depends on it."""
+
+    def told(self) -> Mapping[str, int | str]:
+        """There is nothing to tell."""
+        return {}
+
+    def state_dict(self) -> State:
+        """There is nothing to keep."""
+        return {}
+
+    def load_state_dict(self, state: State) -> None:
+        """There is nothing to go on from."""
 
 
 def fitting(task: Task, witness: Witness, scene: Scene) -> Given:
@@ -140,18 +173,16 @@ def require_rank(rank: object, count: int) -> int:
 
 
 class SpaceSource:
-    """Draws tasks from a space by its weights, and takes those that have a witness."""
+    """Draws the tasks of a pool by a course through them, and takes those that have a witness."""
 
-    def __init__(self, space: TaskSpace | TaskSpaces, finder: Finder):
-        if not any(lengths_of(space)):
-            raise QueryError("tasks of no action have no subgoal; give a space of another length")
-        self._space, self._finder = space, finder
-        self.seed(0)
+    def __init__(self, pool: Pool, course: Course, finder: Finder):
+        self._pool, self._course, self._finder = pool, course, finder
+        self._seed, self._number = 0, 0
 
     def seed(self, seed: int) -> None:
         """Begin the draws anew."""
-        self._seed = seed
-        self._draws: Iterator[tuple[int, Task]] = enumerate(drawn_tasks(self._space, seed=seed))
+        self._seed, self._number = seed, 0
+        self._course.seed(seed)
 
     def draw(self) -> Given:
         """Return the next task that has a witness.
@@ -159,23 +190,50 @@ class SpaceSource:
         Raises:
             NotFound: so many in a row have none.
         """
+        rejected = 0
         for _ in range(PATIENCE):
-            index, task = next(self._draws)
-            witness = self._finder.witness(task, seed=self._seed, index=index) if task.actions else None
+            offer = self._course.offer()
+            task, index = self._pool.task(offer), self._number + offer.passed
+            witness = self._finder.witness(task, seed=self._seed, index=index)
+            self._course.settle(offer.word, witness is not None)
+            self._number = index + 1
+            rejected += offer.passed
             if witness is not None:
-                return Given(task, witness)
+                return Given(task, witness, probability=offer.probability, rejected=rejected)
+            rejected += 1
         raise NotFound(f"none of {PATIENCE} tasks drawn in a row is feasible; take another space, or a larger budget")
 
     def ranked(self, rank: int) -> Given:
         """Return the task of a rank, with a witness.
 
         Raises:
-            QueryError: there is none of that rank, it has no witness, or the space has tasks of several lengths.
+            QueryError: there is none of that rank, it has no witness, it is not of the part, or the space has tasks of
+                several lengths.
         """
-        if not isinstance(self._space, TaskSpace):
+        space = self._pool.space
+        if not isinstance(space, TaskSpace):
             raise QueryError("a rank is that among the tasks of one length; give a space of one length")
-        task = self._space[require_rank(rank, self._space.count())]
+        task = space[require_rank(rank, space.count())]
+        if not self._pool.has(tuple(map(str, task.actions))):
+            raise QueryError(f"rank {rank} is not one of the part that is given; give a rank of that")
         return Given(task, self._finder.required(task), rank)
+
+    def report(self, episode: Episode) -> None:
+        """Let the course hear how an episode has ended."""
+        self._course.report(episode)
+
+    def told(self) -> Mapping[str, int | str]:
+        """Return in few words what the course has come to."""
+        return self._course.told()
+
+    def state_dict(self) -> State:
+        """Return what it has come to."""
+        return {"seed": self._seed, "number": self._number, "course": self._course.state_dict()}
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on from what `state_dict` returned."""
+        self._seed, self._number = state["seed"], state["number"]
+        self._course.load_state_dict(state["course"])
 
 
 class DatasetSource:
@@ -197,10 +255,10 @@ class DatasetSource:
         Raises:
             NotFound: so many in a row have none.
         """
-        for _ in range(PATIENCE):
+        for rejected in range(PATIENCE):
             given = self._given(int(self._rng.integers(self._count)))
             if given.task.actions:
-                return given
+                return given._replace(probability=Fraction(1, self._count), rejected=rejected)
         raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; take another data set")
 
     def ranked(self, rank: int) -> Given:
@@ -210,6 +268,21 @@ class DatasetSource:
             QueryError: there is none.
         """
         return self._given(require_rank(rank, self._count))
+
+    def report(self, episode: Episode) -> None:
+        """Nothing depends on it."""
+
+    def told(self) -> Mapping[str, int | str]:
+        """There is nothing to tell."""
+        return {}
+
+    def state_dict(self) -> State:
+        """Return what it has come to."""
+        return {"rng": dict(self._rng.bit_generator.state)}
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on from what `state_dict` returned."""
+        self._rng.bit_generator.state = state["rng"]
 
     def _given(self, number: int) -> Given:
         entry = self._dataset.entry(number)

@@ -6,7 +6,7 @@ What only some questions need is imported where they are asked, so that a count 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from itertools import islice
@@ -403,6 +403,19 @@ class TaskSpace:
         """Return the exact sum of the weights of all tasks or plans; with ``weights={}``, their number."""
         weighed = self._engine(by).weighed(self.length, self._tempered(weights, temperature))
         return weighed.total(self.length) * weighed.unit
+
+    def weight_without(
+        self, what: Collection[str], *, weights: Mapping[str, Number] | None = None, by: Level = "task"
+    ) -> Fraction:
+        """Return the exact sum of the weights of all tasks that have none of some names, nor pairs (``grasp>move``).
+
+        Raises:
+            QueryError: one of them is no action's name, nor a pair of such.
+        """
+        from prag_asp.space.drawing.statistics import weight_of_words_without
+
+        facts = self.domain.facts
+        return weight_of_words_without(self._engine(by), facts, by, self.length, self.weights(weights), what)
 
     def statistics(
         self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1

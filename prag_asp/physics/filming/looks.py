@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
+from multiprocessing.util import Finalize
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -72,7 +73,9 @@ def low_file(kind: str) -> Path:
 @cache
 def _folder() -> TemporaryDirectory[str]:
     """Return a folder that is there as long as the process."""
-    return TemporaryDirectory(prefix="prag_asp_")
+    folder = TemporaryDirectory(prefix="prag_asp_")
+    Finalize(None, folder.cleanup, exitpriority=0)  # processes of multiprocessing end without Python's own finalizers
+    return folder
 
 
 def _rgb(material: ElementTree.Element) -> Colour | None:

@@ -12,7 +12,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.space.automaton.automaton import Automaton, Completions, positive
+from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking, positive
 from prag_asp.space.automaton.merged import MergedRanking
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.drawing.bits import Bits
@@ -151,7 +151,7 @@ class OverSkeletons:
         self._automaton = positive(weighed.automaton)
         self._length = length
         self._names = names
-        completions = Completions(skeleton_automaton(self._automaton, names)[0])
+        self._completions = completions = Completions(skeleton_automaton(self._automaton, names)[0])
         self._skeletons = PathDrawer(completions, length)
         self._skeleton_letters = completions.automaton.letters
         self.count = int(completions.row(length)[0])
@@ -183,6 +183,21 @@ class OverSkeletons:
                 edges[:, begin + place] = path
                 totals.append(self.count * total)
         return Drawn(_letters(self._automaton, edges), _shares(self._automaton, edges, totals) if tell else ())
+
+    def of_rank(self, rank: int, bits: Bits, number: int) -> tuple[list[int], Fraction]:
+        """Return the draw of a number among the words of one skeleton by weight, and its probability among these.
+
+        The skeleton is the one of a rank from 0 to `count` - 1.
+        """
+        words = bits.words(number, 1, self._length)[0].tolist()
+        path, total = self._with_skeleton(self._ranking.unrank(rank), words, partial(bits.further, number))
+        edges = np.array(path, dtype=np.int64)[:, None]
+        return _letters(self._automaton, edges)[0].tolist(), _shares(self._automaton, edges, [total])[0]
+
+    @cached_property
+    def _ranking(self) -> Ranking:
+        """The skeletons in their order."""
+        return Ranking(self._completions, self._length)
 
     def _with_skeleton(
         self, skeleton: Sequence[int], words: Sequence[int], further: Callable[[int], Iterator[int]]

@@ -17,6 +17,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Facts
@@ -24,6 +25,7 @@ from prag_asp.space.automaton.automaton import Automaton, Completions, avoiding,
 from prag_asp.space.drawing.draws import weighed_words
 from prag_asp.space.engines.protocol import Engine, Level
 from prag_asp.space.weighing.weights import Weights
+from prag_asp.wording import unknown
 
 ENTROPY_PLACES = 30
 """Decimal places of an entropy that are right."""
@@ -100,6 +102,28 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
     )
 
 
+def weight_of_words_without(
+    engine: Engine, facts: Facts, by: Level, length: int, weights: Weights, what: Collection[str]
+) -> Fraction:
+    """Return the weight of all words of a level and a length that have none of some names and pairs of names.
+
+    Raises:
+        QueryError: one of them is no action's name, nor a pair of such.
+    """
+    weighed = engine.weighed(length, weights, plain=True)
+    letters = engine.letters
+    name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
+    numbers = {name: number for number, name in enumerate(sorted(set(name_of)))}
+    asked = [tuple(part.strip() for part in each.split(">")) for each in what]
+    for name in (name for each in asked for name in each):
+        if name not in numbers:
+            raise QueryError(unknown(name, sorted(numbers), "action"))
+    single = {numbers[each[0]] for each in asked if len(each) == 1}
+    pairs = {(numbers[one], numbers[two]) for one, two in (each for each in asked if len(each) == 2)}
+    places = np.array([numbers[name] for name in name_of], dtype=np.int64)
+    return weight_without(weighed.automaton, length, places, single, pairs) * weighed.unit
+
+
 def _names(facts: Facts, letters: Sequence[str]) -> Iterator[str]:
     names = {str(action): action_name(action) for action in facts.actions}
     return (names[letter] for letter in letters)
@@ -157,6 +181,34 @@ def consecutive(completions: Completions, length: int, names: NDArray[np.int64])
         if weight:
             found[one, two] = found.get((one, two), 0) + int(weight)
     return found
+
+
+def weight_without(
+    automaton: Automaton,
+    length: int,
+    names: NDArray[np.int64],
+    single: Collection[int],
+    pairs: Collection[tuple[int, int]],
+) -> int:
+    """Return the weight of all words that have none of some `single` names, nor some `pairs` of consecutive ones.
+
+    `names` maps letters to numbers of names. Ways are told apart by their last name.
+    """
+    if not automaton.states:
+        return 0
+    width = int(names.max(initial=-1)) + 1
+    may_follow = np.ones((width, width + 1), dtype=np.int64)
+    for one, two in pairs:
+        may_follow[two, one] = 0
+    may_follow[list(single)] = 0
+    named, factors = names[automaton.letters], _factors(automaton)
+    ways = np.zeros((width + 1, automaton.states), dtype=object)
+    ways[width, 0] = 1  # no name came before
+    for _ in range(length):
+        over = (may_follow.astype(object) @ ways)[named, automaton.sources] * factors
+        found = _summed(over, named * automaton.states + automaton.targets, (width + 1) * automaton.states)
+        ways = np.array(found, dtype=object).reshape(width + 1, automaton.states)
+    return int(ways[:, automaton.accepting].sum())
 
 
 def entropy(automaton: Automaton, passing: Sequence[int], total: int) -> Decimal:

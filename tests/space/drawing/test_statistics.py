@@ -133,3 +133,16 @@ def test_draws_have_the_moments_that_the_figures_say(chance: Chance) -> None:
         error = numbers.std() / math.sqrt(len(rows))  # type: ignore[union-attr]
         assert abs(numbers.mean() - float(expected)) < 4.5 * error  # type: ignore[union-attr]
         assert 0.05 * float(expected) > 4.5 * error
+
+
+def test_the_weight_without_names_and_pairs_is_that_of_a_brute_force() -> None:
+    space = TaskSpace(load_domain("prag"), length=3)
+    for what in ((), ("grasp",), ("move>follow", "grasp > drop"), ("rotate", "move>move", "approach>grasp")):
+        left = 0
+        for word in space.words():
+            names = [action.split("(")[0] for action in word]
+            pairs = {" > ".join(pair) for pair in pairwise(names)} | {">".join(pair) for pair in pairwise(names)}
+            left += 2 ** names.count("follow") * ({*names, *pairs}.isdisjoint(what))
+        assert space.weight_without(what, weights={"follow": 2}) == left
+    with pytest.raises(QueryError, match="grsp"):
+        space.weight_without(["grsp>move"])

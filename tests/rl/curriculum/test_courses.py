@@ -1,0 +1,296 @@
+"""Courses through task spaces: what they draw, with which exact probability, and what they never draw."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+import pytest
+
+from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp.atom import Atom
+from prag_asp.errors import QueryError
+from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty
+from prag_asp.rl.curriculum.course import Attempt, Course, Episode, Plain, TaskCurriculum
+from prag_asp.rl.curriculum.pool import Offer, Pool, Word, chosen
+from tests.chance import Chance
+
+KINDS: Sequence[TaskCurriculum] = (
+    Lengths(window=4), Novelty("tasks"), Novelty("skeletons"), Novelty("names"), Novelty("pairs"), Adaptive(lot=8),
+    Bandit(lot=8),
+)  # fmt: skip
+NAMES = [str(kind) for kind in KINDS]
+
+
+@pytest.fixture(scope="module")
+def space() -> TaskSpace:
+    return TaskSpace(load_domain("prag"), length=2)
+
+
+@pytest.fixture(scope="module")
+def parts(space: TaskSpace) -> Sequence[tuple[Pool, set[str]]]:
+    """Parts for training, each with the tasks that it has."""
+    split = space.split({"train": "1/3", "test": "2/3"}, seed=1)["train"]
+    held, _ = space.hold_out("can")
+    skeletons = space.split_skeletons({"train": "3/4", "test": "1/4"}, seed=1)["train"]
+    found = [Pool(space, split.ranks), Pool(held), Pool(skeletons)]
+    return [(pool, set(map(str, tasks))) for pool, tasks in zip(found, (split, held, skeletons), strict=True)]
+
+
+@pytest.fixture(scope="module")
+def tasks(space: TaskSpace) -> dict[Word, Task]:
+    return {tuple(map(str, task.actions)): task for task in space}
+
+
+def names(word: Iterable[str]) -> list[str]:
+    return [action.split("(")[0] for action in word]
+
+
+def pairs(word: Iterable[str]) -> set[str]:
+    return {">".join(pair) for pair in pairwise(names(word))}
+
+
+def lived(course: Course, space: TaskSpace | TaskSpaces, episodes: int, good: Callable[[int], bool]) -> list[Offer]:
+    """Return what a course offers while episodes end as `good` says; every fifth task is not feasible."""
+    found, pool = [], Pool(space)
+    for number in range(episodes):
+        offer = course.offer()
+        found.append(offer)
+        course.settle(offer.word, number % 5 > 0)
+        if number % 5:
+            actions = pool.task(offer).actions
+            attempts = [
+                Attempt(action, actions[i - 1] if i else None, good(number)) for i, action in enumerate(actions)
+            ]
+            course.report(Episode(len(actions), 0, attempts, good(number)))
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=NAMES)
+def test_a_course_that_is_resumed_goes_on_as_it_would_have(kind: TaskCurriculum, space: TaskSpace) -> None:
+    one, two = kind.course(Pool(space)), kind.course(Pool(space))
+    one.seed(5)
+    first = lived(one, space, 30, lambda number: number % 2 > 0)
+    two.load_state_dict(json.loads(json.dumps(one.state_dict())))
+    after = lived(one, space, 15, lambda number: True)
+    assert lived(two, space, 15, lambda number: True) == after and one.state_dict() == two.state_dict()
+    two.seed(5)
+    assert lived(two, space, 30, lambda number: number % 2 > 0) == first
+    two.seed(6)
+    assert lived(two, space, 30, lambda number: number % 2 > 0) != first
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=NAMES)
+def test_what_is_held_out_is_never_drawn(
+    kind: TaskCurriculum, parts: Sequence[tuple[Pool, set[str]]], tasks: dict[Word, Task]
+) -> None:
+    for pool, allowed in parts:
+        assert 0 < len(allowed) < len(tasks)
+        offers = lived(kind.course(pool), pool.space, 30, lambda number: number % 3 > 0)
+        assert all(str(pool.task(offer)) in allowed for offer in offers)
+
+
+def test_probabilities_are_those_of_a_brute_force(space: TaskSpace, tasks: dict[Word, Task]) -> None:
+    pool, count = Pool(space), len(tasks)
+    assert {offer.probability for offer in lived(Plain(pool), space, 20, bool)} == {Fraction(1, count)}
+    order = lived(Novelty("tasks").course(pool), space, count + 1, bool)
+    assert {offer.word for offer in order[:-1]} == set(tasks)
+    assert [offer.probability for offer in order] == [Fraction(1, count - i) for i in range(count)] + [
+        Fraction(1, count)
+    ]
+    skeletons = Counter(tuple(names(word)) for word in tasks)
+    each = lived(Novelty("skeletons").course(pool), space, len(skeletons), bool)
+    assert {tuple(names(offer.word)) for offer in each} == set(skeletons)
+    for i, offer in enumerate(each):
+        shape = tuple(names(offer.word))
+        assert offer.probability == Fraction(1, (len(skeletons) - i) * skeletons[shape])
+
+
+@pytest.mark.parametrize("what", ["names", "pairs"])
+def test_every_draw_has_something_that_is_due_as_probably_as_it_should(
+    what: str, space: TaskSpace, tasks: dict[Word, Task]
+) -> None:
+    have = {word: pairs(word) if what == "pairs" else set(names(word)) for word in tasks}
+    every = set().union(*have.values())
+    course = Novelty(what).course(Pool(space))  # type: ignore[arg-type]
+    course.seed(2)
+    due: set[str] = set(every)
+    for _ in range(12):
+        offer = course.offer()
+        course.settle(offer.word, True)
+        having = sum(not has.isdisjoint(due) for has in have.values())
+        assert not have[offer.word].isdisjoint(due) and offer.probability == Fraction(1, having)
+        due = due - have[offer.word] or set(every)
+        assert course.told() == {"due": len(due), "of": len(every)}
+
+
+def test_what_is_rare_and_due_is_weighed_up_and_still_exact() -> None:
+    space = TaskSpace(load_domain("prag"), length=4)
+    all_words = list(space.words())
+    course = Novelty("pairs").course(Pool(space))
+    counts = Counter(pair for word in all_words for pair in pairs(word))
+    rarest = min(counts, key=lambda pair: (counts[pair], pair))
+    assert counts[rarest] < len(all_words) / 100, "it is not rare"
+    course.load_state_dict({**course.state_dict(), "due": [rarest]})
+    weights = {word: 64 ** sum(">".join(pair) == rarest for pair in pairwise(names(word))) for word in all_words}
+    due = {word: weight for word, weight in weights.items() if rarest in pairs(word)}
+    assert sum(due.values()) * 2 >= sum(weights.values()), "one step is enough"
+    for _ in range(5):
+        offer = course.offer()
+        assert offer.probability == Fraction(due[offer.word], sum(due.values()))
+    for _ in range(20):
+        course.settle(offer.word, False)
+    assert course.told()["due"] == len(counts), "after so many infeasible ones it is given up"
+
+
+def test_lengths_come_one_after_another_with_their_shares() -> None:
+    spaces = TaskSpaces(load_domain("prag"), range(1, 4))
+    course = Lengths(threshold=0.75, window=4, review=0.5).course(Pool(spaces))
+    sizes = {length: spaces.at(length).count() for length in (1, 2, 3)}
+    shares = {1: {1: Fraction(1)}, 2: dict.fromkeys((1, 2), Fraction(1, 2))}
+    shares[3] = {1: Fraction(1, 4), 2: Fraction(1, 4), 3: Fraction(1, 2)}
+    for longest in (1, 2, 3):
+        assert course.told() == {"length": longest}
+        offers = [course.offer() for _ in range(40)]
+        assert {len(offer.word) for offer in offers} == set(shares[longest])
+        for offer in offers:
+            length = len(offer.word)
+            assert offer.probability == shares[longest][length] / sizes[length]
+        for success in (True, False, False, True, True, True):  # the last four are enough
+            assert course.told() == {"length": longest}
+            course.report(Episode(longest, 0, (), success))
+            course.report(Episode(longest % 3 + 1, 0, (), True)) if longest > 1 else None
+
+
+def test_success_becomes_weights_and_the_probability_is_that_of_the_mixture(
+    space: TaskSpace, tasks: dict[Word, Task]
+) -> None:
+    course = Adaptive(exploration=0.25, lot=40, window=4).course(Pool(space))
+    pick = next(task for word, task in tasks.items() if names(word) == ["approach", "grasp"]).actions
+    other = next(task for word, task in tasks.items() if names(word) == ["follow", "move"]).actions
+    for number in range(40):
+        actions, reached = (pick, number > 20) if number % 2 else (other, True)
+        course.report(Episode(2, 1, [Attempt(actions[1], actions[0], reached)], reached))
+        assert course.told()["lot"] == (number == 39)
+    assert not course.state_dict()["weights"], "whoever makes no progress draws by the weights of the domain"
+    for number in range(40):
+        actions, reached = (pick, number > 35) if number % 2 else (other, True)
+        course.report(Episode(2, 1, [Attempt(actions[1], actions[0], reached)], reached))
+    weights = {key: Fraction(weight) for key, weight in course.state_dict()["weights"].items()}
+    assert weights["grasp"] == weights["approach>grasp"] == 4 and "move" not in weights
+    one, all_of_them = space.weights(weights), space.total_weight(weights=weights)
+    assert all_of_them == sum(one.of_plan(plan(space, word)) for word in tasks)
+    for _ in range(60):
+        offer = course.offer()
+        expected = Fraction(1, 4 * len(tasks)) + Fraction(3, 4) * one.of_plan(plan(space, offer.word)) / all_of_them
+        assert offer.probability == expected
+
+
+def plan(space: TaskSpace, word: Word) -> list[object]:
+    symbols = {str(action): action for action in space.domain.facts.actions}
+    return [symbols[action] for action in word]
+
+
+@pytest.mark.parametrize("kind", [Adaptive(lot=10, exploration=0.3), Bandit(lot=10)], ids=["Adaptive", "Bandit"])
+def test_importance_weights_give_back_the_mean_of_uniform_draws(
+    kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
+) -> None:
+    course = kind.course(Pool(space))
+    course.seed(chance.seed(1))
+    lived(course, space, 40, lambda number: number % 7 < 3)
+    drawn = [course.offer() for _ in range(1500)]
+    weights = [Fraction(1, len(tasks)) / offer.probability for offer in drawn]
+    right = Fraction(sum("grasp" in names(word) for word in tasks), len(tasks))
+    found = sum(weight for weight, offer in zip(weights, drawn, strict=True) if "grasp" in names(offer.word))
+    assert float(found / len(drawn)) == pytest.approx(float(right), abs=0.12)
+    assert float(sum(weights) / len(drawn)) == pytest.approx(1.0, abs=0.12)
+
+
+def test_a_bandit_learns_as_exp3_does_and_draws_more_of_its_arm(space: TaskSpace, tasks: dict[Word, Task]) -> None:
+    course = Bandit(exploration=0.3, lot=2).course(Pool(space))
+    assert {"grasp", "approach>grasp", "can"} <= set(course.arms)
+    gained, before = dict.fromkeys(course.arms, 0.0), dict.fromkeys(course.arms, 0.0)
+    every = [task.actions for task in tasks.values()]
+    for number in range(5):
+        arm = str(course.told()["arm"])
+        chance = float(course.probabilities[course.arms.index(arm)])
+        weights = space.weights({arm: 8})
+        offer = course.offer()
+        total = space.total_weight(weights={arm: 8})
+        assert offer.probability == weights.of_plan(plan(space, offer.word)) / total
+        reached = number % 2 == 0
+        having = next(actions for actions in every if arm in keys(space, actions))
+        attempts = [Attempt(action, having[i - 1] if i else None, reached) for i, action in enumerate(having)]
+        for _ in range(2):
+            course.report(Episode(2, 0, attempts, reached))
+        gained[arm] += abs(reached - before[arm]) / chance
+        before.update(dict.fromkeys(keys(space, having), float(reached)))
+        pulled = [math.exp(0.3 * gained[each] / len(course.arms)) for each in course.arms]
+        expected = [0.7 * each / sum(pulled) + 0.3 / len(course.arms) for each in pulled]
+        assert list(map(float, course.probabilities)) == pytest.approx(expected)
+        assert sum(course.probabilities) == 1
+
+
+def keys(space: TaskSpace, actions: Sequence[Atom]) -> set[str]:
+    """Return the names, pairs and classes of a task."""
+    facts = space.domain.facts
+    named = {argument for action in actions for argument in action.arguments}
+    classes = {str(kind) for entity, kind in facts.memberships if str(entity) in named}
+    return {*names(map(str, actions)), *pairs(map(str, actions)), *classes}
+
+
+def test_going_back_from_the_goal() -> None:
+    walk = Backwards(threshold=1, window=3, review=0.2).walk()
+    for back in (1, 2, 3, 4, 4):
+        assert walk.told() == {"back": back}
+        drawn = {walk.stage(4) for _ in range(60)}
+        shares = {4 - back: Fraction(4, 5) if back > 1 else Fraction(1)}
+        shares |= {stage: Fraction(1, 5 * (back - 1)) for stage in range(5 - back, 4)}
+        assert drawn == set(shares.items())
+        assert all(stage >= 0 for stage, _ in (walk.stage(2) for _ in range(10)))
+        walk.report(Episode(4, 3, (), False)) if back > 1 else None
+        for success in (False, True, True, True):
+            assert walk.told() == {"back": back}
+            walk.report(Episode(4, 4 - back, (), success))
+    again = Backwards(threshold=1, window=3, review=0.2).walk()
+    again.load_state_dict(json.loads(json.dumps(walk.state_dict())))
+    assert [walk.stage(4) for _ in range(9)] == [again.stage(4) for _ in range(9)]
+
+
+def test_a_place_is_chosen_by_exactly_its_share() -> None:
+    shares = [Fraction(1, 3), Fraction(0), Fraction(2, 3)]
+    counts = Counter(chosen(shares, 0, "test", number) for number in range(900))
+    assert counts[1] == 0 and counts[0] == pytest.approx(300, abs=60)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: Lengths(threshold=0), lambda: Lengths(window=0), lambda: Lengths(review=1.5),
+        lambda: Backwards(threshold="x"), lambda: Backwards(window=True), lambda: Novelty("pair"),  # type: ignore[arg-type]
+        lambda: Adaptive(exploration=0), lambda: Adaptive(lot=0), lambda: Adaptive(window=0.5),  # type: ignore[arg-type]
+        lambda: Bandit(exploration=2), lambda: Bandit(lot=-1),
+    ],
+)  # fmt: skip
+def test_curricula_that_mean_nothing_are_refused(wrong: Callable[[], object]) -> None:
+    with pytest.raises(QueryError):
+        wrong()
+
+
+def test_pools_that_have_nothing_are_refused(space: TaskSpace) -> None:
+    parts = space.split({"train": "1/2", "test": "1/2"})
+    with pytest.raises(QueryError, match="of one length"):
+        Pool(TaskSpaces(space.domain, range(1, 3)), parts["train"].ranks)
+    with pytest.raises(QueryError, match="no task"):
+        Pool(space, space[:0].ranks)
+    with pytest.raises(QueryError, match="no subgoal"):
+        Pool(space.at(0))
+    with pytest.raises(QueryError, match="has pairs"):
+        Novelty("pairs").course(Pool(space.at(1)))
+    for kind in KINDS:
+        with pytest.raises(QueryError, match="no task"):
+            kind.course(Pool(space.where("has at least 3 grasp")))

@@ -1,0 +1,174 @@
+"""Environments that are led by curricula: what they tell, keep and resume."""
+
+from __future__ import annotations
+
+import gc
+import json
+import tracemalloc
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp.errors import QueryError
+from prag_asp.physics import Witness
+from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty, TaskEnv
+from tests.chance import Chance
+from tests.rl.conftest import Given
+
+STILL = np.zeros(5, dtype=np.float32)
+
+
+@pytest.fixture(scope="module")
+def space() -> TaskSpace:
+    return TaskSpace(load_domain("tabletop"), length=2)
+
+
+def begun(env: TaskEnv, count: int, seed: int | None = None) -> list[dict[str, Any]]:
+    """Return what is told of some episodes, of which each lasts until its time is over."""
+    found = []
+    for number in range(count):
+        _, info = env.reset(seed=seed if number == 0 else None)
+        found.append(info)
+        late = False
+        while not late:
+            _, _, done, late, _ = env.step(STILL)
+            assert not done
+    return found
+
+
+@pytest.mark.parametrize("curriculum", [(Backwards(window=2), Adaptive(lot=4)), Novelty("tasks")])
+def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any, space: TaskSpace) -> None:
+    def made() -> TaskEnv:
+        return TaskEnv(space, curriculum=curriculum, steps=1, reward="faded", fade=5)
+
+    one, two = made(), made()
+    with pytest.raises(QueryError, match="no state yet"):
+        one.state_dict()
+    begun(one, 5, seed=3)
+    two.load_state_dict(json.loads(json.dumps(one.state_dict())))
+    assert begun(one, 4) == begun(two, 4) and one.state_dict() == two.state_dict()
+    with pytest.raises(QueryError, match="another environment"):
+        two.load_state_dict({"rng": one.state_dict()["rng"], "source": {}})
+    one.close()
+    two.close()
+
+
+def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(space: TaskSpace) -> None:
+    env = TaskEnv(space, stage="any", steps=1)
+    tried = [0]
+    find = env._finder.witness
+
+    def found(task: Task, **asked: int) -> Witness | None:
+        tried[0] += 1
+        return find(task, **asked) if tried[0] % 3 else None
+
+    env._finder.witness = found  # type: ignore[method-assign]
+    told = begun(env, 12, seed=1)
+    assert {info["probability"] for info in told} == {Fraction(1, space.count())}
+    assert {info["stage_probability"] for info in told} == {Fraction(1, 2)}
+    # As many draws as were given and rejected lead to the last task.
+    draws = sum(1 + info["rejected"] for info in told)
+    source = env.state_dict()["source"]
+    assert source["number"] == source["course"]["taken"] == draws > 12
+    env._finder.witness = find  # type: ignore[method-assign]
+    _, info = env.reset(options={"rank": 100, "stage": 0})
+    assert info["probability"] is None and info["stage_probability"] is None and info["rejected"] == 0
+    env.close()
+
+
+def test_only_tasks_of_the_part_are_given(space: TaskSpace) -> None:
+    part = space[:150]
+    env = TaskEnv(space, part=part, steps=1)
+    told = begun(env, 6, seed=2)
+    assert {info["task"] for info in told} <= set(map(str, part)) and sum(info["rejected"] for info in told)
+    with pytest.raises(QueryError, match="not one of the part"):
+        env.reset(options={"rank": 200})
+    env.close()
+
+
+def test_what_options_ask_for_is_not_held_against_the_curriculum(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, curriculum=Backwards(threshold=1, window=1), steps=1, until="subgoal")
+    _, info = env.reset(seed=0)
+    assert info["stage"] == 3 and info["curriculum"] == {"back": 1} and info["probability"] == 1
+    env.reset(options={"stage": 0})
+    env.step(STILL)
+    assert env.state_dict()["walk"]["ends"] == []
+    env.reset()
+    env.step(STILL)
+    assert env.state_dict()["walk"]["ends"] == [False]
+    env.close()
+
+
+def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space: TaskSpace) -> None:
+    made = gymnasium.make_vec(
+        "prag_asp/Task-v0", 2, vectorization_mode="async", space=space, steps=1, curriculum=(Bandit(), Backwards())
+    )
+    _, infos = made.reset(seed=4)
+    assert all(isinstance(each, Fraction) for each in infos["probability"])
+    assert infos["curriculum"]["arm"].shape == (2,) and infos["curriculum"]["back"].tolist() == [1, 1]
+    for _ in range(3):
+        made.step(made.action_space.sample())
+    states = made.call("state_dict")
+    assert states[0]["source"]["seed"] != states[1]["source"]["seed"]
+    made.close()
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"curriculum": "adaptive"}, "no curriculum"),
+        ({"curriculum": Adaptive}, "no curriculum"),
+        ({"curriculum": (Adaptive(), Bandit())}, "of one kind"),
+        ({"curriculum": (Backwards(), Backwards())}, "of one kind"),
+        ({"part": "train"}, "no place"),
+        ({"space": TaskSpaces(load_domain("tabletop"), range(1, 3)), "part": TaskSpace(load_domain("tabletop"), 1)[:2]},
+         "of one length"),
+        ({"render_mode": "human"}, "render mode"),
+        ({"cameras": "front"}, "give their names"),
+        ({"cameras": ("back",)}, "no camera back"),
+        ({"cameras": ("front", "front")}, "twice|2 times"),
+        ({"size": 8}, "pixels"), ({"size": (64,)}, "pixels"), ({"size": True}, "pixels"), ({"size": 1.5}, "pixels"),
+    ],
+)  # fmt: skip
+def test_what_means_nothing_is_refused(space: TaskSpace, asked: dict[str, Any], told: str) -> None:
+    with pytest.raises(QueryError, match=told):
+        TaskEnv(**{"space": space, **asked})
+
+
+def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    for curriculum in (Lengths(), (Backwards(), Novelty())):
+        with pytest.raises(QueryError, match="draws from a space"):
+            TaskEnv(task=task, witness=witness, curriculum=curriculum)
+    with pytest.raises(QueryError, match="give the space"):
+        TaskEnv(task=task, part=TaskSpace(load_domain("tabletop"), 2)[:3])
+
+
+@pytest.mark.slow
+def test_memory_does_not_grow_with_steps(chance: Chance, given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, curriculum=Backwards(), steps=10)
+    rng = np.random.default_rng(chance.seed(9))
+    env.reset(seed=0)
+
+    def run(steps: int) -> int:
+        for _ in range(steps):
+            _, _, done, late, _ = env.step(rng.uniform(-1.0, 1.0, 5))
+            if done or late:
+                env.reset()
+        gc.collect()
+        return tracemalloc.get_traced_memory()[0]
+
+    tracemalloc.start()
+    try:
+        first = run(2500)  # then what is remembered of poses that were seen is full
+        assert run(2500) - first < 100_000, "bytes"
+    finally:
+        tracemalloc.stop()
+        env.close()
