@@ -195,10 +195,16 @@ def limits() -> tuple[float | None, int, float]:
 
 
 def deafen() -> None:
-    """Hear nothing more: the command is about to say why it ends, and ends by that alone."""
-    if _command.board is not None:
-        for number in ASKED:
-            signal.signal(number, signal.SIG_IGN)
+    """Hear nothing more: the command is about to say why it ends, and ends by that alone.
+
+    Where it was asked to end, neither is told what comes of values that were torn half-way, when they are freed.
+    """
+    if _command.board is None:
+        return
+    for number in ASKED:
+        signal.signal(number, signal.SIG_IGN)
+    if _command.asked is not None:
+        sys.unraisablehook = lambda dropped: None
 
 
 def said() -> None:

@@ -99,7 +99,7 @@ def _insisting() -> Iterator[None]:
     def again(dropped: sys.UnraisableHookArgs) -> None:
         number = next((each for each, kind in ASKED.items() if type(dropped.exc_value) is kind), None)
         if number is None:
-            if ending.asked_for() is None:  # otherwise it comes of what was torn: half a value that is being freed
+            if ending.asked_for() is None:  # otherwise it comes of what was torn half-way
                 usual(dropped)
             return
         if ending.supervised():

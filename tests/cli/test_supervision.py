@@ -328,7 +328,7 @@ def test_half_a_value_that_an_interruption_leaves_says_nothing_as_it_is_freed() 
         def __del__(self): self.rep
     Half()"""
     assert ends(work.format(made="signal.raise_signal(signal.SIGINT)")) == (130, "interrupted\n")
-    assert ends(work.format(made="return"))[1].endswith("AttributeError: 'Half' object has no attribute 'rep'\n")
+    assert "AttributeError: 'Half' object has no attribute 'rep'\n" in ends(work.format(made="return"))[1]
 
 
 def test_an_interruption_in_what_clingo_calls_comes_when_that_is_done(tmp_path: Path) -> None:
