@@ -167,13 +167,15 @@ def _pooled(rows: Sequence[dict[str, Any]]) -> dict[str, dict[int, Rate]]:
 
 def _table(rows: Sequence[dict[str, Any]]) -> Table:
     """Return the table of the last tests."""
-    table = Table("reward", "steps", "seeds", "all", "processor seconds of a seed")
+    wholes = "whole" in rows[0]
+    table = Table("reward", "steps", "seeds", "all", *["whole tasks"] * wholes, "processor seconds of a seed")
     for reward, steps in _pooled(rows).items():
         step = max(steps)
         last = [row for row in rows if row["reward"] == reward and row["step"] == step]
         seeds = ", ".join(f"{row['successes'] / row['trials']:.2f}" for row in last)
         seconds = sum(row["processor_seconds"] for row in last) / len(last)
-        table.add_row(reward, f"{step:,}", seeds, str(steps[step]), f"{seconds:.0f}")
+        whole = [str(Rate(sum(row["whole"] for row in last), steps[step].trials))] if wholes else []
+        table.add_row(reward, f"{step:,}", seeds, str(steps[step]), *whole, f"{seconds:.0f}")
     return table
 
 
