@@ -35,19 +35,23 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=30, help="how many subgoals of each kind they are tested with")
     parser.add_argument("--training", type=int, default=100, help="how many witnesses they learned from")
     parser.add_argument("--seed", type=int, default=FRESH, help="the seed of the tasks and their witnesses")
+    parser.add_argument("--unseen", help="test what curves.py has learned without this object, with it")
     parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the table")
     options = parser.parse_args()
-    if not any(_seeds(options.models, *each) for each in itertools.product(SKILLS, REWARDS)):
+    unseen = options.unseen
+    added = "" if unseen is None else f"_unseen_{unseen}"
+    if not any(_seeds(options.models, skill + added, reward) for skill, reward in itertools.product(SKILLS, REWARDS)):
         parser.error(f"{options.models} has no policies; learn some: curves.py approach --models {options.models}")
     torch.set_num_threads(1)
     rows = []
     table = Table("skill", "reward", "actions of the tasks", "seeds", "all")
     for skill, length in itertools.product(SKILLS, LENGTHS):
-        learned = [(reward, found) for reward in REWARDS if (found := _seeds(options.models, skill, reward))]
+        learned = [(reward, found) for reward in REWARDS if (found := _seeds(options.models, skill + added, reward))]
         if not learned:
             continue
-        given = starts(skill, options.count, seed=options.seed, length=length)
-        require_apart(starts(skill, options.training, seed=TRAINING), given, tasks=length != LENGTHS[0])
+        given = starts(skill, options.count, seed=options.seed, length=length, only=unseen)
+        others = starts(skill, options.training, seed=TRAINING, without=unseen)
+        require_apart(others, given, tasks=unseen is not None or length != LENGTHS[0])
         test = begun(given, "sparse")
         for reward, seeds in learned:
             rates = []
@@ -69,13 +73,13 @@ def main() -> None:
             table.add_row(skill, reward, str(length), each, str(together))
         test.close()
     options.output.mkdir(parents=True, exist_ok=True)
-    pq.write_table(pa.Table.from_pylist(rows), options.output / "fresh.parquet")
+    pq.write_table(pa.Table.from_pylist(rows), options.output / f"fresh{added}.parquet")
     Console().print(table)
 
 
-def _seeds(models: Path, skill: str, reward: str) -> list[Path]:
+def _seeds(models: Path, name: str, reward: str) -> list[Path]:
     """Return the files of the policies of a skill, one for each seed."""
-    return sorted(models.glob(f"{skill}_{reward}_[0-9]*.zip"))
+    return sorted(models.glob(f"{name}_{reward}_[0-9]*.zip"))
 
 
 if __name__ == "__main__":

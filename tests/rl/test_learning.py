@@ -40,19 +40,37 @@ def done(command: list[str], *more: object) -> str:
     return subprocess.run(given, cwd=ROOT, capture_output=True, text=True, check=True, env=environment).stdout
 
 
-@pytest.mark.parametrize("command", told(), ids=lambda command: " ".join([Path(command[0]).name, *command[1:]]))
-def test_the_commands_of_the_page_run(command: list[str], tmp_path: Path) -> None:
-    name = Path(command[0]).name
-    if name in ("oracle.py", "standing.py"):
-        assert re.findall(r"\d of [12]\)", done(command))
-        return
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("name", ["oracle.py", "standing.py"])
+def test_the_commands_of_the_page_run_that_learn_nothing(name: str) -> None:
+    assert re.findall(r"\d of [12]\)", done(of(name)))
+
+
+def test_the_command_that_chains_runs(tmp_path: Path) -> None:
+    pytest.importorskip("stable_baselines3")
+    assert "%" in done(of("chained.py"), "--output", tmp_path)
+    assert names(tmp_path) == {"chained.parquet", "chained.png"}
+
+
+def test_the_commands_run_that_learn_and_that_test_what_is_learned(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3")
     models, output = tmp_path / "models", tmp_path / "learned"
-    if name == "fresh.py":
-        done(of("curves.py"), "--output", tmp_path / "first", "--models", models)
-    command = [str(models) if word == "MODELS" else word for word in command]
-    assert "%" in done(command, "--output", output)
-    assert {path.suffix for path in output.iterdir()} == ({".parquet"} if name == "fresh.py" else {".parquet", ".png"})
+    assert "%" in done(of("curves.py"), "--output", output, "--models", models)
+    assert names(output) == {"approach.parquet", "approach.png"}
+    tested = [str(models) if word == "MODELS" else word for word in of("fresh.py")]
+    assert "%" in done(tested, "--output", output)
+    assert "fresh.parquet" in names(output)
+
+
+@pytest.mark.slow
+def test_whole_tasks_are_learned_from_any_stage(tmp_path: Path) -> None:
+    pytest.importorskip("stable_baselines3")
+    command = [of("curves.py")[0], "grasp", "--begin", "backwards", "--rewards", "dense", "--seeds", "1"]
+    assert "whole" in done(command, "--output", tmp_path)
+    assert names(tmp_path) == {"grasp_from_backwards.parquet", "grasp_from_backwards.png"}
 
 
 def test_the_page_tells_of_all_commands() -> None:
