@@ -2,11 +2,15 @@
 
     python benchmarks/learning/curves.py approach --steps 5000
     python benchmarks/learning/curves.py grasp --steps 4000 --rewards dense
+    python benchmarks/learning/curves.py grasp --begin task --rewards dense
 
 Each policy learns from subgoals of some witnesses, and is tested with those of others; with `--unseen box_1` also of an
-object that no task names of those that it learns from. Appends to SKILL.parquet in the folder of --output and draws
-SKILL.png; seeds that are there already are not learned anew. It needs the extra
-`learning`, and takes about a minute for a seed.
+object that no task names of those that it learns from. With `--begin`, tasks that end with the skill are learned as a
+whole, from home (`task`), from a subgoal drawn uniformly (`any`), or from one nearer and nearer to home (`backwards`);
+`last` begins with the skill itself. All of these are tested with the last subgoal and with whole tasks.
+
+Appends to SKILL.parquet in the folder of --output and draws SKILL.png; seeds that are there already are not learned
+anew. It needs the extra `learning`, and takes about a minute for a seed.
 """
 
 from __future__ import annotations
@@ -24,9 +28,9 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 from stable_baselines3 import SAC
-from starts import DOMAINS, HELD_OUT, TRAINING, FromStarts, Moved, Seen, Start, starts
+from starts import DOMAINS, HELD_OUT, TRAINING, FromStarts, Moved, Seen, Start, require_apart, starts
 
-from prag_asp.rl import Rate, TaskEnv
+from prag_asp.rl import Backwards, Rate, TaskEnv
 from prag_asp.rl.rewards import REWARDS
 
 COLOURS = {"dense": "#2e86ab", "faded": "#3a9d5d", "sparse": "#e4572e"}
@@ -43,8 +47,19 @@ OWN: dict[str, dict[str, Any]] = {"grasp": {"ent_coef": "auto_0.02"}}
 So with the weight of entropy that it begins with as a rule, it learns first to put that off.
 """
 
+AT_MOST = 100
+"""For how many steps a subgoal may be pursued in a test, and as a rule."""
+
 STEPS = {"grasp": 25}
 """For how many steps a skill may be pursued in an episode that is learned from, where that is fewer than as a rule."""
+
+BEGUN: dict[str, dict[str, Any]] = {
+    "last": {"stage": -1}, "task": {"stage": 0}, "any": {"stage": "any"}, "backwards": {"curriculum": Backwards()},
+}  # fmt: skip
+"""Where episodes begin that are learned from, in tasks that end with a skill, as an environment is told."""
+
+PURSUED = 50
+"""For how many steps each subgoal of such tasks may be pursued in an episode that is learned from."""
 
 
 def main() -> None:
@@ -58,19 +73,23 @@ def main() -> None:
     parser.add_argument("--training", type=int, default=100, help="how many witnesses are learned from")
     parser.add_argument("--held-out", type=int, default=30, help="how many others it is tested with")
     parser.add_argument("--unseen", help="an object that is tested with and not learned with, such as box_1")
+    parser.add_argument("--begin", choices=BEGUN, help="learn from whole tasks that end with the skill, begun so")
     parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the curves and figures")
     parser.add_argument("--models", type=Path, help="a folder for what is learned, as Stable-Baselines3 writes it")
     options = parser.parse_args()
     torch.set_num_threads(1)
     options.output.mkdir(parents=True, exist_ok=True)
     name = options.skill if options.unseen is None else f"{options.skill}_unseen_{options.unseen}"
+    name = name if options.begin is None else f"{name}_from_{options.begin}"
     path = options.output / f"{name}.parquet"
     rows = pq.read_table(path).to_pylist() if path.exists() else []
     learned = {(row["reward"], row["seed"]) for row in rows}
     asked = [(reward, seed) for reward in options.rewards for seed in range(options.seeds)]
     if missing := [each for each in asked if each not in learned]:
-        given = starts(options.skill, options.training, seed=TRAINING, without=options.unseen)
-        others = starts(options.skill, options.held_out, seed=HELD_OUT, only=options.unseen)
+        last = options.begin is not None
+        given = starts(options.skill, options.training, seed=TRAINING, without=options.unseen, last=last)
+        others = starts(options.skill, options.held_out, seed=HELD_OUT, only=options.unseen, last=last)
+        require_apart(given, others, tasks=options.unseen is not None)
         for reward, seed in missing:
             rows += curve(given, others, reward, seed, options, name)
             pq.write_table(pa.Table.from_pylist(rows), path)
@@ -83,16 +102,20 @@ def curve(
 ) -> Iterator[dict[str, Any]]:
     """Yield how a policy does with held-out witnesses as it learns."""
     console = Console(stderr=True)
-    env, test = begun(given, reward, options.skill, seed=seed), begun(others, "sparse", options.skill)
+    env, test = begun(given, reward, seed=seed, begin=options.begin), begun(others, "sparse")
+    wholes = begun(others, "sparse", begin="task") if options.begin is not None else None
     model = SAC("MlpPolicy", env, seed=seed, **SETTINGS, **OWN.get(options.skill, {}))
     seconds = 0.0
     for step in range(options.every, options.steps + 1, options.every):
         before = time.process_time()
         model.learn(options.every, reset_num_timesteps=step == options.every)
         seconds += time.process_time() - before
-        ended = [reaches(model, test) for _ in others]
-        rate = Rate(sum(ended), len(ended))
-        console.print(f"{name.replace('_', ' ')}, {reward}, seed {seed}, {step} steps, {seconds:.0f} s: {rate}")
+        rate = Rate(sum([reaches(model, test) for _ in others]), len(others))
+        whole = None if wholes is None else Rate(sum([reaches(model, wholes) for _ in others]), len(others))
+        console.print(
+            f"{name.replace('_', ' ')}, {reward}, seed {seed}, {step} steps, {seconds:.0f} s: {rate}"
+            + (f", whole tasks {whole}" if whole is not None else "")
+        )
         yield {
             "skill": options.skill,
             "reward": reward,
@@ -101,18 +124,26 @@ def curve(
             "successes": rate.successes,
             "trials": rate.trials,
             "processor_seconds": round(seconds, 1),
+            **({"whole": whole.successes} if whole is not None else {}),
         }
     if options.models is not None:
         model.save(options.models / f"{name}_{reward}_{seed}")
-    env.close()
-    test.close()
+    for each in (env, test, wholes):
+        if each is not None:
+            each.close()
 
 
-def begun(given: Sequence[Start], reward: Any, skill: str, *, seed: int | None = None) -> FromStarts:
-    """Return an environment that begins with some subgoals of a skill: in turn to be tested, or drawn to be learned."""
-    steps = 100 if seed is None else STEPS.get(skill, 100)
-    env = TaskEnv(task=given[0].task, witness=given[0].witness, until="subgoal", reward=reward, steps=steps)
-    return FromStarts(Moved(Seen(env), skill), given, seed=seed)
+def begun(given: Sequence[Start], reward: Any, *, seed: int | None = None, begin: str | None = None) -> FromStarts:
+    """Return an environment that begins with some subgoals of a skill: in turn to be tested, or drawn to be learned.
+
+    With `begin`, an episode lasts until the whole task ends, and begins as `BEGUN` says.
+    """
+    task, witness, stage = given[0]
+    least = STEPS.get(task.actions[stage].name, AT_MOST) if begin is None else PURSUED
+    asked: dict[str, Any] = {"until": "subgoal"} if begin is None else BEGUN[begin]
+    steps = AT_MOST if seed is None else least
+    env = TaskEnv(task=task, witness=witness, reward=reward, steps=steps, **asked)
+    return FromStarts(Moved(Seen(env)), given, seed=seed, there=begin is None)
 
 
 def reaches(model: SAC, env: FromStarts) -> bool:
@@ -136,13 +167,15 @@ def _pooled(rows: Sequence[dict[str, Any]]) -> dict[str, dict[int, Rate]]:
 
 def _table(rows: Sequence[dict[str, Any]]) -> Table:
     """Return the table of the last tests."""
-    table = Table("reward", "steps", "seeds", "all", "processor seconds of a seed")
+    wholes = "whole" in rows[0]
+    table = Table("reward", "steps", "seeds", "all", *["whole tasks"] * wholes, "processor seconds of a seed")
     for reward, steps in _pooled(rows).items():
         step = max(steps)
         last = [row for row in rows if row["reward"] == reward and row["step"] == step]
         seeds = ", ".join(f"{row['successes'] / row['trials']:.2f}" for row in last)
         seconds = sum(row["processor_seconds"] for row in last) / len(last)
-        table.add_row(reward, f"{step:,}", seeds, str(steps[step]), f"{seconds:.0f}")
+        whole = [str(Rate(sum(row["whole"] for row in last), steps[step].trials))] if wholes else []
+        table.add_row(reward, f"{step:,}", seeds, str(steps[step]), *whole, f"{seconds:.0f}")
     return table
 
 

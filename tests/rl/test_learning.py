@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 import subprocess
@@ -15,6 +16,8 @@ from tests.docs.pages import DOCS, ROOT
 SHORTENED = {
     "oracle.py": ["--count", "1"],
     "curves.py": ["--steps", "310", "--every", "310", "--training", "2", "--held-out", "1"],
+    "fresh.py": ["--count", "1", "--training", "2"],
+    "standing.py": ["--count", "1", "--length", "2"],
     "chained.py": ["--demonstrations", "2", "--count", "1", "--epochs", "1", "--length", "2"],
 }
 
@@ -25,6 +28,11 @@ def told() -> list[list[str]]:
     return [line.split() for line in re.findall(r"^\.venv/bin/python (.*)$", text, re.MULTILINE)]
 
 
+def of(name: str) -> list[str]:
+    """The first command of the page with a script."""
+    return next(command for command in told() if Path(command[0]).name == name)
+
+
 def done(command: list[str], *more: object) -> str:
     name = Path(command[0]).name
     given = [sys.executable, *command, *SHORTENED[name], *map(str, more)]
@@ -32,17 +40,49 @@ def done(command: list[str], *more: object) -> str:
     return subprocess.run(given, cwd=ROOT, capture_output=True, text=True, check=True, env=environment).stdout
 
 
-@pytest.mark.parametrize("command", told(), ids=lambda command: Path(command[0]).name)
-def test_the_commands_of_the_page_run(command: list[str], tmp_path: Path) -> None:
-    name = Path(command[0]).name
-    if name == "oracle.py":
-        assert re.findall(r"\d of 1\)", done(command))
-        return
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("name", ["oracle.py", "standing.py"])
+def test_the_commands_of_the_page_run_that_learn_nothing(name: str) -> None:
+    assert re.findall(r"\d of [12]\)", done(of(name)))
+
+
+def test_the_command_that_chains_runs(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3")
-    assert "%" in done(command, "--output", tmp_path)
-    kept = "approach" if name == "curves.py" else "chained"
-    assert {path.name for path in tmp_path.iterdir()} == {f"{kept}.parquet", f"{kept}.png"}
+    assert "%" in done(of("chained.py"), "--output", tmp_path)
+    assert names(tmp_path) == {"chained.parquet", "chained.png"}
+
+
+def test_the_commands_run_that_learn_and_that_test_what_is_learned(tmp_path: Path) -> None:
+    pytest.importorskip("stable_baselines3")
+    models, output = tmp_path / "models", tmp_path / "learned"
+    assert "%" in done(of("curves.py"), "--output", output, "--models", models)
+    assert names(output) == {"approach.parquet", "approach.png"}
+    tested = [str(models) if word == "MODELS" else word for word in of("fresh.py")]
+    assert "%" in done(tested, "--output", output)
+    assert "fresh.parquet" in names(output)
+
+
+@pytest.mark.slow
+def test_whole_tasks_are_learned_from_any_stage(tmp_path: Path) -> None:
+    pytest.importorskip("stable_baselines3")
+    command = [of("curves.py")[0], "grasp", "--begin", "backwards", "--rewards", "dense", "--seeds", "1"]
+    assert "whole" in done(command, "--output", tmp_path)
+    assert names(tmp_path) == {"grasp_from_backwards.parquet", "grasp_from_backwards.png"}
 
 
 def test_the_page_tells_of_all_commands() -> None:
     assert {Path(command[0]).name for command in told()} == set(SHORTENED)
+
+
+def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("gymnasium")
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
+    module = importlib.import_module("starts")
+    learned, other = [module.Start("task", "witness", 0)], [module.Start("task", "another", 0)]
+    module.require_apart(learned, other, tasks=False)
+    for tested, tasks in ((learned, False), (other, True)):
+        with pytest.raises(ValueError, match="task is learned from"):
+            module.require_apart(learned, tested, tasks=tasks)
