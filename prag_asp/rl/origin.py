@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from typing import cast
 
 from prag_asp.dataset.store.dataset import Dataset
@@ -84,6 +84,14 @@ class Origin:
         leading = self._leading("course")
         course = cast(TaskCurriculum, leading).course(pool) if leading else Plain(pool)
         return SpaceSource(pool, course, finder)
+
+    @property
+    def title(self) -> str:
+        """What it is in one line, the same in every process: by that, states of environments are told apart."""
+        tasks = self.space or (f"{self.dataset.count()} tasks of data" if self.dataset is not None else self.task)
+        part = "" if self.part is None else f", {self.part!r} of it"
+        led = [repr(each) if is_dataclass(each) else type(each).__name__ for each in self._curricula]
+        return f"{tasks}{part}, {' '.join(led) or 'no curriculum'}"
 
     @property
     def stages(self) -> StageCurriculum | None:

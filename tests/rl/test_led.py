@@ -52,8 +52,18 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
     begun(one, 5, seed=3)
     two.load_state_dict(json.loads(json.dumps(one.state_dict())))
     assert begun(one, 4) == begun(two, 4) and one.state_dict() == two.state_dict()
-    with pytest.raises(QueryError, match="another environment"):
-        two.load_state_dict({"rng": one.state_dict()["rng"], "source": {}})
+    state = json.loads(json.dumps(one.state_dict()))
+    for wrong in ({"rng": state["rng"], "source": {}}, {**state, "made": "another"}, "state"):
+        with pytest.raises(QueryError, match="another environment"):
+            two.load_state_dict(wrong)
+    for wrong in (
+        {**state, "source": {**state["source"], "number": -1}},
+        {**state, "walk": {1, 2}},
+        {**state, "seal": 1},
+    ):
+        with pytest.raises(QueryError, match="damaged"):
+            two.load_state_dict(wrong)
+    assert two.state_dict() == state, "what is refused changes nothing"
     one.close()
     two.close()
 
@@ -143,6 +153,17 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
 def test_what_means_nothing_is_refused(space: TaskSpace, asked: dict[str, Any], told: str) -> None:
     with pytest.raises(QueryError, match=told):
         TaskEnv(**{"space": space, **asked})
+
+
+def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, curriculum=Backwards(), steps=1, reward="faded", until="subgoal")
+    env.reset(seed=0)
+    for _ in range(5):
+        env.step(STILL)
+    state = env.state_dict()
+    assert state["walk"]["ends"] == state["fading"]["ends"] == [False]
+    env.close()
 
 
 def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]]) -> None:

@@ -24,6 +24,9 @@ WHAT: tuple[What, ...] = get_args(What)
 TRIES = 20
 """How many infeasible tasks may have a name or a pair until it counts as drawn: physics may forbid it altogether."""
 
+MISSED = 1000
+"""How many draws of what is due may be of no task of the pool until a new pass begins: the part may have none."""
+
 RARE = Fraction(1, 16)
 """Of all draws a smaller share than this has something that is due: then that is weighed up."""
 
@@ -37,7 +40,7 @@ class Novelty:
 
     Tasks come without replacement, all orders alike; so do skeletons, each with a task that it has, drawn by weight.
     With names or pairs, each task has one that is due, as long as one is: one that no feasible task had yet, nor
-    `TRIES` infeasible ones. When all were drawn, a new pass begins.
+    `TRIES` infeasible ones. When all were drawn, or no task of the part is found that has any, a new pass begins.
 
     Raises:
         QueryError: there is nothing of that kind.
@@ -179,7 +182,14 @@ class Coverage:
 
     def offer(self) -> Offer:
         """Return a task that has something that is due, with its probability among all that do."""
-        return self._pool.kept(self._drawn)
+        try:
+            return self._pool.kept(self._drawn, MISSED)
+        except NotFound:
+            if len(self._due) == len(self._all):
+                return self._pool.kept(self._drawn)
+        self._begin(self._all, {})
+        found = self._pool.kept(self._drawn)
+        return found._replace(passed=MISSED + found.passed)
 
     def settle(self, word: Word, feasible: bool) -> None:
         """Note what was drawn."""

@@ -109,17 +109,17 @@ class Pool:
         for draw in self._together(space.draw_words(seed=seed, weights=weights)):
             yield Offer(draw.word, draw.probability)
 
-    def kept(self, draw: Callable[[], Offer]) -> Offer:
+    def kept(self, draw: Callable[[], Offer], misses: int = MISSES) -> Offer:
         """Draw until a task of the pool comes, and return that: it notes how many were passed over.
 
         Raises:
             NotFound: so many in a row are none.
         """
-        for passed in range(MISSES):
+        for passed in range(misses):
             found = draw()
             if self.has(found.word):
                 return found._replace(passed=passed)
-        raise NotFound(f"none of {MISSES} tasks drawn in a row is one of those to be learned; give a larger part")
+        raise NotFound(f"none of {misses} tasks drawn in a row is one of those to be learned; give a larger part")
 
     def _together(self, draws: Iterator[Draw]) -> Iterator[Draw]:
         """Yield draws, and note which come together: their tasks are told together, where one is asked for."""

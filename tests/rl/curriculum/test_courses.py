@@ -230,6 +230,14 @@ def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
     assert float(found) == pytest.approx(pool.part.size if pool.part else 0, rel=0.12)
 
 
+def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> None:
+    course = Novelty("names").course(Pool(space, space[7:9].ranks))
+    for _ in range(4):
+        offer = course.offer()
+        assert offer.word in (space.word(7), space.word(8))
+        course.settle(offer.word, True)
+
+
 def test_a_part_of_one_task_is_found_among_skeletons(space: TaskSpace) -> None:
     part = space[7:8]
     course = Novelty("skeletons").course(Pool(space, part.ranks))
