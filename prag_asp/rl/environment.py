@@ -29,7 +29,7 @@ from prag_asp.rl.observing import Layout, observe, skill
 from prag_asp.rl.origin import Curricula, Origin
 from prag_asp.rl.rewards import Reward, earned, reached
 from prag_asp.rl.sealing import check_seal, sealed
-from prag_asp.rl.sources import Finder, Given, OneTask, Source, fitting
+from prag_asp.rl.sources import Assignment, Finder, OneTask, Source, fitting
 from prag_asp.rl.viewing import Image, Viewer, cameras_of
 from prag_asp.scene.cameras import Camera
 from prag_asp.space.parts.ranked import RankedTasks
@@ -347,14 +347,14 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         reached = self._subgoals[self.stage].reached(measured)
         return {"stage": self.stage, "action": str(self.action), "reached": reached, "is_success": success}
 
-    def _given(self, options: Mapping[str, Any]) -> Given:
+    def _given(self, options: Mapping[str, Any]) -> Assignment:
         """Return the task of an episode."""
         task, witness = options.get("task"), options.get("witness")
         if task is not None or witness is not None:
             return self._named(task, witness)
         return self._source.draw() if options.get("rank") is None else self._source.ranked(options["rank"])
 
-    def _named(self, task: object, witness: object) -> Given:
+    def _named(self, task: object, witness: object) -> Assignment:
         """Return a task that somebody names, with a witness: that given for it, or one that is found.
 
         Raises:
@@ -365,7 +365,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         for action in task.actions:
             if skill(action, self.scene) not in self.layout.skills:
                 raise QueryError(f"{action} is no action of the domain {self.domain.name}; give a task of that domain")
-        return Given(task, self._finder.required(task)) if witness is None else fitting(task, witness, self.scene)
+        return Assignment(task, self._finder.required(task)) if witness is None else fitting(task, witness, self.scene)
 
     def _first(self, asked: int | str | None, count: int) -> tuple[int, Fraction | None]:
         """Return the number of the subgoal of so many to begin with, and its probability where it was drawn."""
