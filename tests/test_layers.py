@@ -77,8 +77,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "cascade", "validator", "worker", "checker", "pool", "passing",
     ),
     "rl": (
-        "control", "arena", "goals", "rewards", "fading", "observing", "viewing", "curriculum", "sources", "origin",
-        "environment", "scripted", "running",
+        "control", "arena", "goals", "rewards", "fading", "asking", "sealing", "observing", "viewing", "curriculum",
+        "sources", "origin", "environment", "scripted", "running",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -7,24 +7,50 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Lock
 
 from prag_asp.missing import needed
 
 STDOUT, STDERR = 1, 2
+
+_LOCK = Lock()
+_MUTED: dict[int, tuple[int, int]] = {}
+"""Of each descriptor that is silent: how many want it so, and a copy of where it led.
+
+Threads silence at once: were each to keep what it found, the last to end would keep nowhere.
+"""
 
 
 @contextmanager
 def silenced(*descriptors: int) -> Iterator[None]:
     """Send what is written to file descriptors to nowhere, buffered output of C included."""
     flush()
-    saved = [(descriptor, os.dup(descriptor)) for descriptor in descriptors]
+    for descriptor in descriptors:
+        _mute(descriptor)
     try:
-        for descriptor in descriptors:
-            silence(descriptor)
         yield
         flush()
     finally:
-        for descriptor, copy in saved:
+        for descriptor in descriptors:
+            _unmute(descriptor)
+
+
+def _mute(descriptor: int) -> None:
+    """Silence a file descriptor, unless that is so already, for this thread or another one."""
+    with _LOCK:
+        users, copy = _MUTED.get(descriptor) or (0, os.dup(descriptor))
+        if not users:
+            silence(descriptor)
+        _MUTED[descriptor] = users + 1, copy
+
+
+def _unmute(descriptor: int) -> None:
+    """Give a file descriptor its voice back where nobody else needs it silent."""
+    with _LOCK:
+        users, copy = _MUTED.pop(descriptor)
+        if users > 1:
+            _MUTED[descriptor] = users - 1, copy
+        else:
             os.dup2(copy, descriptor)
             os.close(copy)
 

@@ -6,7 +6,7 @@ import weakref
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
 import gymnasium
 import numpy as np
@@ -20,34 +20,31 @@ from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
-from prag_asp.rl.control import CONTROLS, SIZES, Control
+from prag_asp.rl.asking import Until, check_episodes, check_figures, is_whole, moves_of, options_of
+from prag_asp.rl.control import SIZES, Control
 from prag_asp.rl.curriculum.course import Attempt, Episode
 from prag_asp.rl.fading import Fading
 from prag_asp.rl.goals import PLACES, subgoals_of
-from prag_asp.rl.observing import Layout, observe
+from prag_asp.rl.observing import Layout, observe, skill
 from prag_asp.rl.origin import Curricula, Origin
-from prag_asp.rl.rewards import REWARDS, Reward, earned, reached
-from prag_asp.rl.sources import Finder, Given, OneTask, Source, fitting
+from prag_asp.rl.rewards import Reward, earned, reached
+from prag_asp.rl.sealing import check_seal, sealed
+from prag_asp.rl.sources import Assignment, Finder, OneTask, Source, fitting
 from prag_asp.rl.viewing import Image, Viewer, cameras_of
 from prag_asp.scene.cameras import Camera
 from prag_asp.space.parts.ranked import RankedTasks
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
-from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
     from prag_asp.physics.situation import Situation
 
-Until = Literal["subgoal", "task"]
-UNTIL: tuple[Until, ...] = get_args(Until)
 Observation = dict[str, Any]
 """What an agent sees: arrays of 32-bit floats by their names."""
 
 STEPS = 100
 """For how many steps a subgoal may be pursued, unless something else is asked for."""
-
-OPTIONS = ("task", "witness", "rank", "stage")
 
 
 class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -103,14 +100,9 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
         origin = Origin(space, part, dataset, task, curriculum)
-        for given, known, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
-            if given not in known:
-                raise QueryError(unknown(str(given), known, what))
-        if type(steps) is not int or steps < 1 or not isinstance(discount, int | float) or not 0.0 < discount <= 1.0:
-            got = f"got {steps!r} and {discount!r}"
-            raise QueryError(f"an episode needs at least 1 step, and a discount above 0 and at most 1; {got}")
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise QueryError(unknown(str(render_mode), self.metadata["render_modes"], "render mode"))
+        check_episodes(until=until, reward=reward, control=control, stage=stage, steps=steps)
+        modes = self.metadata["render_modes"]
+        check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
         self.render_mode = render_mode
         self.domain = origin.domain(domain)
@@ -130,7 +122,8 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._source: Source = OneTask(self._named(task, witness)) if alone else origin.source(self._finder)
         self._walk = origin.stages.walk() if origin.stages else None
         self._arena: Arena | None = None
-        self._seeded = False
+        self._seeded, self._over = False, True
+        self._made = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
         size = SIZES[control] * len(self.layout.robots)
         self.action_space = spaces.Box(-1.0, 1.0, (size,), np.float32)
         goals = spaces.Box(-np.inf, np.inf, (2, PLACES), np.float32)
@@ -153,21 +146,20 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             QueryError: the options are wrong, or the task has no witness.
             NotFound: no feasible task is drawn in `PATIENCE` draws.
         """
+        asked = options_of(options)
         super().reset(seed=seed)
-        options = {} if options is None else options
-        for name in options:
-            if name not in OPTIONS:
-                raise QueryError(unknown(name, OPTIONS, "option"))
         if seed is not None or not self._seeded:
             self._source.seed(int(self.np_random.integers(2**31)))
             if self._walk is not None:
                 self._walk.seed(int(self.np_random.integers(2**31)))
             self._seeded = True
-        given = self._given(options)
-        self.task, self.witness = given.task, given.witness
-        self._subgoals = subgoals_of(given.task, self.scene)
-        self.stage, chance = self._first(options.get("stage"))
-        self._begun, self._led = self.stage, (given.probability is not None, options.get("stage") is None)
+        given = self._given(asked)
+        subgoals = subgoals_of(given.task, self.scene)
+        stage, chance = self._first(asked.get("stage"), len(subgoals))
+        # Until here the episode that goes on is untouched: after what is refused, its steps are still its own.
+        self.task, self.witness, self._subgoals, self.stage = given.task, given.witness, subgoals, stage
+        self._over = False
+        self._begun, self._led = self.stage, (given.probability is not None, asked.get("stage") is None)
         self._last = self.stage if self._until == "subgoal" else len(self._subgoals) - 1
         self._left = self._steps * (self._last + 1 - self.stage)
         if self._arena is None:
@@ -195,12 +187,8 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             QueryError: the action is none, or no episode has begun.
         """
-        if self._arena is None:
-            raise QueryError("no episode has begun; reset the environment")
-        moves = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
-        if moves.shape != self.action_space.shape or np.isnan(moves).any():
-            raise QueryError(f"an action has the shape {self.action_space.shape} and finite numbers; got {action}")
-        self.situation = situation = self._arena.act(moves, self.control)
+        arena, moves = self._begun_arena, moves_of(action, SIZES[self.control] * len(self.layout.robots))
+        self.situation = situation = arena.act(moves, self.control)
         measured, here = self._goal(situation)
         if here[1:].max() <= 0.0 and self.stage < self._last:
             self.stage += 1
@@ -212,9 +200,8 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         done, late = bool(ended), self._left <= 0
         if self._fading is not None:
             self._fading.step()
-            if done or late:
-                self._fading.end(done)
-        if done or late:
+        if (done or late) and not self._over:
+            self._over = True
             self._report(done)
         return seen, float(gain), done, late and not done, self._told(measured, success=done)
 
@@ -238,8 +225,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         if self.render_mode is None:
             return None
-        if self._arena is None:
-            raise QueryError("no episode has begun; reset the environment")
+        assert self._begun_arena
         return self._look(next(iter(self._cameras)))[0]
 
     def state_dict(self) -> dict[str, Any]:
@@ -253,19 +239,21 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         if not self._seeded:
             raise QueryError("there is no state yet; reset the environment")
-        return {
+        state = {
             "rng": dict(self.np_random.bit_generator.state),
             "source": self._source.state_dict(),
             "walk": None if self._walk is None else self._walk.state_dict(),
             "fading": None if self._fading is None else self._fading.state_dict(),
         }
+        return sealed(state, self._made)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on from what `state_dict` of an environment that is made alike returned; the next reset takes no seed.
 
         Raises:
-            QueryError: it is the state of another environment.
+            QueryError: it is the state of another environment, or damaged.
         """
+        check_seal(state, self._made)
         try:
             self.np_random.bit_generator.state = state["rng"]
             self._source.load_state_dict(state["source"])
@@ -273,7 +261,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
                 self._walk.load_state_dict(state["walk"])
             if self._fading is not None:
                 self._fading.load_state_dict(state["fading"])
-        except (KeyError, TypeError, ValueError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             told = f"the state is of another environment ({error!r:.60})"
             raise QueryError(f"{told}; make this one with the same arguments") from None
         self._seeded = True
@@ -286,19 +274,31 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     @property
     def asked(self) -> Mapping[str, float]:
-        """How far each gripper is told to open, in metres."""
-        assert self._arena is not None
-        return self._arena.asked
+        """How far each gripper is told to open, in metres; without an episode this and the next raise QueryError."""
+        return self._begun_arena.asked
 
     @property
     def last(self) -> int:
         """The number of the subgoal with which the episode ends."""
+        assert self._begun_arena
         return self._last
 
     @property
     def action(self) -> Atom:
         """The action of the subgoal that is being pursued."""
+        assert self._begun_arena
         return self.task.actions[self.stage]
+
+    @property
+    def _begun_arena(self) -> Arena:
+        """The world of the episode.
+
+        Raises:
+            QueryError: none has begun.
+        """
+        if self._arena is None:
+            raise QueryError("no episode has begun; reset the environment")
+        return self._arena
 
     def _earned(self, achieved: NDArray[np.floating], desired: NDArray[np.floating]) -> tuple[Any, Any]:
         now, before, goal = achieved[..., 0, :], achieved[..., 1, :], desired[..., 0, :]
@@ -327,7 +327,9 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._viewer.see(self.situation, *names)
 
     def _report(self, success: bool) -> None:
-        """Let the curricula hear how an episode has ended, those that had a say in it."""
+        """Let the fading hear how an episode has ended, and the curricula that had a say in it."""
+        if self._fading is not None:
+            self._fading.end(success)
         actions = self.task.actions
         attempts = [
             Attempt(actions[i], actions[i - 1] if i else None, i < self.stage or success)
@@ -345,14 +347,14 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         reached = self._subgoals[self.stage].reached(measured)
         return {"stage": self.stage, "action": str(self.action), "reached": reached, "is_success": success}
 
-    def _given(self, options: Mapping[str, Any]) -> Given:
+    def _given(self, options: Mapping[str, Any]) -> Assignment:
         """Return the task of an episode."""
         task, witness = options.get("task"), options.get("witness")
         if task is not None or witness is not None:
             return self._named(task, witness)
         return self._source.draw() if options.get("rank") is None else self._source.ranked(options["rank"])
 
-    def _named(self, task: object, witness: object) -> Given:
+    def _named(self, task: object, witness: object) -> Assignment:
         """Return a task that somebody names, with a witness: that given for it, or one that is found.
 
         Raises:
@@ -360,11 +362,13 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         if not isinstance(task, Task) or not isinstance(witness, Witness | None):
             raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")
-        return Given(task, self._finder.required(task)) if witness is None else fitting(task, witness, self.scene)
+        for action in task.actions:
+            if skill(action, self.scene) not in self.layout.skills:
+                raise QueryError(f"{action} is no action of the domain {self.domain.name}; give a task of that domain")
+        return Assignment(task, self._finder.required(task)) if witness is None else fitting(task, witness, self.scene)
 
-    def _first(self, asked: int | str | None) -> tuple[int, Fraction | None]:
-        """Return the number of the subgoal to begin with, and its probability where it was drawn."""
-        count = len(self._subgoals)
+    def _first(self, asked: int | str | None, count: int) -> tuple[int, Fraction | None]:
+        """Return the number of the subgoal of so many to begin with, and its probability where it was drawn."""
         if count == 0:
             raise QueryError("a task of no action has no subgoal; give another one")
         if asked is None and self._walk is not None:
@@ -372,7 +376,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         stage = self._stage if asked is None else asked
         if stage == "any":
             return int(self.np_random.integers(count)), Fraction(1, count)
-        if isinstance(stage, bool) or not isinstance(stage, int | np.integer) or not -count <= stage < count:
+        if not is_whole(stage) or not -count <= int(stage) < count:
             raise QueryError(f"stage {stage!r}: the task has the stages 0 to {count - 1}; any draws one")
         return int(stage) % count, None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from typing import cast
 
 from prag_asp.dataset.store.dataset import Dataset
@@ -48,6 +48,8 @@ class Origin:
                 raise QueryError(f"{given!r:.80} is no place where tasks come from; give {told}")
         if self.part is not None and self.space is None:
             raise QueryError("a part is one of a space; give the space, too")
+        if self.part is not None and isinstance(self.space, TaskSpace) and not self.space.same_tasks(self.part.space):
+            raise QueryError(f"the part is one of {self.part.space!r}, and not of {self.space!r}; give a part of that")
         for each in self._curricula:
             if isinstance(each, type) or not (hasattr(each, "course") or hasattr(each, "walk")):
                 raise QueryError(f"{each!r:.80} is no curriculum; give one of prag_asp.rl, such as Lengths()")
@@ -56,7 +58,14 @@ class Origin:
         self._leading("walk")
 
     def domain(self, given: Domain | str | None) -> Domain:
-        """Return the domain of the tasks; that of a single task may be `given`."""
+        """Return the domain of the tasks; that of a single task may be `given`.
+
+        Raises:
+            QueryError: it is given for others, or is none.
+            DomainError: there is no domain of the name.
+        """
+        if given is not None and (self.task is None or not isinstance(given, Domain | str)):
+            raise QueryError(f"domain {given!r:.80}: give that of a task; a space and a data set have their own")
         if self.space is not None:
             return self.space.domain
         if self.dataset is not None:
@@ -75,6 +84,14 @@ class Origin:
         leading = self._leading("course")
         course = cast(TaskCurriculum, leading).course(pool) if leading else Plain(pool)
         return SpaceSource(pool, course, finder)
+
+    @property
+    def title(self) -> str:
+        """What it is in one line, the same in every process: by that, states of environments are told apart."""
+        tasks = self.space or (f"{self.dataset.count()} tasks of data" if self.dataset is not None else self.task)
+        part = "" if self.part is None else f", {self.part!r} of it"
+        led = [repr(each) if is_dataclass(each) else type(each).__name__ for each in self._curricula]
+        return f"{tasks}{part}, {' '.join(led) or 'no curriculum'}"
 
     @property
     def stages(self) -> StageCurriculum | None:

@@ -25,7 +25,7 @@ PATIENCE = 1000
 """How many tasks in a row are drawn at most until one has a witness."""
 
 
-class Given(NamedTuple):
+class Assignment(NamedTuple):
     """A task that an agent is given, with a witness, and its rank among all of its length where that is known.
 
     `probability` is the exact one of the draw that it came of, None where it was not drawn; `rejected` is how many
@@ -45,14 +45,14 @@ class Source(Protocol):
     def seed(self, seed: int) -> None:
         """Begin the draws anew; what is drawn from now on depends on the seed, and on what is reported, alone."""
 
-    def draw(self) -> Given:
+    def draw(self) -> Assignment:
         """Return the next task.
 
         Raises:
             NotFound: so many were drawn in vain.
         """
 
-    def ranked(self, rank: int) -> Given:
+    def ranked(self, rank: int) -> Assignment:
         """Return the task of a rank.
 
         Raises:
@@ -109,16 +109,16 @@ class Finder:
 class OneTask:
     """Gives the same task again and again."""
 
-    given: Given
+    given: Assignment
 
     def seed(self, seed: int) -> None:
         """There is nothing to draw."""
 
-    def draw(self) -> Given:
+    def draw(self) -> Assignment:
         """Return the task."""
         return self.given._replace(probability=Fraction(1))
 
-    def ranked(self, rank: int) -> Given:
+    def ranked(self, rank: int) -> Assignment:
         """Refuse.
 
         Raises:
@@ -141,7 +141,7 @@ class OneTask:
         """There is nothing to go on from."""
 
 
-def fitting(task: Task, witness: Witness, scene: Scene) -> Given:
+def fitting(task: Task, witness: Witness, scene: Scene) -> Assignment:
     """Return a task with a witness that somebody gives for it.
 
     Raises:
@@ -158,7 +158,7 @@ def fitting(task: Task, witness: Witness, scene: Scene) -> Given:
             if not fact.satisfied(situation):
                 told = f"in state {number} of the witness it does not hold that {fact.sentence()}"
                 raise QueryError(f"{told}; give the witness of the task")
-    return Given(task, witness)
+    return Assignment(task, witness)
 
 
 def require_rank(rank: object, count: int) -> int:
@@ -184,7 +184,7 @@ class SpaceSource:
         self._seed, self._number = seed, 0
         self._course.seed(seed)
 
-    def draw(self) -> Given:
+    def draw(self) -> Assignment:
         """Return the next task that has a witness.
 
         Raises:
@@ -199,11 +199,11 @@ class SpaceSource:
             self._number = index + 1
             rejected += offer.passed
             if witness is not None:
-                return Given(task, witness, probability=offer.probability, rejected=rejected)
+                return Assignment(task, witness, probability=offer.probability, rejected=rejected)
             rejected += 1
         raise NotFound(f"none of {PATIENCE} tasks drawn in a row is feasible; take another space, or a larger budget")
 
-    def ranked(self, rank: int) -> Given:
+    def ranked(self, rank: int) -> Assignment:
         """Return the task of a rank, with a witness.
 
         Raises:
@@ -216,7 +216,7 @@ class SpaceSource:
         task = space[require_rank(rank, space.count())]
         if not self._pool.has(tuple(map(str, task.actions))):
             raise QueryError(f"rank {rank} is not one of the part that is given; give a rank of that")
-        return Given(task, self._finder.required(task), rank)
+        return Assignment(task, self._finder.required(task), rank)
 
     def report(self, episode: Episode) -> None:
         """Let the course hear how an episode has ended."""
@@ -249,7 +249,7 @@ class DatasetSource:
         """Begin the draws anew."""
         self._rng = np.random.default_rng(seed)
 
-    def draw(self) -> Given:
+    def draw(self) -> Assignment:
         """Return a task that has an action, all equally likely, from one of its first states.
 
         Raises:
@@ -261,7 +261,7 @@ class DatasetSource:
                 return given._replace(probability=Fraction(1, self._count), rejected=rejected)
         raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; take another data set")
 
-    def ranked(self, rank: int) -> Given:
+    def ranked(self, rank: int) -> Assignment:
         """Return the task of a number of the data set.
 
         Raises:
@@ -284,9 +284,9 @@ class DatasetSource:
         """Go on from what `state_dict` returned."""
         self._rng.bit_generator.state = state["rng"]
 
-    def _given(self, number: int) -> Given:
+    def _given(self, number: int) -> Assignment:
         entry = self._dataset.entry(number)
         if entry.starts == 0:
             raise QueryError(f"{self._dataset.folder}: its tasks have no witnesses; generate it with physics")
         start = int(self._rng.integers(entry.starts))
-        return Given(entry.task, self._dataset.witness(number, start), entry.rank)
+        return Assignment(entry.task, self._dataset.witness(number, start), entry.rank)

@@ -84,6 +84,13 @@ class TaskSpace:
         shared = self._shared
         return _sent, (self.domain, self.length, shared.engine, shared.limits, self.condition)
 
+    def same_tasks(self, other: object) -> bool:
+        """Tell whether another space is of the same domain, length and conditions: its ranks mean the same tasks."""
+        if not isinstance(other, TaskSpace):
+            return False
+        asked = self.domain, self.length, self.condition
+        return self is other or asked == (other.domain, other.length, other.condition)
+
     def at(self, length: int) -> TaskSpace:
         """Return the space of another length, which shares all that was computed."""
         space = copy(self)
@@ -166,12 +173,7 @@ class TaskSpace:
     def _ranked(self) -> RankedTasks:
         from prag_asp.space.parts.ranked import Interval, RankedTasks
 
-        return RankedTasks(Interval(range(self.count())), self._told, self.index)
-
-    def _told(self, ranks: Iterable[int]) -> Iterator[Task]:
-        """Yield the tasks of ranks."""
-        engine = self._engine("task")
-        return self.narrate(engine.unrank(self.length, rank) for rank in ranks)
+        return RankedTasks(Interval(range(self.count())), self)
 
     def split(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, RankedTasks]:
         """Return disjoint random parts that have these shares of the tasks, each rounded by less than one task.
@@ -185,10 +187,7 @@ class TaskSpace:
 
         order = Shuffle(self.count(), seed)
         parts = divided(order.size, parse_shares(shares))
-        return {
-            name: RankedTasks(Shuffled(order, Interval(places)), self._told, self.index)
-            for name, places in parts.items()
-        }
+        return {name: RankedTasks(Shuffled(order, Interval(places)), self) for name, places in parts.items()}
 
     def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
         """Return disjoint random parts without a common skeleton, each a task space of this length.

@@ -175,12 +175,21 @@ def test_what_the_options_say_is_begun(space: TaskSpace, given: Mapping[str, lis
         ({"stage": "last"}, "0 to 1"),
         ({"stage": True}, "0 to 1"),
         ({"rank": 10**9}, "rank"),
+        ({"rank": 1, "task": next(iter(TaskSpace(load_domain("tabletop"), 1)))}, "one of them"),
+        ({"task": next(iter(TaskSpace(load_domain("prag"), 1)))}, "give a task of that domain"),
+        (5, "by name"),
+        ({1: 2}, "no option '1'"),
         ({"witness": None, "task": None, "rank": -1}, "rank"),
     ],
 )
-def test_options_that_mean_nothing_are_refused(env: TaskEnv, options: dict[str, Any], told: str) -> None:
+def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(
+    env: TaskEnv, options: dict[str, Any], told: str
+) -> None:
+    _, info = env.reset(options={"rank": 100, "stage": 1})
     with pytest.raises(QueryError, match=told):
         env.reset(options=options)
+    after = env.step(STILL)[4]
+    assert str(env.task) == info["task"] and after["action"] == info["action"] and after["reached"] == info["reached"]
 
 
 @pytest.mark.parametrize(
@@ -188,6 +197,7 @@ def test_options_that_mean_nothing_are_refused(env: TaskEnv, options: dict[str, 
     [
         {"space": "tabletop"}, {"space": None, "dataset": "data"}, {"space": None, "task": "pick(panda,can_1,table_1)"},
         {"steps": True}, {"steps": 1.5}, {"discount": "x"}, {"witness": "x"},
+        {"stage": "last"}, {"stage": None}, {"stage": 0.0}, {"budget": 3}, {"discount": True},
         {"reward": "dens"}, {"until": "never"}, {"control": "legs"}, {"steps": 0}, {"discount": 0.0},
         {"reward": "faded", "fade": 0}, {"reward": "faded", "fade": "soon"}, {"space": None},
     ],
@@ -267,8 +277,20 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
     env = TaskEnv(task=task, witness=witness)
     with pytest.raises(QueryError, match="no episode has begun"):
         env.step(STILL)
+    for of_an_episode in ("asked", "last", "action"):
+        with pytest.raises(QueryError, match="no episode has begun"):
+            getattr(env, of_an_episode)
     env.reset()
-    for action in (np.zeros(4), np.zeros((5, 1)), np.full(5, np.nan)):
+    for action in (
+        np.zeros(4),
+        np.zeros((5, 1)),
+        np.full(5, np.nan),
+        "up",
+        None,
+        [[1], [1, 2]],
+        [1j] * 5,
+        [10**400] * 5,
+    ):
         with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):
             env.step(action)
     assert env.step(np.full(5, np.inf))[0]["observation"].shape == (56,)

@@ -52,8 +52,18 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
     begun(one, 5, seed=3)
     two.load_state_dict(json.loads(json.dumps(one.state_dict())))
     assert begun(one, 4) == begun(two, 4) and one.state_dict() == two.state_dict()
-    with pytest.raises(QueryError, match="another environment"):
-        two.load_state_dict({"rng": one.state_dict()["rng"], "source": {}})
+    state = json.loads(json.dumps(one.state_dict()))
+    for wrong in ({"rng": state["rng"], "source": {}}, {**state, "made": "another"}, "state"):
+        with pytest.raises(QueryError, match="another environment"):
+            two.load_state_dict(wrong)
+    for wrong in (
+        {**state, "source": {**state["source"], "number": -1}},
+        {**state, "walk": {1, 2}},
+        {**state, "seal": 1},
+    ):
+        with pytest.raises(QueryError, match="damaged"):
+            two.load_state_dict(wrong)
+    assert two.state_dict() == state, "what is refused changes nothing"
     one.close()
     two.close()
 
@@ -129,6 +139,10 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
         ({"part": "train"}, "no place"),
         ({"space": TaskSpaces(load_domain("tabletop"), range(1, 3)), "part": TaskSpace(load_domain("tabletop"), 1)[:2]},
          "of one length"),
+        ({"part": TaskSpace(load_domain("tabletop"), 1)[:2]}, "of length|length=1"),
+        ({"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part is one of TaskSpace"),
+        ({"part": TaskSpace(load_domain("tabletop"), 2).where("has at least 1 stack")[:2]}, "and not of TaskSpace"),
+        ({"domain": "kitchen"}, "have their own"),
         ({"render_mode": "human"}, "render mode"),
         ({"cameras": "front"}, "give their names"),
         ({"cameras": ("back",)}, "no camera back"),
@@ -139,6 +153,18 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
 def test_what_means_nothing_is_refused(space: TaskSpace, asked: dict[str, Any], told: str) -> None:
     with pytest.raises(QueryError, match=told):
         TaskEnv(**{"space": space, **asked})
+
+
+def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, curriculum=Backwards(), steps=1, reward="faded", until="subgoal")
+    env.reset(seed=0)
+    env.reset()  # what is cut off is not heard of
+    for _ in range(5):
+        env.step(STILL)
+    state = env.state_dict()
+    assert state["walk"]["ends"] == state["fading"]["ends"] == [False]
+    env.close()
 
 
 def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]]) -> None:

@@ -71,13 +71,7 @@ class AdaptiveCourse:
 
     def offer(self) -> Offer:
         """Return a task by the weights as they are now, or by those of the domain, with its probability by both."""
-        if self._now is None:
-            return self._usual.take()
-        both = self._usual, self._now
-        which = chosen(self._shares, self._seed, "which", self._usual.taken, self._lots, self._now.taken)
-        found = both[which].take()
-        other = both[1 - which].probability(found.word)
-        return found._replace(probability=self._shares[which] * found.probability + self._shares[1 - which] * other)
+        return self._pool.kept(self._drawn)
 
     def settle(self, word: Word, feasible: bool) -> None:
         """Nothing depends on it."""
@@ -115,6 +109,16 @@ class AdaptiveCourse:
         for stream, taken in zip((self._usual, self._now), state["taken"], strict=True):
             if stream is not None:
                 stream.skip(taken)
+
+    def _drawn(self) -> Offer:
+        """Return a task of the pool or none of it: what is passed over was drawn by both, too."""
+        if self._now is None:
+            return self._usual.take()
+        both = self._usual, self._now
+        which = chosen(self._shares, self._seed, "which", self._usual.taken, self._lots, self._now.taken)
+        found = both[which].take()
+        other = both[1 - which].probability(found.word)
+        return found._replace(probability=self._shares[which] * found.probability + self._shares[1 - which] * other)
 
     def _weights(self) -> dict[str, Fraction]:
         """Return how much more often each name, pair and class is to be drawn, by its progress."""

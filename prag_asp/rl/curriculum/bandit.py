@@ -86,7 +86,7 @@ class BanditCourse:
 
     def offer(self) -> Offer:
         """Return a task by the weights of the arm that is pulled, with its probability by these."""
-        return self._stream.take()
+        return self._pool.kept(self._stream.take)
 
     def settle(self, word: Word, feasible: bool) -> None:
         """Nothing depends on it."""

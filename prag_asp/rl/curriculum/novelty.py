@@ -8,13 +8,13 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Literal, get_args
 
-from prag_asp.errors import QueryError
+from prag_asp.errors import NotFound, QueryError
 from prag_asp.rl.curriculum.course import Course, Episode, Keys, State
-from prag_asp.rl.curriculum.pool import Offer, Pool, Word, derived, refuse_misses
+from prag_asp.rl.curriculum.pool import Offer, Pool, Word, derived
 from prag_asp.rl.curriculum.stream import Stream, times
 from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.drawing.drawers import OverSkeletons
-from prag_asp.space.ordered import lengths_of
+from prag_asp.space.ordered import MISSES, lengths_of
 from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.wording import unknown
 
@@ -23,6 +23,9 @@ WHAT: tuple[What, ...] = get_args(What)
 
 TRIES = 20
 """How many infeasible tasks may have a name or a pair until it counts as drawn: physics may forbid it altogether."""
+
+MISSED = 1000
+"""How many draws of what is due may be of no task of the pool until a new pass begins: the part may have none."""
 
 RARE = Fraction(1, 16)
 """Of all draws a smaller share than this has something that is due: then that is weighed up."""
@@ -37,7 +40,7 @@ class Novelty:
 
     Tasks come without replacement, all orders alike; so do skeletons, each with a task that it has, drawn by weight.
     With names or pairs, each task has one that is due, as long as one is: one that no feasible task had yet, nor
-    `TRIES` infeasible ones. When all were drawn, a new pass begins.
+    `TRIES` infeasible ones. When all were drawn, or no task of the part is found that has any, a new pass begins.
 
     Raises:
         QueryError: there is nothing of that kind.
@@ -125,16 +128,7 @@ class Passes:
 
     def offer(self) -> Offer:
         """Return a task of what comes next, with its probability given all that came before."""
-        size = self._things.size
-        for passed in range(size):
-            times, place = divmod(self._drawn, size)
-            self._drawn += 1
-            seed = derived(self._seed, "pass", times)
-            word, probability = self._things.word(Shuffle(size, seed)[place], seed)
-            if self._pool.has(word):
-                return Offer(word, probability / (size - place), passed)
-            refuse_misses(passed + 1)
-        raise QueryError("there is no task of the part that could be drawn; give a larger part")
+        return self._pool.kept(self._next)
 
     def settle(self, word: Word, feasible: bool) -> None:
         """Nothing depends on it."""
@@ -154,6 +148,14 @@ class Passes:
     def load_state_dict(self, state: State) -> None:
         """Go on from what `state_dict` returned."""
         self._seed, self._drawn = state["seed"], state["drawn"]
+
+    def _next(self) -> Offer:
+        """Return a task of what comes next, of the pool or none of it."""
+        times, place = divmod(self._drawn, self._things.size)
+        self._drawn += 1
+        seed = derived(self._seed, "pass", times)
+        word, probability = self._things.word(Shuffle(self._things.size, seed)[place], seed)
+        return Offer(word, probability / (self._things.size - place))
 
 
 class Coverage:
@@ -180,15 +182,14 @@ class Coverage:
 
     def offer(self) -> Offer:
         """Return a task that has something that is due, with its probability among all that do."""
-        passed = 0
-        while True:
-            found = (self._louder or self._usual).take()
-            passed += found.passed
-            if self._has(found.word).isdisjoint(self._due):
-                passed += 1
-                refuse_misses(passed)
-            else:
-                return Offer(found.word, found.probability / self._share, passed)
+        try:
+            return self._pool.kept(self._drawn, MISSED)
+        except NotFound:
+            if len(self._due) == len(self._all):
+                return self._pool.kept(self._drawn)
+        self._begin(self._all, {})
+        found = self._pool.kept(self._drawn)
+        return found._replace(passed=MISSED + found.passed)
 
     def settle(self, word: Word, feasible: bool) -> None:
         """Note what was drawn."""
@@ -225,6 +226,15 @@ class Coverage:
         for stream, taken in zip((self._usual, self._louder), state["taken"], strict=True):
             if stream is not None:
                 stream.skip(taken)
+
+    def _drawn(self) -> Offer:
+        """Return a task that has something that is due, of the pool or none of it."""
+        stream = self._louder or self._usual
+        for _ in range(MISSES):
+            found = stream.take()
+            if not self._has(found.word).isdisjoint(self._due):
+                return found._replace(probability=found.probability / self._share)
+        raise NotFound(f"none of {MISSES} tasks drawn in a row has {self._what} that are due; give a larger space")
 
     def _has(self, word: Word) -> frozenset[str]:
         """Return the names of a task, or its pairs."""

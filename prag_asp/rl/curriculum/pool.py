@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import partial
 from hashlib import sha256
 from itertools import islice
 from math import lcm
@@ -83,33 +84,42 @@ class Pool:
             return bool(word)
         return self.part.place(self.at(len(word)).rank_of(word)) is not None
 
-    def offers(
+    def offers(self, *, seed: int, length: int | None = None) -> Iterator[Offer]:
+        """Yield tasks drawn by the weights of the domain, independently and without end; of one length where given.
+
+        The probability is that among all tasks of the space, or of those of the length.
+
+        Raises:
+            QueryError: there is nothing to draw.
+            NotFound: so many in a row are none of the pool.
+        """
+        draws = self.draws(seed=seed, length=length)
+        while True:
+            yield self.kept(partial(next, draws))
+
+    def draws(
         self, *, seed: int, weights: Mapping[str, Number] | None = None, length: int | None = None
     ) -> Iterator[Offer]:
-        """Yield tasks drawn by weight, independently and without end; those of one length where it is given.
-
-        The weights are those of `TaskSpace.draw`, and the probability is that among all tasks of the space.
+        """Yield tasks of the space as `offers` does, those of the pool and all others; weights as `TaskSpace.draw` has.
 
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
         space = self.space if length is None else self.at(length)
-        return self._passing(space.draw_words(seed=seed, weights=weights))
+        for draw in self._together(space.draw_words(seed=seed, weights=weights)):
+            yield Offer(draw.word, draw.probability)
 
-    def _passing(self, draws: Iterator[Draw]) -> Iterator[Offer]:
-        """Yield the draws of tasks of the pool.
+    def kept(self, draw: Callable[[], Offer], misses: int = MISSES) -> Offer:
+        """Draw until a task of the pool comes, and return that: it notes how many were passed over.
 
         Raises:
             NotFound: so many in a row are none.
         """
-        passed = 0
-        for draw in self._together(draws):
-            if self.has(draw.word):
-                yield Offer(draw.word, draw.probability, passed)
-                passed = 0
-            else:
-                passed += 1
-                refuse_misses(passed)
+        for passed in range(misses):
+            found = draw()
+            if self.has(found.word):
+                return found._replace(passed=passed)
+        raise NotFound(f"none of {misses} tasks drawn in a row is one of those to be learned; give a larger part")
 
     def _together(self, draws: Iterator[Draw]) -> Iterator[Draw]:
         """Yield draws, and note which come together: their tasks are told together, where one is asked for."""
@@ -133,16 +143,6 @@ class Pool:
             tasks = self.at(len(word)).tasks_of(alike)
             self._told.update((draw.word, task) for draw, task in zip(alike, tasks, strict=True))
         return replace(self._told[word], log_probability=log_probability(offer.probability))
-
-
-def refuse_misses(passed: int) -> None:
-    """Refuse to go on where too much was passed over.
-
-    Raises:
-        NotFound: that is so.
-    """
-    if passed >= MISSES:
-        raise NotFound(f"none of {MISSES} tasks drawn in a row is one of those to be learned; give a larger part")
 
 
 def derived(seed: int, *numbers: int | str) -> int:

@@ -12,29 +12,29 @@ from prag_asp.space.weighing.weights import Number
 
 
 class Stream:
-    """Tasks of a pool drawn by weights, and how many of them were taken.
+    """Tasks of a space, those of the pool and all others, drawn by weights, and how many of them were taken.
 
     `total` is what all tasks of the space weigh together. It keeps its own way to draw: an engine keeps the last alone.
     """
 
     def __init__(self, pool: Pool, weights: Mapping[str, Number], seed: int):
-        offers = pool.offers(seed=seed, weights=weights)
+        draws = pool.draws(seed=seed, weights=weights)
         self._weights = pool.at(pool.lengths[0]).weights(weights)
         self._symbols = {str(action): action for action in pool.space.domain.facts.actions}
-        first = next(offers)
+        first = next(draws)
         # The probability of a task is its weight over that of all, so any draw tells what all weigh.
         self.total = self._weighed(first.word) / first.probability
-        self._offers = chain([first], offers)
+        self._draws = chain([first], draws)
         self.taken = 0
 
     def take(self) -> Offer:
         """Return the next task."""
         self.taken += 1
-        return next(self._offers)
+        return next(self._draws)
 
     def skip(self, count: int) -> None:
         """Go on as if so many tasks had been taken."""
-        skip(self._offers, count)
+        skip(self._draws, count)
         self.taken += count
 
     def probability(self, word: Word) -> Fraction:

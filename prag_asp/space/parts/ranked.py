@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, overload
 
@@ -31,6 +31,22 @@ class Ranks(Protocol):
 
     def cut(self, places: range) -> Ranks:
         """Return the ranks at some places."""
+        ...
+
+
+class Space(Protocol):
+    """What the ranks are those of: a `TaskSpace`."""
+
+    def word(self, rank: int) -> tuple[str, ...]:
+        """Return the task of a rank as the texts of its actions."""
+        ...
+
+    def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
+        """Yield the tasks of such texts."""
+        ...
+
+    def index(self, task: Task) -> int:
+        """Return the rank of a task."""
         ...
 
 
@@ -85,14 +101,10 @@ class Shuffled:
 
 @dataclass(frozen=True)
 class RankedTasks:
-    """Some of the tasks of a space in an order: counted, indexed, sliced, tested and drawn without a list of them.
-
-    `told` yields the tasks of ranks, `rank` gives the rank of a task.
-    """
+    """Some of the tasks of a space in an order: counted, indexed, sliced, tested and drawn without a list of them."""
 
     ranks: Ranks
-    told: Callable[[Iterable[int]], Iterator[Task]]
-    rank: Callable[[Task], int]
+    space: Space
 
     def __repr__(self) -> str:
         return f"<{plural(self.count(), 'task')}>"
@@ -108,11 +120,14 @@ class RankedTasks:
     def __getitem__(self, place: int | slice) -> Task | RankedTasks:
         size = self.count()
         if isinstance(place, slice):
-            return RankedTasks(self.ranks.cut(range(*place.indices(size))), self.told, self.rank)
-        return next(self.told([self.ranks[checked_place(place, size)]]))
+            return RankedTasks(self.ranks.cut(range(*place.indices(size))), self.space)
+        return next(self._told([self.ranks[checked_place(place, size)]]))
 
     def __iter__(self) -> Iterator[Task]:
-        return self.told(self._all())
+        return self._told(self._all())
+
+    def _told(self, ranks: Iterable[int]) -> Iterator[Task]:
+        return self.space.narrate(map(self.space.word, ranks))
 
     def _all(self) -> Iterator[int]:
         place, size = 0, self.count()
@@ -124,7 +139,7 @@ class RankedTasks:
         if not isinstance(task, Task):
             return False
         try:
-            return self.ranks.place(self.rank(task)) is not None
+            return self.ranks.place(self.space.index(task)) is not None
         except QueryError:
             return False
 
@@ -134,7 +149,7 @@ class RankedTasks:
         Raises:
             QueryError: it is none of these tasks.
         """
-        place = self.ranks.place(self.rank(task))
+        place = self.ranks.place(self.space.index(task))
         if place is None:
             raise QueryError(
                 f"not one of {'this' if self.count() == 1 else 'these'} {plural(self.count(), 'task')}: {task}"
@@ -154,7 +169,7 @@ class RankedTasks:
             places = distinct_ranks(generator, size, count)
         else:
             places = [generator.randrange(size) for _ in range(count)]
-        return list(self.told(self.ranks[place] for place in places))
+        return list(self._told(self.ranks[place] for place in places))
 
 
 def checked_place(place: int, size: int) -> int:

@@ -210,6 +210,40 @@ def test_importance_weights_give_back_the_mean_of_uniform_draws(
     assert float(sum(weights) / len(drawn)) == pytest.approx(1.0, abs=0.12)
 
 
+@pytest.mark.parametrize(
+    "kind", [Adaptive(lot=20, window=4, exploration=0.3), Novelty("names")], ids=["Adaptive", "Novelty"]
+)
+def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
+    kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
+) -> None:
+    part = [rank for rank, word in enumerate(space.words()) if "grasp" in names(word)]
+    pool = Pool(space, space[part[0] : part[-1] + 1].ranks)
+    course = kind.course(pool)
+    course.seed(chance.seed(2))
+    grasp = next(tasks[word].actions for word in space.words() if names(word) == ["approach", "grasp"])
+    for number in range(20):
+        course.report(Episode(2, 0, [Attempt(action, None, number > 17) for action in grasp], number > 17))
+    drawn = [course.offer() for _ in range(800)]
+    draws = sum(1 + offer.passed for offer in drawn)
+    found = sum(1 / offer.probability for offer in drawn) / draws
+    # Of a course by names that no task is settled with, all are due.
+    assert float(found) == pytest.approx(pool.part.size if pool.part else 0, rel=0.12)
+
+
+def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> None:
+    course = Novelty("names").course(Pool(space, space[7:9].ranks))
+    for _ in range(4):
+        offer = course.offer()
+        assert offer.word in (space.word(7), space.word(8))
+        course.settle(offer.word, True)
+
+
+def test_a_part_of_one_task_is_found_among_skeletons(space: TaskSpace) -> None:
+    part = space[7:8]
+    course = Novelty("skeletons").course(Pool(space, part.ranks))
+    assert {course.offer().word for _ in range(3)} == {space.word(7)}
+
+
 def test_a_bandit_learns_as_exp3_does_and_draws_more_of_its_arm(space: TaskSpace, tasks: dict[Word, Task]) -> None:
     course = Bandit(exploration=0.3, lot=2).course(Pool(space))
     assert {"grasp", "approach>grasp", "can"} <= set(course.arms)

@@ -1,0 +1,87 @@
+"""What an environment may be asked for: what means nothing is refused before anything begins."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, TypeGuard, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import QueryError
+from prag_asp.physics import Budget
+from prag_asp.rl.control import CONTROLS
+from prag_asp.rl.rewards import REWARDS
+from prag_asp.wording import unknown
+
+Until = Literal["subgoal", "task"]
+UNTIL: tuple[Until, ...] = get_args(Until)
+
+OPTIONS = ("task", "witness", "rank", "stage")
+
+
+def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
+    """Refuse what no episode is.
+
+    Raises:
+        QueryError: it means nothing.
+    """
+    for given, known, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
+        if given not in known:
+            raise QueryError(unknown(str(given), known, what))
+    if not is_whole(stage) and stage != "any":
+        raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
+    if type(steps) is not int or steps < 1:
+        raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
+
+
+def check_figures(*, discount: object, budget: object, render_mode: object, modes: list[str]) -> None:
+    """Refuse a discount, a budget and a mode to render that are none.
+
+    Raises:
+        QueryError: one is none.
+    """
+    if not isinstance(discount, int | float) or isinstance(discount, bool) or not 0.0 < discount <= 1.0:
+        raise QueryError(f"a discount is above 0 and at most 1; got {discount!r}")
+    if budget is not None and not isinstance(budget, Budget):
+        raise QueryError(f"budget {budget!r:.80}: give a prag_asp.physics.Budget")
+    if render_mode is not None and render_mode not in modes:
+        raise QueryError(unknown(str(render_mode), modes, "render mode"))
+
+
+def options_of(given: object) -> Mapping[str, Any]:
+    """Return the options of a reset.
+
+    Raises:
+        QueryError: they are none, or say more than one thing.
+    """
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise QueryError(f'options {given!r:.80}: give them by name, such as {{"stage": 1}}')
+    for name in given:
+        if name not in OPTIONS:
+            raise QueryError(unknown(str(name), OPTIONS, "option"))
+    if given.get("rank") is not None and given.get("task") is not None:
+        raise QueryError("a rank and a task: give one of them")
+    return given
+
+
+def moves_of(action: object, size: int) -> NDArray[np.float64]:
+    """Return so many numbers of an action, those beyond -1 and 1 as these.
+
+    Raises:
+        QueryError: it is none.
+    """
+    try:
+        moves = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
+    except (TypeError, ValueError, OverflowError):
+        moves = np.array(np.nan)
+    if moves.shape != (size,) or np.isnan(moves).any():
+        raise QueryError(f"an action has the shape {(size,)} and finite numbers; got {action!s:.80}")
+    return moves
+
+
+def is_whole(number: object) -> TypeGuard[int | np.integer[Any]]:
+    """Tell whether something is a whole number, of Python or NumPy."""
+    return isinstance(number, int | np.integer) and not isinstance(number, bool)

@@ -1,0 +1,19 @@
+from __future__ import annotations
+
+import os
+
+from prag_asp.physics.bullet import silenced
+
+
+def test_a_descriptor_gets_its_voice_back_when_the_last_who_silenced_it_is_done() -> None:
+    heard, spoken = os.pipe()
+    one, two = silenced(spoken), silenced(spoken)
+    one.__enter__()
+    two.__enter__()
+    one.__exit__(None, None, None)  # as threads do: not the last one first
+    os.write(spoken, b"not heard ")
+    two.__exit__(None, None, None)
+    os.write(spoken, b"heard")
+    assert os.read(heard, 100) == b"heard"
+    os.close(heard)
+    os.close(spoken)
