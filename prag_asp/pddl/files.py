@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from prag_asp.errors import DomainError
-from prag_asp.pddl.formula import Formula, Literal, Variable
+from prag_asp.pddl.formula import Formula, Literal, Variable, literals
 from prag_asp.pddl.model import OBJECT, Cost, Derived, DomainFile, Effect, ProblemFile, Schema, Signature
 from prag_asp.pddl.nodes import Node, Word
 from prag_asp.pddl.parsing import parse
@@ -103,6 +103,7 @@ class _DomainReader(_Reader):
                 action = self._action(part)
                 self.check_new("action", part.words[1], actions)
                 actions[action.name] = action
+        self._check_layers(derived)
         self._check_not_changed({each.predicate for each in derived}, actions)
         return DomainFile(
             str(name), self._types, self._constants, self._predicates, self._functions, tuple(derived),
@@ -225,6 +226,17 @@ class _DomainReader(_Reader):
             self.refuse(line, f"{function} takes {plural(arity, 'argument')}, not {len(terms)}; mend them")
         costs.append(Cost((str(function), terms), line))
 
+    def _check_layers(self, derived: Iterable[Derived]) -> None:
+        """Refuse predicates that are derived from what they are not: then rules have no one meaning."""
+        read: dict[str, list[Literal]] = {}
+        for rule in derived:
+            read.setdefault(rule.predicate, []).extend(literals(rule.formula))
+        for name, found in read.items():
+            for literal in found:
+                if not literal.positive and name in _reached(literal.predicate, read):
+                    told = f"{name} is derived from that {literal.predicate} is false, which depends on {name}"
+                    self.refuse(literal.line, f"{told}; leave the negation out")
+
     def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
         """Refuse effects on predicates that rules derive."""
         for action in actions.values():
@@ -232,6 +244,16 @@ class _DomainReader(_Reader):
                 if effect.literal.predicate in derived:
                     told = f"{effect.literal.predicate} is derived, and no effect may set it"
                     self.refuse(effect.literal.line, f"{told}; remove its rule, or the effect")
+
+
+def _reached(predicate: str, read: Mapping[str, list[Literal]]) -> set[str]:
+    """Return a predicate, and all that its rules read, or the rules of those."""
+    found, waiting = {predicate}, [predicate]
+    while waiting:
+        new = {each.predicate for each in read.get(waiting.pop(), ())} - found
+        found |= new
+        waiting += new
+    return found
 
 
 class _ProblemReader(_Reader):

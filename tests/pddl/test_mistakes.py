@@ -110,6 +110,17 @@ def test_what_rules_derive_is_neither_set_nor_stated(tmp_path: Path) -> None:
         read(*written(tmp_path, domain.replace("(not (p ?x))", "(r)"), PROBLEM))
 
 
+def test_what_is_derived_from_its_own_opposite_is_refused(tmp_path: Path) -> None:
+    domain = GOOD.replace("(q ?x ?y))\n (:f", "(q ?x ?y) (r) (s))\n (:f").replace(
+        " (:action", " (:derived (r) (or (r) (s)))\n (:derived (s) (imply (r) (p k)))\n (:action"
+    )
+    with pytest.raises(
+        DomainError, match=r"domain.pddl:8: s is derived from that r is false, which depends on s; leav"
+    ):
+        read(*written(tmp_path, domain, PROBLEM))
+    read(*written(tmp_path, domain.replace("(imply (r) (p k))", "(or (r) (p k))"), PROBLEM))
+
+
 def test_a_domain_is_two_files_in_their_order(tmp_path: Path) -> None:
     domain, problem = written(tmp_path, GOOD, PROBLEM)
     assert load_domain(domain, problem).name == "d_e"
