@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import chain, count
 
 from prag_asp.pddl.formula import (
     Equality,
@@ -92,6 +93,7 @@ class Bodies:
         self._words = words
         self._rules = rules
         self._known: dict[tuple[str, Formula], str] = {}
+        self._at_end: dict[str, str] = {}
         self._names: set[str] = {*words.predicates.values(), *words.types.values()}
 
     def changes(self, formula: Formula) -> bool:
@@ -126,7 +128,18 @@ class Bodies:
 
     def derived(self, predicate: str, part: str) -> str:
         """Return how a derived predicate is called in a part of the program."""
-        return self._words.predicates[predicate] + ("_at_end" if part == END else "")
+        if part != END:
+            return self._words.predicates[predicate]
+        if predicate not in self._at_end:
+            name = f"{self._words.predicates[predicate]}_at_end"
+            self._at_end[predicate] = self._take(chain([name], (f"{name}_{number}" for number in count(2))))
+        return self._at_end[predicate]
+
+    def _take(self, names: Iterable[str]) -> str:
+        """Return the first of some names that nothing has yet; from then on it is taken."""
+        found = next(each for each in names if each not in self._names)
+        self._names.add(found)
+        return found
 
     def _literal(self, literal: Literal, part: str) -> str:
         atom = self._words.atom(literal)
@@ -149,8 +162,7 @@ class Bodies:
         free = variables(formula)
         terms = [variable.name for variable in free] + ([] if part == BASE else ["t"])
         if (part, formula) not in self._known:
-            name = next(f"{word}_{n}" for n in range(1, len(self._names) + 2) if f"{word}_{n}" not in self._names)
-            self._names.add(name)
+            name = self._take(f"{word}_{number}" for number in count(1))
             self._known[part, formula] = head = applied(name, terms)
             before = len(self._rules.parts[part])
             for body in self.bodies(formula, part):

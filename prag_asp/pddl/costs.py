@@ -14,6 +14,10 @@ DIGITS = 2000
 """Significant digits that a weight may need."""
 
 
+MOST_COST = 10_000
+"""The greatest cost of an action that becomes a weight: the power of a factor has about as many digits as that."""
+
+
 def factor_of(text: str) -> Fraction:
     """Return the factor that a text states.
 
@@ -55,10 +59,12 @@ def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
     """Return the factor to the power of a cost, exactly.
 
     Raises:
-        QueryError: the cost is no whole number, or the weight has too many digits.
+        QueryError: the cost is no whole number or above `MOST_COST`, or the weight has too many digits.
     """
     if cost != cost.to_integral_value():
         raise QueryError(f"cost {cost}: only whole costs become weights; multiply all by the same number")
+    if cost > MOST_COST:
+        raise QueryError(f"cost {cost:.6g}: costs up to {MOST_COST} become weights; divide all by the same number")
     weight = factor ** int(cost)
     exact = Context(prec=DIGITS)
     try:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn
 
 from prag_asp.errors import DomainError
-from prag_asp.pddl.formula import Formula, Literal, Variable
+from prag_asp.pddl.formula import Formula, Literal, Variable, literals
 from prag_asp.pddl.model import OBJECT, Cost, Derived, DomainFile, Effect, ProblemFile, Schema, Signature
 from prag_asp.pddl.nodes import Node, Word
 from prag_asp.pddl.parsing import parse
@@ -43,6 +43,12 @@ class _Reader:
         """Refuse what is declared twice."""
         if str(name) in known:
             self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
+
+    def number(self, given: Word) -> str:
+        """Return a number as it is written; the grammar takes ones with several points, too."""
+        if given.count(".") > 1:
+            self.refuse(given.line, f"{given} is no number; write one such as 2 or 0.5")
+        return str(given)
 
     def typed_names(self, tree: Node) -> Iterator[tuple[Word, Word | None]]:
         """Yield the names of a list, each with its type if it has one."""
@@ -97,6 +103,7 @@ class _DomainReader(_Reader):
                 action = self._action(part)
                 self.check_new("action", part.words[1], actions)
                 actions[action.name] = action
+        self._check_layers(derived)
         self._check_not_changed({each.predicate for each in derived}, actions)
         return DomainFile(
             str(name), self._types, self._constants, self._predicates, self._functions, tuple(derived),
@@ -208,7 +215,7 @@ class _DomainReader(_Reader):
         if len(value.nodes) > 1 or inner.kind == "f_exp":
             self.refuse(line, "a cost that is computed cannot be imported; write a number or one function")
         if inner.kind == "num_literal":
-            costs.append(Cost(str(inner.words[0]), line))
+            costs.append(Cost(self.number(inner.words[0]), line))
             return
         function, terms = inner.words[0], tuple(map(scope.term, inner.children[1:]))
         if str(function) not in self._functions:
@@ -219,6 +226,17 @@ class _DomainReader(_Reader):
             self.refuse(line, f"{function} takes {plural(arity, 'argument')}, not {len(terms)}; mend them")
         costs.append(Cost((str(function), terms), line))
 
+    def _check_layers(self, derived: Iterable[Derived]) -> None:
+        """Refuse predicates that are derived from what they are not: then rules have no one meaning."""
+        read: dict[str, list[Literal]] = {}
+        for rule in derived:
+            read.setdefault(rule.predicate, []).extend(literals(rule.formula))
+        for name, found in read.items():
+            for literal in found:
+                if not literal.positive and name in _reached(literal.predicate, read):
+                    told = f"{name} is derived from that {literal.predicate} is false, which depends on {name}"
+                    self.refuse(literal.line, f"{told}; leave the negation out")
+
     def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
         """Refuse effects on predicates that rules derive."""
         for action in actions.values():
@@ -226,6 +244,16 @@ class _DomainReader(_Reader):
                 if effect.literal.predicate in derived:
                     told = f"{effect.literal.predicate} is derived, and no effect may set it"
                     self.refuse(effect.literal.line, f"{told}; remove its rule, or the effect")
+
+
+def _reached(predicate: str, read: Mapping[str, list[Literal]]) -> set[str]:
+    """Return a predicate, and all that its rules read, or the rules of those."""
+    found, waiting = {predicate}, [predicate]
+    while waiting:
+        new = {each.predicate for each in read.get(waiting.pop(), ())} - found
+        found |= new
+        waiting += new
+    return found
 
 
 class _ProblemReader(_Reader):
@@ -252,7 +280,7 @@ class _ProblemReader(_Reader):
         for each in parts["init"].nodes:
             self._initial(each, scope, initial, costs)
         name, goal = str(parts["problem_def"].words[-1]), scope.formula(parts["goal"].nodes[0])
-        return ProblemFile(name, self._objects, tuple(initial), costs, goal)
+        return ProblemFile(name, self._objects, self._true(initial), costs, goal)
 
     def _initial(
         self, tree: Node, scope: Scope, initial: list[Literal], costs: dict[tuple[str, tuple[str, ...]], str]
@@ -265,7 +293,9 @@ class _ProblemReader(_Reader):
                 self.refuse(function.line, f"unknown function {function}; {hint}")
             for term in terms:
                 scope.known_object(term)
-            costs[str(function), tuple(map(str, terms))] = str(tree.nodes[1].words[0])
+            value = self.number(tree.nodes[1].words[0])
+            if costs.setdefault((str(function), tuple(map(str, terms))), value) != value:
+                self.refuse(function.line, f"({' '.join([function, *terms])}) has two values; state one")
             return
         name, *terms = first.nodes[0].words
         scope.signature(name, len(terms))
@@ -273,5 +303,13 @@ class _ProblemReader(_Reader):
             self.refuse(name.line, f"{name} is derived, and is not stated at the start; remove it here, or its rule")
         for term in terms:
             scope.known_object(term)
-        if "not" not in first.words:
-            initial.append(Literal(str(name), tuple(map(str, terms)), True, name.line))
+        initial.append(Literal(str(name), tuple(map(str, terms)), "not" not in first.words, name.line))
+
+    def _true(self, initial: Iterable[Literal]) -> tuple[Literal, ...]:
+        """Return what is true of what `:init` states; what is both true and false there is refused."""
+        stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
+        for each in initial:
+            if stated.setdefault((each.predicate, each.terms), each.positive) != each.positive:
+                told = " ".join([each.predicate, *map(str, each.terms)])
+                self.refuse(each.line, f"({told}) is both true and false at the start; state one of them")
+        return tuple(each for each in initial if each.positive)

@@ -31,6 +31,14 @@ BEGIN = re.compile(r"\s*\(\s*define\s*\(\s*(\w+)")
 WORDS = re.compile(r"([:?]?[\w-]+|\S|)\s*([:?]?[\w-]*)")
 KINDS = ("domain", "problem")
 
+ORDER = {
+    "domain": ":requirements :types :constants :predicates :functions, then :derived and :action",
+    "problem": ":domain :requirements :objects :init :goal :metric",
+}
+"""In which order the grammar takes the sections of a file, each once."""
+
+SECTIONS = frozenset(re.findall(r":\w+", " ".join(ORDER.values())))
+
 UNSUPPORTED = {
     **dict.fromkeys([":durative-action", ":durative-actions", ":duration-inequalities"], "actions that take time"),
     **dict.fromkeys([":preferences", "preference"], "preferences"),
@@ -83,7 +91,7 @@ def _line(path: Path, text: str, error: object) -> int:
     return max(text.rstrip().count("\n") + 1, 1) if at_end or not isinstance(line, int) or line < 1 else line
 
 
-def _told(text: str, at: int, kind: str) -> str:
+def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each mistake
     """Return what is wrong at a place of a text, and what to do."""
     begin, around = WORDS.match(text, at), WORDS.match(text, max(text.rfind("(", 0, at), 0))
     words = begin.groups() if begin else ("", "")
@@ -94,6 +102,12 @@ def _told(text: str, at: int, kind: str) -> str:
         return f"')' comes too early, for the {kind} lacks what belongs here; write it, or look for a ')' too many"
     if not words[0]:
         return f"the {kind} ends before it is whole; write all that it needs"
+    if words[0] in SECTIONS:
+        return f"{words[0]} is not expected here; write what comes before it, in the order {ORDER[kind]}"
+    if words[0] == "(" and text[:at].rstrip().endswith("-"):
+        return "a type above another, or of an object, is one name; only a variable may be of (either ...)"
+    if re.match(r"[\d_]|[^\W\d_a-z]", words[0]):
+        return f"{words[0]!r} is no name here; begin it with a letter of a to z, then letters, digits, '-' and '_'"
     return f"{words[0]!r} is not expected here; look for a misspelt word, or a parenthesis that is missing before it"
 
 

@@ -147,6 +147,13 @@ TASKS: dict[str, tuple[str, str]] = {
         """(define (problem x) (:domain d) (:objects a b c - node) (:init (at a) (edge a b) (edge b c) (edge c b))
           (:goal (and (at c) (stuck b))))""",
     ),
+    "derived at the end": (
+        """(define (domain d) (:predicates (r ?x) (s ?x) (r-at-end ?x) (u ?x))
+          (:derived (r ?x) (s ?x)) (:derived (r-at-end ?x) (u ?x))
+          (:action a :parameters (?x ?y) :precondition (and (u ?x) (r-at-end ?x)) :effect (s ?y))
+          (:action z :parameters (?x) :precondition (r ?x) :effect (and (u ?x) (not (s ?x)))))""",
+        """(define (problem p) (:domain d) (:objects a b) (:init (u a) (s a)) (:goal (or (r b) (not (r-at-end b)))))""",
+    ),
     "either": (
         """(define (domain d) (:requirements :typing) (:types cup pan bowl - thing)
           (:predicates (held ?x - (either cup pan)) (clean ?x - thing) (any ?x))

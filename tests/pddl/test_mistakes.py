@@ -42,6 +42,7 @@ GOOD = DOMAIN.replace(" (:derived (r) (p k))\n", "")
         ("(:action act", "(:durative-action act", "pddl:7: :durative-action: actions that take time"),
         ("(increase (total-cost) 1)", "(increase (far k) 1)",
          r"domain.pddl:11: \(increase \(far ...\)\): functions that change"),
+        ("(increase (total-cost) 1)", "(increase (total-cost) 1.2.3)", "domain.pddl:11: 1.2.3 is no number; write one"),
         ("(increase (total-cost) 1)", "(increase (total-cost) (* 2 1))", "domain.pddl:11: a cost that is computed"),
         ("(increase (total-cost) 1)", "(when (p k) (increase (total-cost) 1))",
          "domain.pddl:11: a cost that depends"),
@@ -50,6 +51,12 @@ GOOD = DOMAIN.replace(" (:derived (r) (p k))\n", "")
         ("(and (p ?x) (q", "(and (> (far k) 1) (q", "domain.pddl:9: .> ....: numbers cannot be compared"),
         ("(p ?x) (q ?x ?y)", "(p ?x)) (q ?x ?y)", "domain.pddl:11: this '.' closes nothing; remove it"),
         (":parameters", ":parameter", "domain.pddl:8: ':parameter' is not expected here; look for a misspelt word"),
+        ("(:predicates", "(:functions (f) - number) (:predicates",
+         "domain.pddl:5: :predicates is not expected here; write what comes before it, in the order :requirements"),
+        ("k - a", "k - (either a b)", "domain.pddl:4: a type above another, or of an object, is one name; only"),
+        ("act\n", "1act\n", "domain.pddl:7: '1act' is no name here; begin it with a letter of a to z, then letters"),
+        ("act\n", "\u00e9t\u00e9\n", "domain.pddl:7: '\u00e9t\u00e9' is no name here; begin it"),
+        ("?y)\n  :p", "?_y)\n  :p", "domain.pddl:8: '_y' is no name here; begin it"),
         ("1))))", "1)))", "domain.pddl:11: the file ends, and 1 '.' is open; close each with"),
         ("(p ?x) (q", "(and " * 120 + ")" * 120 + " (q", "domain.pddl:9: parentheses are nested more than 100 deep"),
         (GOOD, "", "domain.pddl:1: no domain of PDDL; begin it with"),
@@ -72,7 +79,15 @@ def test_a_mistake_in_a_domain_is_told_by_its_line(old: str, new: str, told: str
         ("(q k o)", "(q k oo)", "problem.pddl:4: unknown object oo; did you mean o?"),
         ("(q k o)", "(q k)", "problem.pddl:4: q takes 2 arguments, not 1"),
         ("(q k o)", "(qq k)", "problem.pddl:4: unknown predicate qq; did you mean q?"),
+        ("(q k o)", "(= (far k) 1.2.3)", "problem.pddl:4: 1.2.3 is no number; write one such as 2 or 0.5"),
+        ("(q k o)", "(= (far k) 1) (= (far k) 2)", r"problem.pddl:4: .far k. has two values; state one"),
+        ("(q k o)", "(q k o) (not (q k o))", r"problem.pddl:4: .q k o. is both true and false at the start; state one"),
         ("(q k o)", "(at 5 (q k o))", "problem.pddl:4: "),
+        (
+            " (:init (q k o))\n",
+            "",
+            "problem.pddl:4: :goal is not expected here; write what comes before it, in the order",
+        ),
         ("(p k))", "(p ?x))", "problem.pddl:5: unknown variable \\?x"),
         ("(:goal (p k))", "(:goal (preference w (p k)))", "problem.pddl:5: preference: preferences cannot be imported"),
         (PROBLEM, "; nothing\n", "problem.pddl:1: no problem of PDDL"),
@@ -93,6 +108,17 @@ def test_what_rules_derive_is_neither_set_nor_stated(tmp_path: Path) -> None:
         read(*written(tmp_path, domain, stated))
     with pytest.raises(DomainError, match=r"domain.pddl:11: r is derived, and no effect may set it; remove its rule"):
         read(*written(tmp_path, domain.replace("(not (p ?x))", "(r)"), PROBLEM))
+
+
+def test_what_is_derived_from_its_own_opposite_is_refused(tmp_path: Path) -> None:
+    domain = GOOD.replace("(q ?x ?y))\n (:f", "(q ?x ?y) (r) (s))\n (:f").replace(
+        " (:action", " (:derived (r) (or (r) (s)))\n (:derived (s) (imply (r) (p k)))\n (:action"
+    )
+    with pytest.raises(
+        DomainError, match=r"domain.pddl:8: s is derived from that r is false, which depends on s; leav"
+    ):
+        read(*written(tmp_path, domain, PROBLEM))
+    read(*written(tmp_path, domain.replace("(imply (r) (p k))", "(or (r) (p k))"), PROBLEM))
 
 
 def test_a_domain_is_two_files_in_their_order(tmp_path: Path) -> None:
