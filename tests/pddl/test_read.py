@@ -10,6 +10,7 @@ from hypothesis.strategies import integers
 
 from prag_asp import DomainError, TaskSpace, load_domain
 from prag_asp.pddl import read
+from tests.chance import examples
 from tests.pddl.forward import Search
 from tests.pddl.random_tasks import random_task
 from tests.pddl.tasks import TASKS
@@ -36,7 +37,7 @@ def test_all_plans_of_a_problem_are_those_of_a_forward_search(name: str, tmp_pat
             assert found == counts[: most + 1], read(*written(tmp_path, domain, text)).text
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=examples(30))
 @given(seed=integers(0, 10**6))
 def test_random_tasks_have_the_plans_of_a_forward_search(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     domain, problem = random_task(seed)
