@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from prag_asp import Domain, DomainError, Task, TaskSpace, load_domain
 from prag_asp.pddl import Exported, write
 from tests.brute_force import Toy
+from tests.chance import examples
 from tests.pddl.forward import Search
 from tests.pddl.tasks import TASKS
 from tests.pddl.test_read import written
@@ -57,7 +58,7 @@ def closed(toy: Toy) -> Toy:
     return Toy(toy.fluents, actions, initially, toy.exclusive, toy.implies, toy.goal, impossible=toy.impossible)
 
 
-@settings(max_examples=20, deadline=None, derandomize=True)
+@settings(max_examples=examples(20))
 @given(toy=toys(closed=True))
 def test_random_domains_have_the_plans_of_the_definition(toy: Toy, tmp_path_factory: pytest.TempPathFactory) -> None:
     toy = closed(toy)
