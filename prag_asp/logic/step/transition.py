@@ -65,7 +65,7 @@ class Transition:
         return pack(column.reshape(len(self.variables), 1))[: 1 if ground.consistent else 0]
 
     @cached_property
-    def _rules(self) -> StepRules:
+    def rules(self) -> StepRules:
         now, bodies = self.step.ground.now, self.step.bodies
         atoms = (now.get(symbol, 0) for symbol in self.variables)
         kept = set(self.step.occurs.values())
@@ -79,14 +79,14 @@ class Transition:
         return tuple(self.step.occurs.values())
 
     @cached_property
-    def _final_strata(self) -> list[Stratum]:
+    def final_strata(self) -> list[Stratum]:
         roots = [abs(literal) for body in self.step.final for literal in body.literals]
         return stratify(roots, self.step.final_bodies)
 
     def move(self, letter: int) -> Move:
         """Return what the action of a number does."""
         if letter not in self._moves:
-            self._moves[letter] = compile_move(self._rules, self._atoms[letter])
+            self._moves[letter] = compile_move(self.rules, self._atoms[letter])
         return self._moves[letter]
 
     def accepts(self, states: Rows) -> Column:
@@ -97,7 +97,7 @@ class Transition:
         now, size = self.step.ground.now, len(states)
         columns = self._columns(states, now)
         read = _reader(columns, size)
-        evaluate(self._final_strata, self.step.final_bodies.__getitem__, columns, read, size)
+        evaluate(self.final_strata, self.step.final_bodies.__getitem__, columns, read, size)
         for body in self.step.final:
             broken |= body_column(body, read, size)
         return ~broken
@@ -107,7 +107,7 @@ class Transition:
 
         `wanted` says which actions are asked for in which states, shape (states, actions); without it, all are.
         """
-        before = _Before.evaluated(self._rules, self._columns(states, self.step.ground.before), len(states))
+        before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
         asked = range(len(self.actions)) if wanted is None else np.flatnonzero(wanted.any(axis=0)).tolist()
         for letter in asked:
             sources = _unguarded(self.move(letter), before, None if wanted is None else wanted[:, letter])
