@@ -140,7 +140,7 @@ class _Relaxed:
         occurs = self._gates.all([*(self._false(body, self._idle_value) for body in move.guards),
                                   *(self._false(body, value) for body in move.constraints)])  # fmt: skip
         changed = dict(move.changed)
-        for place in _places(~move.keep, len(true)):
+        for place in self._transition.places_set(move):
             may = value(changed[place]) if place in changed else (TRUE, FALSE) if _has(move.put, place) else NEVER
             true[place].append(self._gates.all((occurs, may[0])))
             false[place].append(self._gates.all((occurs, may[1])))
@@ -194,11 +194,6 @@ class _Relaxed:
 
 def _reader(values: Mapping[int, May]) -> Callable[[int], May]:
     return lambda atom: values.get(atom, NEVER)
-
-
-def _places(words: Rows, places: int) -> list[int]:
-    """Return the bits of a row that are set, below a number of them."""
-    return np.flatnonzero(unpack(words[None], places)[:, 0]).tolist()
 
 
 def _has(words: Rows, place: int) -> bool:

@@ -102,6 +102,17 @@ class Transition:
             broken |= body_column(body, read, size)
         return ~broken
 
+    def places_set(self, move: Move) -> list[int]:
+        """Return the variables that an action decides, in order."""
+        kept = unpack(move.keep[None], len(self.variables))[:, 0]
+        return np.flatnonzero(~kept).tolist()
+
+    def rests(self, states: Rows) -> Column:
+        """Return which states stay as they are, and break no constraint, while no action occurs, shape (states,)."""
+        before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
+        stays: Column = (before.after == states).all(axis=1) & (before.breaches == 0)
+        return stays
+
     def expand(self, states: Rows, wanted: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
         """Yield what each action makes of a frontier, in the order of `actions`; of none where it is forbidden.
 

@@ -81,13 +81,19 @@ class Explored:
 
 
 def explore(
-    transition: Transition, length: int, watch: Watch | None = None, *, merging: Merging | None = None
+    transition: Transition,
+    length: int,
+    watch: Watch | None = None,
+    *,
+    merging: Merging | None = None,
+    object_to: Callable[[Rows], str] = lambda rows: "",
 ) -> Explored:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
     Letters are numbers of `transition.actions`. Where plans end in some states alone, and there are `MANY` states, a
     state is not expanded from which no plan ends within the steps left. A state is found first where most steps are
-    left, so words of more than `length` actions alone may be missing.
+    left, so words of more than `length` actions alone may be missing. `object_to` sees all states; a text that it
+    returns says why exploring has to stop.
     """
     search = _Search(transition, merging)
     first, depth, stopped = 0, 0, ""
@@ -97,6 +103,7 @@ def explore(
             rows = search.states.rows[first : min(first + search.together, last)]
             search.take(rows, 0 if stopped else length - depth)
             first += len(rows)
+            stopped = object_to(rows) or stopped
             if watch and not stopped:
                 stopped = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes)) or ""
         if depth == length:

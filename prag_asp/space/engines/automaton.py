@@ -30,6 +30,9 @@ WORTH_KEEPING = 0.2
 RANKED = 8
 """Lengths whose rankings are kept."""
 
+FEW_WORDS = 10_000
+"""Sequences of actions up to which nobody asks whether they fall into independent parts."""
+
 LONG = 10_000
 """From this length on counting says how far it is."""
 
@@ -99,6 +102,10 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration; the error has the number of words that were found.
         """
         budget = self._limits.begin()
+        if not prefix and not (self._reached and self._reached.covers(length)):
+            apart = self._count_apart(length, budget)
+            if apart is not None:
+                return apart
         reach = self._reach(length, budget)
         stage("counting")
         if not prefix and not reach.stopped and reach.completions.automaton.horizon is None:
@@ -110,8 +117,36 @@ class AutomatonEngine:
         else:
             found, stopped = count_within(reach.completions, length, budget.to_close().spent, self._tell)
         if stopped or reach.stopped:
-            raise limit_reached(reach, reach.stopped or stopped, found, self._level, length)
+            raise limit_reached(reach.states, reach.stopped or stopped, found, self._level, length)
         return found
+
+    def _count_apart(self, length: int, budget: Budget) -> int | None:
+        """Return the number of words of a length, part by part; None where that is not the way to count them.
+
+        Raises:
+            LimitReached: a limit ended the count; the error has the number of words that were found.
+        """
+        if not self._parts or len(self._transition.actions) ** length <= FEW_WORDS:
+            return None
+        from prag_asp.space.engines.apart import count_apart
+
+        skeletons = self._level == "skeleton"
+        found = count_apart(self._parts, length, self._explorer.watch(budget), budget, skeletons=skeletons)
+        if found is None:
+            return None
+        self._tell(f"counted in {len(self._parts)} independent parts with {found.states:,} states")
+        if found.stopped:
+            raise limit_reached(found.states, found.stopped, found.found, self._level, length)
+        return found.found
+
+    @cached_property
+    def _parts(self) -> tuple[Transition, ...]:
+        """The independent parts of the domain, none where they are not to be counted apart."""
+        if self._explorer.merge is not None:
+            return ()
+        from prag_asp.logic.step.independent import independent_parts
+
+        return independent_parts(self._transition, by_name=self._level == "skeleton")
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -201,7 +236,7 @@ class AutomatonEngine:
         reach = self._reach(length, budget)
         if not reach.covers(length):
             found, _ = count_within(reach.completions, length, budget.to_close().spent)
-            raise limit_reached(reach, reach.stopped, found, self._level, length)
+            raise limit_reached(reach.states, reach.stopped, found, self._level, length)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking:
@@ -226,7 +261,7 @@ class AutomatonEngine:
                 return Weighed(known.completions, ranking=_merged_ranking(known, length))
         reach, unit, marks = explorer.weighed(length, weights, self._limits.begin(), read)
         if not reach.covers(length):
-            raise limit_reached(reach, reach.stopped, 0, self._level, length)
+            raise limit_reached(reach.states, reach.stopped, 0, self._level, length)
         ends = numbered_goals(hindsight, marks) if hindsight else None
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 
@@ -249,9 +284,8 @@ def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
     return MergedRanking(reach.merged, reach.completions, length)
 
 
-def limit_reached(reach: Reach, limit: str, found: int, level: Level, length: int) -> LimitReached:
+def limit_reached(states: int, limit: str, found: int, level: Level, length: int) -> LimitReached:
     """Return the error that says which limit was reached, how far it came until then, and how many words it found."""
-    states = reach.completions.automaton.states
     return LimitReached(
         f"{limit} was reached with {states:,} states explored: there are at least {found} {level}s of length "
         f"{length}; {allow_more(limit)}, or ask for shorter ones",

@@ -58,6 +58,11 @@ class Reach:
         """Return what is known where states were merged."""
         return cls(letters, names, Completions(merged.automaton), merged, stopped)
 
+    @property
+    def states(self) -> int:
+        """The number of states."""
+        return self.completions.automaton.states
+
     def covers(self, length: int) -> bool:
         """Return whether all words of a length are known."""
         horizon = self.completions.automaton.horizon
@@ -116,17 +121,17 @@ class Explorer:
     ) -> tuple[Explored, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
-            return explore(transition, length, self._watch(budget), merging=merging), merging
+            return explore(transition, length, self.watch(budget), merging=merging), merging
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
-        explored = explore(transition, length, self._watch(budget, patience))
+        explored = explore(transition, length, self.watch(budget, patience))
         if explored.stopped == OUTGROWN:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
-                explored = explore(transition, length, self._watch(budget, MORE_PATIENCE))
+                explored = explore(transition, length, self.watch(budget, MORE_PATIENCE))
                 if explored.stopped != OUTGROWN:
                     return explored, None
-            return explore(transition, length, self._watch(budget), merging=merging), merging
+            return explore(transition, length, self.watch(budget), merging=merging), merging
         return explored, None
 
     def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
@@ -135,7 +140,9 @@ class Explorer:
         groups = self.model.groups(0)
         return find_merging(transition, equal_groups(groups, weights), groups if self.level == "task" else ())
 
-    def _watch(self, budget: Budget, patience: int | None = None) -> Watch:
+    def watch(self, budget: Budget, patience: int | None = None) -> Watch:
+        """Return what looks at the limits while states are explored, and at `patience` with the number of edges."""
+
         def watch(extent: Extent) -> str | None:
             if self.tell:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
