@@ -84,7 +84,7 @@ class Relaxation:
         columns = unpack(states, self.variables)
         columns = np.pad(columns, ((0, 0), (0, -len(states) % 64)), mode="edge")
         true = np.packbits(columns, axis=1, bitorder="little").view(np.uint64)
-        return np.stack([true, ~true], axis=1).reshape(2 * self.variables, -1)
+        return np.stack([true, ~true], axis=1).reshape(2 * self.variables, columns.shape[1] // 64)
 
 
 def relax(transition: Transition) -> Relaxation:
