@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,9 +99,9 @@ class Gates:
             first = len(numbers)
             read = [self._made[gate - before][1] for gate in members]
             numbers |= {gate: first + place for place, gate in enumerate(members)}
-            starts = np.cumsum([0, *map(len, read[:-1])])
-            operands = np.array([numbers[each] for several in read for each in several], dtype=np.intp)
-            layers.append(Layer(conjunction, first, operands, starts))
+            starts = np.array([0, *accumulate(map(len, read[:-1]))], dtype=np.intp)
+            reading = np.array([numbers[each] for several in read for each in several], dtype=np.intp)
+            layers.append(Layer(conjunction, first, reading, starts))
         return Circuit(self._inputs, len(numbers), tuple(layers)), numbers
 
     def _needed(self, roots: Sequence[int]) -> list[int]:

@@ -44,7 +44,9 @@ class _Parts:
         self._transition = transition
         self._above: dict[Node, Node] = {}
         before = transition.step.ground.before
-        self._variable = {before[symbol]: place for place, symbol in enumerate(transition.variables) if symbol in before}
+        self._variable = {
+            before[symbol]: place for place, symbol in enumerate(transition.variables) if symbol in before
+        }
         self._moves = {letter: transition.move(letter) for letter in range(len(transition.actions))}
         self._moves = {letter: move for letter, move in self._moves.items() if not move.impossible}
         self._idle_nodes: dict[int, list[Node]] = {}
@@ -146,7 +148,7 @@ class _Parts:
         return idle == [] and not all(number in move.touched for move in self._moves.values())
 
     def _read(self, bodies: Iterable[Body], own: Collection[int] = ()) -> list[Node]:
-        """Return the variables that bodies read, and the derived atoms that some variable decides, such as those `own`."""
+        """Return the variables that bodies read, and the derived atoms that some variable decides, as it does `own`."""
         nodes: list[Node] = []
         for atom in {abs(literal) for body in bodies for literal in body.literals}:
             if atom in self._variable:

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import clingo
 import numpy as np
 from numpy.typing import NDArray
 
@@ -183,7 +184,7 @@ class _Relaxed:
             return TRUE
         return self._gates.any(value(abs(literal))[literal > 0] for literal in body.literals)
 
-    def _values(self, atoms: Mapping[object, int]) -> dict[int, May]:
+    def _values(self, atoms: Mapping[clingo.Symbol, int]) -> dict[int, May]:
         """Return what may be so of the variables among `atoms`."""
         pairs = zip(self._transition.variables, self._inputs, strict=True)
         return {atoms[symbol]: may for symbol, may in pairs if symbol in atoms}

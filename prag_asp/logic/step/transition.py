@@ -66,6 +66,7 @@ class Transition:
 
     @cached_property
     def rules(self) -> StepRules:
+        """The rules of the step in order, with an index of who reads what."""
         now, bodies = self.step.ground.now, self.step.bodies
         atoms = (now.get(symbol, 0) for symbol in self.variables)
         kept = set(self.step.occurs.values())
@@ -80,6 +81,7 @@ class Transition:
 
     @cached_property
     def final_strata(self) -> list[Stratum]:
+        """The rules that the check after the last step depends on, in order."""
         roots = [abs(literal) for body in self.step.final for literal in body.literals]
         return stratify(roots, self.step.final_bodies)
 
@@ -105,7 +107,7 @@ class Transition:
     def places_set(self, move: Move) -> list[int]:
         """Return the variables that an action decides, in order."""
         kept = unpack(move.keep[None], len(self.variables))[:, 0]
-        return np.flatnonzero(~kept).tolist()
+        return [place for place, stays in enumerate(kept.tolist()) if not stays]
 
     def rests(self, states: Rows) -> Column:
         """Return which states stay as they are, and break no constraint, while no action occurs, shape (states,)."""

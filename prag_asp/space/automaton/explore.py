@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.step.packed import Rows
-from prag_asp.logic.step.relaxation import Relaxation, relax
 from prag_asp.logic.step.transition import Successors, Transition
 from prag_asp.space.automaton.automaton import Automaton
 from prag_asp.space.automaton.numbering import Numbering
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.relaxation import Relaxation
     from prag_asp.logic.symmetry.merging import Merging, Orders
     from prag_asp.logic.symmetry.twins import Twins
 
@@ -134,7 +134,11 @@ class _Search:
     @cached_property
     def _relaxation(self) -> Relaxation | None:
         """What tells how far states are from the end of a plan; None where plans end anywhere."""
-        return relax(self._transition) if self._transition.step.final else None
+        if not self._transition.step.final:
+            return None
+        from prag_asp.logic.step.relaxation import relax
+
+        return relax(self._transition)
 
     @property
     def nbytes(self) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import comb, prod
 
 import numpy as np
@@ -22,9 +23,6 @@ from prag_asp.space.automaton.automaton import Completions
 from prag_asp.space.automaton.explore import Watch, explore
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import Budget
-
-FEW_STATES = 4096
-"""States that the whole may have at most to be explored as it is: what was explored answers more questions."""
 
 RESTLESS = "a part does not rest"
 
@@ -43,13 +41,13 @@ def count_apart(
 ) -> Apart | None:
     """Return the number of words of a length of a domain given by its independent parts.
 
-    None where some part does not rest while another acts, or where the whole has few states. A limit leaves words out;
-    none is wrong. `skeletons` counts the words of the actions' names, of which no two parts have one in common.
+    None where some part does not rest while another acts. A limit leaves words out; none is wrong. `skeletons` counts
+    the words of the actions' names, of which no two parts have one in common.
     """
     counts, sizes, stopped = [], [], ""
     for part in parts:
         stage("exploring an independent part")
-        explored = explore(part, 0 if stopped else length, watch, object_to=lambda rows, part=part: _unrest(part, rows))
+        explored = explore(part, 0 if stopped else length, watch, object_to=partial(_unrest, part))
         if explored.stopped == RESTLESS:
             return None
         stopped = stopped or explored.stopped
@@ -62,8 +60,6 @@ def count_apart(
             automaton, limit = skeleton_automaton(automaton, numbers, budget.spent)
             stopped = stopped or limit
         counts.append(_terms(Completions(automaton), length))
-    if prod(sizes) <= FEW_STATES and not stopped:
-        return None
     stage("counting shuffles")
     found, late = shuffled(counts, budget.to_close().spent)
     return Apart(found, sum(sizes), stopped or late)

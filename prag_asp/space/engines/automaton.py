@@ -14,9 +14,10 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
+from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reach import Explorer, Reach
+from prag_asp.space.engines.reach import HALTED, Explorer, Halt, Reach
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more, cache_folder
 from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
 
@@ -30,8 +31,8 @@ WORTH_KEEPING = 0.2
 RANKED = 8
 """Lengths whose rankings are kept."""
 
-FEW_WORDS = 10_000
-"""Sequences of actions up to which nobody asks whether they fall into independent parts."""
+FEW_STATES = 4096
+"""States up to which a domain is explored as a whole, though it may fall into parts: it answers more questions so."""
 
 LONG = 10_000
 """From this length on counting says how far it is."""
@@ -102,11 +103,12 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        if not prefix and not (self._reached and self._reached.covers(length)):
+        reach = self._reach(length, budget, None if prefix else self._falls_apart)
+        if reach.stopped == HALTED:
             apart = self._count_apart(length, budget)
             if apart is not None:
                 return apart
-        reach = self._reach(length, budget)
+            reach = self._reach(length, budget)
         stage("counting")
         if not prefix and not reach.stopped and reach.completions.automaton.horizon is None:
             known = count_by_recurrence(reach.completions, length, budget.spent)
@@ -121,29 +123,30 @@ class AutomatonEngine:
         return found
 
     def _count_apart(self, length: int, budget: Budget) -> int | None:
-        """Return the number of words of a length, part by part; None where that is not the way to count them.
+        """Return the number of words of a length, part by part; None where the parts are not independent after all.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words that were found.
         """
-        if not self._parts or len(self._transition.actions) ** length <= FEW_WORDS:
-            return None
         from prag_asp.space.engines.apart import count_apart
 
         skeletons = self._level == "skeleton"
         found = count_apart(self._parts, length, self._explorer.watch(budget), budget, skeletons=skeletons)
         if found is None:
+            self._parts = ()
             return None
         self._tell(f"counted in {len(self._parts)} independent parts with {found.states:,} states")
         if found.stopped:
             raise limit_reached(found.states, found.stopped, found.found, self._level, length)
         return found.found
 
+    def _falls_apart(self, extent: Extent) -> bool:
+        """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
+        return extent.states > FEW_STATES and self._explorer.merge is None and bool(self._parts)
+
     @cached_property
     def _parts(self) -> tuple[Transition, ...]:
-        """The independent parts of the domain, none where they are not to be counted apart."""
-        if self._explorer.merge is not None:
-            return ()
+        """The independent parts of the domain, none where there is but one."""
         from prag_asp.logic.step.independent import independent_parts
 
         return independent_parts(self._transition, by_name=self._level == "skeleton")
@@ -213,13 +216,13 @@ class AutomatonEngine:
             return count_merged(reach.merged, reach.completions, length, sets)
         return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
 
-    def _reach(self, length: int, budget: Budget) -> Reach:
+    def _reach(self, length: int, budget: Budget, halt: Halt | None = None) -> Reach:
         """Return what is reached within a length, and keep it where no limit ended it."""
         if self._reached is not None and self._reached.covers(length):
             return self._reached
         begun = monotonic()
         stage("exploring")
-        found = self._explorer.reach(self._transition, length, budget)
+        found = self._explorer.reach(self._transition, length, budget, halt)
         if found.covers(length):
             self._reached = found
             if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:

@@ -33,7 +33,11 @@ PATIENCE, WORDS, LARGE = 250_000, 4, 100
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
 
-OUTGROWN = "outgrown"
+OUTGROWN, HALTED = "outgrown", "halted"
+"""Why exploring stopped where no limit ended it."""
+
+Halt = Callable[[Extent], bool]
+"""Tells, by how far exploring has come, whether to leave it."""
 
 Groups = Sequence[Sequence[clingo.Symbol]]
 
@@ -89,11 +93,11 @@ class Explorer:
         facts, labels = weighing_facts(weights or Weights())
         return self.model.transition(tasks=self.level == "task", weighed=facts, labels=(*labels, *read))
 
-    def reach(self, transition: Transition, length: int, budget: Budget) -> Reach:
-        """Return what is reached within `length` steps, or until the budget is spent."""
-        explored, merging = self._explored(transition, length, budget, Weights())
+    def reach(self, transition: Transition, length: int, budget: Budget, halt: Halt | None = None) -> Reach:
+        """Return what is reached within `length` steps, or until the budget is spent or `halt` says so."""
+        explored, merging = self._explored(transition, length, budget, Weights(), halt)
         names = tuple(map(action_name, transition.actions))
-        if self.level == "skeleton":
+        if self.level == "skeleton" and explored.stopped != HALTED:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
@@ -117,14 +121,14 @@ class Explorer:
         return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
 
     def _explored(
-        self, transition: Transition, length: int, budget: Budget, weights: Weights
+        self, transition: Transition, length: int, budget: Budget, weights: Weights, halt: Halt | None = None
     ) -> tuple[Explored, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
             return explore(transition, length, self.watch(budget), merging=merging), merging
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
-        explored = explore(transition, length, self.watch(budget, patience))
+        explored = explore(transition, length, self.watch(budget, patience, halt))
         if explored.stopped == OUTGROWN:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
@@ -140,13 +144,15 @@ class Explorer:
         groups = self.model.groups(0)
         return find_merging(transition, equal_groups(groups, weights), groups if self.level == "task" else ())
 
-    def watch(self, budget: Budget, patience: int | None = None) -> Watch:
-        """Return what looks at the limits while states are explored, and at `patience` with the number of edges."""
+    def watch(self, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
+        """Return what tells of progress, and says when to stop: by the budget, `patience` with the edges, or `halt`."""
 
         def watch(extent: Extent) -> str | None:
             if self.tell:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
+            if halt and halt(extent):
+                return HALTED
             outgrown = patience is not None and extent.edges > patience
             return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
 

@@ -12,9 +12,12 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from prag_asp import TaskSpace
 from prag_asp.logic.model import Model
+from prag_asp.logic.step.packed import Rows
+from prag_asp.logic.step.relaxation import Relaxation
 from prag_asp.space.automaton import explore as exploring
 from prag_asp.space.automaton.explore import explore
 from prag_asp.space.drawing.bits import SeededBits
@@ -153,13 +156,12 @@ def test_a_layer_whose_first_states_are_near_is_not_looked_at_any_more(monkeypat
     monkeypatch.setattr(exploring, "FEWEST", 1)
     monkeypatch.setattr(exploring, "MOST", 1)
     looked: list[int] = []
-    relaxed = exploring.relax(transition)
+    within = Relaxation.within
 
-    class Watched:
-        def within(self, rows: exploring.Rows, left: int) -> object:
-            looked.append(left)
-            return relaxed.within(rows, left)
+    def watched(relaxation: Relaxation, rows: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
+        looked.append(left)
+        return within(relaxation, rows, left)
 
-    monkeypatch.setattr(exploring, "relax", lambda transition: Watched())
+    monkeypatch.setattr(Relaxation, "within", watched)
     explore(transition, 30)
-    assert len(looked) == len(set(looked))  # one state of each layer: all are near enough
+    assert looked == list(range(30, 21, -1))  # one state of each layer: all are near enough

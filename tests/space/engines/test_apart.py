@@ -17,7 +17,7 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.step import independent
 from prag_asp.logic.step.independent import independent_parts
 from prag_asp.space.automaton import explore as exploring
-from prag_asp.space.engines import LEVELS, Level, apart, automaton
+from prag_asp.space.engines import LEVELS, Level, automaton
 from prag_asp.space.engines.apart import shuffled
 from prag_asp.space.engines.automaton import AutomatonEngine
 from tests.brute_force import Action, Toy
@@ -31,8 +31,7 @@ def wherever_possible() -> Iterator[None]:
     """Count apart wherever there are parts, however small."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(independent, "FEWEST_VARIABLES", 0)
-        patch.setattr(apart, "FEW_STATES", 0)
-        patch.setattr(automaton, "FEW_WORDS", 0)
+        patch.setattr(automaton, "FEW_STATES", 0)
         patch.setattr(exploring, "MANY", 0)
         yield
 
@@ -164,8 +163,7 @@ JOINED = {
     "a state of both": "#program step(t). :- holds(open(room(1)),true,t), holds(open(room(2)),true,t).",
     "an invariant": "exclusive(open(room(1)),open(room(2))).",
     "the last action": "#program step(t). :- occurs(light(room(1)),t-1), not occurs(enter(room(1)),t).",
-    "a clock": "day(0,0). #program step(t). day(1-X,t) :- day(X,t-1)."
-    " :- occurs(enter(room(1)),t), day(1,t-1).",
+    "a clock": "day(0,0). #program step(t). day(1-X,t) :- day(X,t-1). :- occurs(enter(room(1)),t), day(1,t-1).",
     "a last state of both": "#program check(t). :- not holds(open(room(1)),true,t), not holds(open(room(2)),true,t).",
     "a number of actions": "at_most(light,2).",
     "an action that has to follow": "#program step(t). :- holds(open(room(1)),true,t-1), not occurs(shut(room(1)),t).",
