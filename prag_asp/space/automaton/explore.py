@@ -86,7 +86,7 @@ def explore(
     watch: Watch | None = None,
     *,
     merging: Merging | None = None,
-    object_to: Callable[[Rows], str] = lambda rows: "",
+    object_to: Callable[[Rows], str] | None = None,
 ) -> Explored:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
@@ -103,7 +103,8 @@ def explore(
             rows = search.states.rows[first : min(first + search.together, last)]
             search.take(rows, 0 if stopped else length - depth)
             first += len(rows)
-            stopped = object_to(rows) or stopped
+            if object_to:
+                stopped = object_to(rows) or stopped
             if watch and not stopped:
                 stopped = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes)) or ""
         if depth == length:

@@ -10,21 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from math import comb, prod
 
-import numpy as np
-
-from prag_asp.logic.ground.program import action_name
-from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Completions
-from prag_asp.space.automaton.explore import Watch, explore
-from prag_asp.space.automaton.skeletons import skeleton_automaton
+from prag_asp.space.engines.reach import HALTED, Explorer
 from prag_asp.space.limits import Budget
-
-RESTLESS = "a part does not rest"
 
 
 @dataclass(frozen=True)
@@ -36,33 +28,23 @@ class Apart:
     stopped: str
 
 
-def count_apart(
-    parts: Sequence[Transition], length: int, watch: Watch, budget: Budget, *, skeletons: bool
-) -> Apart | None:
-    """Return the number of words of a length of a domain given by its independent parts.
+def count_apart(explorer: Explorer, parts: Sequence[Transition], length: int, budget: Budget) -> Apart | None:
+    """Return the number of words of a length of a level, given by the independent parts of its domain.
 
-    None where some part does not rest while another acts. A limit leaves words out; none is wrong. `skeletons` counts
-    the words of the actions' names, of which no two parts have one in common.
+    None where some part does not rest while another acts. A limit leaves words out; none is wrong. Of skeletons, no two
+    parts have a name of actions in common, or two of theirs could be shuffled to the same one.
     """
-    counts, sizes, stopped = [], [], ""
+    counts, states, stopped = [], 0, ""
     for part in parts:
-        stage("exploring an independent part")
-        explored = explore(part, 0 if stopped else length, watch, object_to=partial(_unrest, part))
-        if explored.stopped == RESTLESS:
+        reach = explorer.reach(part, 0 if stopped else length, budget, allow=part.rests)
+        if reach.stopped == HALTED:
             return None
-        stopped = stopped or explored.stopped
-        automaton = explored.automaton
-        sizes.append(automaton.states)
-        if skeletons:
-            names = [action_name(action) for action in part.actions]
-            letters = {name: number for number, name in enumerate(sorted(set(names)))}
-            numbers = np.array([letters[name] for name in names], dtype=np.int64)
-            automaton, limit = skeleton_automaton(automaton, numbers, budget.spent)
-            stopped = stopped or limit
-        counts.append(_terms(Completions(automaton), length))
+        stopped = stopped or reach.stopped
+        states += reach.states
+        counts.append(_terms(reach.completions, length))
     stage("counting shuffles")
     found, late = shuffled(counts, budget.to_close().spent)
-    return Apart(found, sum(sizes), stopped or late)
+    return Apart(found, states, stopped or late)
 
 
 def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = lambda: None) -> tuple[int, str]:
@@ -84,10 +66,6 @@ def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = 
             following.append(sum(comb(n, k) * part[k] * whole[n - k] for k in used if k <= n))
         whole = following
     return whole[-1], ""
-
-
-def _unrest(part: Transition, rows: Rows) -> str:
-    return "" if part.rests(rows).all() else RESTLESS
 
 
 def _terms(completions: Completions, length: int) -> list[int]:

@@ -130,8 +130,7 @@ class AutomatonEngine:
         """
         from prag_asp.space.engines.apart import count_apart
 
-        skeletons = self._level == "skeleton"
-        found = count_apart(self._parts, length, self._explorer.watch(budget), budget, skeletons=skeletons)
+        found = count_apart(self._explorer, self._parts, length, budget)
         if found is None:
             self._parts = ()
             return None

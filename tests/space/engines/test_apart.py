@@ -213,3 +213,25 @@ def test_both_engines_agree_on_rooms() -> None:
             spaces = [TaskSpace(domain, 4, engine=engine) for engine in ("automaton", "clingo", "sat")]
             assert len({space.count(level) for space in spaces}) == 1
             assert spaces[0].count(level) == len(list(spaces[0].words(level)))
+
+
+BOOKS = """
+class(book). entity(book(1..9),book). b(X) :- entity(X,book).
+fluent((taken(X);read(X))) :- b(X). action((take(X);study(X);back(X))) :- b(X).
+precondition(take(X),taken(X),false) :- b(X). postcondition(take(X),taken(X),true) :- b(X).
+precondition(study(X),taken(X),true) :- b(X). postcondition(study(X),read(X),true) :- b(X).
+precondition(back(X),read(X),true) :- b(X). postcondition(back(X),(taken(X);read(X)),false) :- b(X).
+exclusive(read(X),read(Y)) :- b(X), b(Y), X < Y.
+"""
+
+
+def test_states_of_a_part_are_merged_as_those_of_a_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = Model(domain_of(BOOKS + ROOMS.replace("K", "2")))
+    whole = AutomatonEngine(model, "plan", merge=False).count(7)
+    told: list[str] = []
+    monkeypatch.setattr("prag_asp.space.engines.reach.PATIENCE", 0)
+    monkeypatch.setattr("prag_asp.space.engines.reach.LARGE", 1)
+    with wherever_possible():
+        assert AutomatonEngine(model, "plan", told.append).count(7) == whole
+    (counted,) = [words for words in told if "independent" in words]
+    assert counted == "counted in 3 independent parts with 50 states"  # books that can be told apart have hundreds
