@@ -105,7 +105,7 @@ class AutomatonEngine:
         budget = self._limits.begin()
         reach = self._reach(length, budget, None if prefix else self._falls_apart)
         if reach.stopped == HALTED:
-            apart = self._count_apart(length, budget)
+            apart = self._count_apart(length, budget, reach)
             if apart is not None:
                 return apart
             reach = self._reach(length, budget)
@@ -122,8 +122,10 @@ class AutomatonEngine:
             raise limit_reached(reach.states, reach.stopped or stopped, found, self._level, length)
         return found
 
-    def _count_apart(self, length: int, budget: Budget) -> int | None:
+    def _count_apart(self, length: int, budget: Budget, whole: Reach) -> int | None:
         """Return the number of words of a length, part by part; None where the parts are not independent after all.
+
+        `whole` is what was explored of the whole until then.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words that were found.
@@ -136,7 +138,10 @@ class AutomatonEngine:
             return None
         self._tell(f"counted in {len(self._parts)} independent parts with {found.states:,} states")
         if found.stopped:
-            raise limit_reached(found.states, found.stopped, found.found, self._level, length)
+            least = found.found
+            if self._level != "skeleton":  # what was explored of the whole has no names yet
+                least = max(least, count_within(whole.completions, length, budget.to_close().spent)[0])
+            raise limit_reached(found.states, found.stopped, least, self._level, length)
         return found.found
 
     def _falls_apart(self, extent: Extent) -> bool:
