@@ -61,7 +61,7 @@ def explain(
     space = replace(asked, names=names, length=number).space()
     lines = list(_changes(space, action, step) if changes else _reasons(space, action, step, smallest=smallest))
     if not lines:
-        say(f"there are such tasks: {space.title}")
+        say(f"there are tasks of {_asked_for(space, action, step)}")
         return
     for line in lines:
         say(line)
@@ -93,7 +93,7 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
     found = why_empty(space, action=action, step=step, smallest=smallest)
     if found is None:
         return
-    yield _asked_for(space, action, step)
+    yield f"there is no task of {_asked_for(space, action, step)}"
     if found.conditions:
         yield "these conditions are too much:"
         yield from (f"  {clause}" for clause in found.conditions)
@@ -111,7 +111,7 @@ def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator
     found = fewest_changes(space, action=action, step=step)
     if found == ((),):
         return
-    yield _asked_for(space, action, step)
+    yield f"there is no task of {_asked_for(space, action, step)}"
     if not found:
         yield "there is none without all lines that restrict plans either"
     elif len(found[0]) == 1:
@@ -123,9 +123,9 @@ def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator
 
 
 def _asked_for(space: TaskSpace, action: str | None, step: int | None) -> str:
-    """Return what there is none of."""
+    """Return in words which tasks are meant."""
     having = "" if action is None else f" with {action}{'' if step is None else f' as step {step}'}"
-    return f"there is no task of {space.title}{having}"
+    return f"{space.title}{having}"
 
 
 def _told(found: Explanation, plan: Sequence[str]) -> Iterator[str]:
