@@ -27,10 +27,10 @@ NOTHING: Node = ("nothing", 0)
 
 
 def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
-    """Return step functions whose plans, shuffled, are those of a step function, as far as each part rests.
+    """Return step functions whose plans, shuffled, are those of a step function, where each rests in all its states.
 
     With `by_name`, actions of one name belong to one part. The result is empty where there is but one part, or where
-    too few variables make the search worth its time.
+    there are too few variables for the search to be worth its time.
     """
     if len(transition.variables) < FEWEST_VARIABLES:
         return ()
