@@ -17,6 +17,12 @@ set U of atoms that the least model of its reduct lacks. Take a component C that
 does. The body of any rule for an atom of U and C that is true in M needs an atom of U, of C that is, so no stage of C
 reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
 
+*With copies.* Counting by cases can do with less (Kabir, Chakraborty and Meel 2024): an atom of a component has a copy,
+which implies it, and which each rule derives as it derives the atom, from the copies of the component's atoms in its
+body. Unit propagation then makes the copies of an answer set true, all of them, and leaves some open where an atom is
+true for no reason. So the models are more than the answer sets, but those without open copies are they, and a formula
+falls apart where these clauses do.
+
 The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
 the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
 smaller for large components, and propagates less.
@@ -34,14 +40,25 @@ from prag_asp.program.finite.components import components
 
 @dataclass(frozen=True)
 class Completion:
-    """Clauses whose models are answer sets, and the literal of each atom."""
+    """Clauses whose models are answer sets, and the literal of each atom.
+
+    `loops` are the components of atoms that depend positively on themselves, each atom with its rules. With copies,
+    `copies` are the variables that stand for those and for the gates among them.
+    """
 
     clauses: Clauses
     values: Mapping[int, Literal]
+    loops: tuple[Mapping[int, tuple[Rule, ...]], ...] = ()
+    copies: frozenset[int] = frozenset()
+
+    def value(self, literal: int) -> Literal:
+        """Return the literal of an atom or its negation; an atom that no rule derives is false."""
+        found = self.values.get(abs(literal), -TRUE)
+        return found if literal > 0 else -found
 
 
-def complete(rules: Iterable[Rule]) -> Completion:
-    """Return the clauses of a ground program without disjunctions."""
+def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
+    """Return the clauses of a ground program without disjunctions; with `copied`, positive loops have copies."""
     clauses = Clauses()
     rules_of: dict[int, list[Rule]] = {}
     constraints: list[Rule] = []
@@ -63,21 +80,27 @@ def complete(rules: Iterable[Rule]) -> Completion:
         _support(clauses, values[atom], own, value)
     for rule in constraints:
         if rule.weights:
-            clauses.add(-_body(clauses, rule, value))
+            clauses.add(-body_literal(clauses, rule, value))
         else:
             clauses.add(*(-value(literal) for literal in rule.body))
+    loops: list[Mapping[int, tuple[Rule, ...]]] = []
     graph = _positive_graph(open_rules)
     for component in components(graph, lambda atom: (below for below in graph[atom] if below in graph)):
         if len(component) > 1 or any(component[0] in rule.body for rule in open_rules[component[0]]):
-            _found(clauses, component, open_rules, value)
-    return Completion(clauses, values)
+            loops.append({atom: tuple(open_rules[atom]) for atom in sorted(component)})
+    before = clauses.variables
+    for loop in loops:
+        (_copy if copied else _found)(clauses, loop, value)
+    copies = frozenset(range(before + 1, clauses.variables + 1)) if copied else frozenset[int]()
+    return Completion(clauses, values, tuple(loops), copies)
 
 
 def _is_fact(rule: Rule) -> bool:
     return not rule.choice and not rule.body
 
 
-def _body(clauses: Clauses, rule: Rule, value: Callable[[int], Literal]) -> Literal:
+def body_literal(clauses: Clauses, rule: Rule, value: Callable[[int], Literal]) -> Literal:
+    """Return a literal that is true where the body of a rule is, given the values of its literals."""
     literals = list(map(value, rule.body))
     return clauses.at_least(rule.bound, literals, rule.weights) if rule.weights else clauses.all_of(literals)
 
@@ -88,9 +111,9 @@ def _support(clauses: Clauses, atom: Literal, rules: list[Rule], value: Callable
         if len(rules) == 1 and not rules[0].weights:
             clauses.all_of(map(value, rules[0].body), into=atom)
         else:
-            clauses.any_of([_body(clauses, rule, value) for rule in rules], into=atom)
+            clauses.any_of([body_literal(clauses, rule, value) for rule in rules], into=atom)
         return
-    bodies = [(rule.choice, _body(clauses, rule, value)) for rule in rules]
+    bodies = [(rule.choice, body_literal(clauses, rule, value)) for rule in rules]
     clauses.add(-atom, *(body for _, body in bodies))
     for choice, body in bodies:
         if not choice:
@@ -101,21 +124,36 @@ def _positive_graph(rules_of: Mapping[int, list[Rule]]) -> dict[int, list[int]]:
     return {atom: [below for rule in own for below in rule.body if below > 0] for atom, own in rules_of.items()}
 
 
-def _found(
-    clauses: Clauses, component: list[int], rules_of: Mapping[int, list[Rule]], value: Callable[[int], Literal]
-) -> None:
+def _copy(clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]) -> None:
+    """Give the atoms of a component copies, which its rules derive."""
+    copies = {atom: clauses.fresh() for atom in loop}
+
+    def of_copies(literal: int) -> Literal:
+        return copies[literal] if literal in copies else value(literal)
+
+    for atom, rules in loop.items():
+        clauses.add(-copies[atom], value(atom))
+        for rule in rules:
+            chosen = [-value(atom)] if rule.choice else []
+            if rule.weights:
+                clauses.add(copies[atom], *chosen, -body_literal(clauses, rule, of_copies))
+            else:
+                clauses.add(copies[atom], *chosen, *(-of_copies(literal) for literal in rule.body))
+
+
+def _found(clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]) -> None:
     """State that each true atom of a component is derived at some stage."""
-    stage = dict.fromkeys(sorted(component), -TRUE)
+    stage = dict.fromkeys(loop, -TRUE)
 
     def at_stage(literal: int) -> Literal:
         return stage[literal] if literal in stage else value(literal)
 
-    for _ in component:
+    for _ in loop:
         derived = {}
         for atom in stage:
             ways = []
-            for rule in rules_of[atom]:
-                body = _body(clauses, rule, at_stage)
+            for rule in loop[atom]:
+                body = body_literal(clauses, rule, at_stage)
                 ways.append(clauses.all_of((body, value(atom))) if rule.choice else body)
             derived[atom] = clauses.any_of(ways)
         if derived == stage:
