@@ -44,7 +44,8 @@ def ground_models(given: GivenProgram) -> GroundModels:
     grounder, recorder = Grounder(given.program, *given.arguments, strict=False), _Recorder()
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
-    names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms)
+    # What clingo has come across, but no rule can derive, is atom 0.
+    names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms if atom.literal)
     shown = sorted((symbol, tuple(dict.fromkeys(found))) for symbol, found in recorder.shown.items())
     projected = None if recorder.projected is None else frozenset(recorder.projected)
     rules = (*recorder.rules, *recorder.external_rules())

@@ -18,8 +18,7 @@ does. The body of any rule for an atom of U and C that is true in M needs an ato
 reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
 
 *With copies.* Counting by cases can do with less (Kabir, Chakraborty and Meel 2024): an atom of a component has a copy,
-which implies it, and which each rule derives as it derives the atom, from the copies of the component's atoms in its
-body. Unit propagation then makes the copies of an answer set true, all of them, and leaves some open where an atom is
+which implies it, and which is true where a rule has its body true among the copies of the component's atoms. Unit propagation then makes the copies of an answer set true, all of them, and leaves some open where an atom is
 true for no reason. So the models are more than the answer sets, but those without open copies are they, and a formula
 falls apart where these clauses do.
 
@@ -132,13 +131,12 @@ def _copy(clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callabl
         return copies[literal] if literal in copies else value(literal)
 
     for atom, rules in loop.items():
+        bodies = [
+            clauses.all_of((body_literal(clauses, rule, of_copies), value(atom) if rule.choice else TRUE))
+            for rule in rules
+        ]
+        clauses.any_of(bodies, into=copies[atom])
         clauses.add(-copies[atom], value(atom))
-        for rule in rules:
-            chosen = [-value(atom)] if rule.choice else []
-            if rule.weights:
-                clauses.add(copies[atom], *chosen, -body_literal(clauses, rule, of_copies))
-            else:
-                clauses.add(copies[atom], *chosen, *(-of_copies(literal) for literal in rule.body))
 
 
 def _found(clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]) -> None:
