@@ -51,8 +51,8 @@ def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, C
         found.update({source.path.resolve(): source for source in read_sources(entry, folder)})
     sources = tuple(found.values())
     statements, problems = parse_sources((source, True) for source in sources)
-    theories = {source.path for source in sources if "&" in blanked(source.text)}
-    raise_problems([*problems, *_refused(statements, theories)])
+    suspects = {source.path for source in sources if re.search("[&@]", blanked(source.text))}
+    raise_problems([*problems, *_refused(statements, suspects)])
     values = parse_constants(constants)
     declared = {each.node.name for each in statements if each.kind == ASTType.Definition}
     told = " ".join(str(source.path) for source in sources)
@@ -72,19 +72,20 @@ def _undeclared(sources: Sequence[Source], values: Mapping[str, str], declared: 
         yield f"-c{name}={text}"
 
 
-def _refused(statements: Sequence[Statement], theories: Collection[Path]) -> Iterator[Problem]:
-    """Yield what is not supported; only some files can have atoms of a theory, and to look for them takes long."""
+def _refused(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:
+    """Yield what is not supported; only some files can have it within statements, and to look for that takes long."""
     for statement in statements:
         if statement.kind in REFUSED:
             wrong, todo = REFUSED[statement.kind]
             yield statement.problem(f"{_name(statement)} is not supported, for {wrong}; {todo}")
-        if statement.path not in theories:
-            continue
-        for node in below(statement.node):
+        for node in below(statement.node) if statement.path in suspects else ():
             if node.ast_type == ASTType.TheoryAtom:
-                line = node.location.begin.line
-                told = f"the theory atom &{node.term.name} is not supported, for {REFUSED[ASTType.TheoryDefinition][0]}"
-                yield statement.problem(f"{told}; leave it out", line)
+                (wrong, todo), name = REFUSED[ASTType.TheoryDefinition], f"the theory atom &{node.term.name}"
+            elif node.ast_type == ASTType.Function and node.external:
+                (wrong, todo), name = REFUSED[ASTType.Script], f"the function @{node.name}"
+            else:
+                continue
+            yield statement.problem(f"{name} is not supported, for {wrong}; {todo}", node.location.begin.line)
 
 
 def _name(statement: Statement) -> str:

@@ -19,10 +19,13 @@ QUEENS = """
 GRID = "v(1..n,1..n). e((X,Y),(X+1,Y)) :- v(X,Y), v(X+1,Y). e((X,Y),(X,Y+1)) :- v(X,Y), v(X,Y+1). "
 COLOURING = "{ c(X,1..k) } = 1 :- X = 1..n. :- c(X,C), c(X+1,C). :- c(1,C), c(n,C). "
 INDEPENDENT = GRID + "{ in(A) } :- v(X,Y), A = (X,Y). :- e(A,B), in(A), in(B). #show in/1."
-TREE = GRID + """
+TREE = (
+    GRID
+    + """
 e(A,B) :- e(B,A). { t(A,B) : e(A,B) } = 1 :- v(X,Y), A = (X,Y), A != (1,1).
 r((1,1)). r(A) :- t(A,B), r(B). :- v(X,Y), not r((X,Y)). #show t/2.
 """
+)
 CYCLE = """
 node(1..n). { t(X,Y) : node(Y), X != Y } = 1 :- node(X). :- node(Y), #count { X : t(X,Y) } != 1.
 r(1). r(Y) :- r(X), t(X,Y). :- node(X), not r(X). #show t/2.

@@ -18,9 +18,9 @@ does. The body of any rule for an atom of U and C that is true in M needs an ato
 reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
 
 *With copies.* Counting by cases can do with less (Kabir, Chakraborty and Meel 2024): an atom of a component has a copy,
-which implies it, and which is true where a rule has its body true among the copies of the component's atoms. Unit propagation then makes the copies of an answer set true, all of them, and leaves some open where an atom is
-true for no reason. So the models are more than the answer sets, but those without open copies are they, and a formula
-falls apart where these clauses do.
+which implies it, and which is true where a rule has its body true among the copies of the component's atoms. Unit
+propagation then makes the copies of all atoms of an answer set true, and leaves some open where an atom is true for no
+reason. So the models are more than the answer sets, but those without open copies are they.
 
 The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
 the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
