@@ -13,12 +13,12 @@ formula alone.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import chain
 
-from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.clauses import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.models.copies import equivalent
 from prag_asp.models.diagram import Branch, Diagram
@@ -58,8 +58,9 @@ class Prepared:
     """A formula as it is compiled: units are propagated, and variables numbered in the order they are decided in.
 
     `names` has the variable of each number, from 1; `telling` are the numbers of those that may be decided, and `kept`
-    the names of those whose values the diagram has. All models have the literals `fixed`; no clause reads the variables
-    `free`. None of it is of use where the formula is `contradictory`.
+    the names of those whose values the diagram has. `copies` has the atom of each copy, 0 for one that is fixed, and
+    None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. None of it is of use
+    where the formula is `contradictory`.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]
@@ -68,7 +69,7 @@ class Prepared:
     free: tuple[int, ...]
     telling: frozenset[int]
     kept: frozenset[int]
-    copies: frozenset[int]
+    copies: Mapping[int, int | None]
     order: Order
     contradictory: bool
 
@@ -94,7 +95,11 @@ def prepare(formula: ModelFormula, kept: Iterable[int]) -> Prepared:
         tuple(variable for variable in telling if variable not in number and variable not in known),
         frozenset(number[variable] for variable in telling if variable in number),
         frozenset(kept),
-        frozenset(number[variable] for variable in copies if variable in number),
+        {
+            number[variable]: None if literal == TRUE else number.get(abs(literal), 0)
+            for variable, literal in copies.items()
+            if variable in number
+        },
         order,
         contradictory=clauses is None,
     )
@@ -259,7 +264,7 @@ class _Compiler:
 
     def _key(self, part: _Part) -> bytes:
         """Return what tells the part from others: a clause of two literals is open where both variables are."""
-        if not self._given.copies.isdisjoint(part.variables):
+        if any(variable in self._given.copies for variable in part.variables):
             return self._key_of_copies(part)
         long = [clause for clause in part.clauses if len(self._variables_of[clause]) > 2]
         return array("i", [*part.variables, 0, *long]).tobytes()
@@ -271,9 +276,13 @@ class _Compiler:
         """
         own, given = set(part.variables), self._given
         left = [[each for each in given.clauses[clause] if abs(each) in own] for clause in part.clauses]
-        one = equivalent(given.copies, left)
+        one, read = equivalent(given.copies, left)
         told = {tuple(sorted({one.get(each, each) for each in clause})) for clause in left}
         clauses = sorted(clause for clause in told if not any(-each in clause for each in clause))
+        # Where its atom is true already, a copy has to be derived.
+        atoms = {copy: given.copies[copy] for copy in part.variables if copy in given.copies}
+        needed = {one.get(copy, copy) for copy, atom in atoms.items() if atom is not None and atom not in own}
+        clauses += [(copy,) for copy in sorted(needed & read)]
         decided = [variable for variable in part.variables if variable not in given.copies]
         return array("i", [*decided, 0, *chain.from_iterable((*clause, 0) for clause in clauses)]).tobytes()
 

@@ -75,6 +75,31 @@ def program(draw: st.DrawFn) -> str:
     return OPEN + " ".join([*rules, *draw(st.lists(st.sampled_from(extras), max_size=4, unique=True))])
 
 
+@st.composite
+def loops(draw: st.DrawFn) -> str:
+    """Return a program whose derived atoms depend on each other in every way, under choices of other atoms."""
+    derived, chosen = (
+        st.sampled_from([f"r({k})" for k in range(1, 7)]),
+        st.sampled_from([f"e({k})" for k in range(1, 8)]),
+    )
+    rules = []
+    for _ in range(draw(st.integers(4, 14))):
+        head, body = draw(derived), draw(st.lists(derived, max_size=2)) + draw(st.lists(chosen, max_size=2))
+        kind = draw(st.integers(0, 9))
+        if kind == 0:
+            head = f"{{{head}}}"
+        if kind == 1:
+            head = ""
+            body.append(f"not {draw(derived)}")
+        if kind == 2 and body:
+            elements = "; ".join(f"{draw(st.integers(1, 3))},{place}: {each}" for place, each in enumerate(body))
+            rules.append(f"{head} :- {draw(st.integers(1, 4))} <= #sum {{{elements}}}.")
+            continue
+        rules.append(f"{head} :- {', '.join(body)}." if body else f"{head} :- e(1).")
+    needed = draw(st.lists(derived, max_size=3))
+    return "{e(1..7)}. " + " ".join([*rules, *(f":- not {each}." for each in needed)])
+
+
 def told_by_clingo(text: str, *, project: bool, weighted: bool = False) -> Counter[tuple[str, ...]]:
     """Return what clingo prints of each answer set or projection, sorted, and how often; weights by its atoms."""
     control = clingo.Control(["0", "--project=auto" if project else "--project=no"], logger=lambda *_: None)

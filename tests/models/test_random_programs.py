@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from prag_asp import AnswerSets, DomainError, answer_sets
 from tests.chance import examples
-from tests.models.programs import WEIGHT, program, told_by_clingo
+from tests.models.programs import WEIGHT, loops, program, told_by_clingo
 
 
 def read(text: str, **how: object) -> AnswerSets | None:
@@ -73,3 +73,15 @@ def test_a_diagram_has_as_many_models_as_the_counter(text: str) -> None:
         return
     told = told_by_clingo(text, project=False)
     assert found.count() == answer_sets(text=text, engine="ganak").count() == sum(told.values())
+
+
+@given(loops(), st.booleans())
+@settings(max_examples=examples(40))
+def test_a_program_with_loops_has_the_answer_sets_that_clingo_finds(text: str, project: bool) -> None:
+    text += "#show r/1."
+    told = told_by_clingo(text, project=project)
+    found = answer_sets(text=text, project=project, engine="diagram")
+    assert found.count() == sum(told.values())
+    if told:
+        shares = {str(symbol): share for symbol, share in found.marginals().items() if share}
+        assert shares == marginals(told)

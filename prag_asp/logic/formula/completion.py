@@ -18,9 +18,9 @@ does. The body of any rule for an atom of U and C that is true in M needs an ato
 reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
 
 *With copies.* Counting by cases can do with less (Kabir, Chakraborty and Meel 2024): an atom of a component has a copy,
-which implies it, and which is true where a rule has its body true among the copies of the component's atoms. Unit
-propagation then makes the copies of all atoms of an answer set true, and leaves some open where an atom is true for no
-reason. So the models are more than the answer sets, but those without open copies are they.
+which implies it, and which follows where a rule for a true atom has its body true among the copies of the component's
+atoms. Unit propagation then makes the copies of all atoms of an answer set true, and leaves some open where an atom is
+true for no reason. So the models are more than the answer sets, but those without open copies are they.
 
 The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
 the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
@@ -30,7 +30,7 @@ smaller for large components, and propagates less.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from prag_asp.logic.formula.clauses import TRUE, Clauses, Literal
 from prag_asp.logic.ground.ground import Rule
@@ -42,13 +42,13 @@ class Completion:
     """Clauses whose models are answer sets, and the literal of each atom.
 
     `loops` are the components of atoms that depend positively on themselves, each atom with its rules. With copies,
-    `copies` are the variables that stand for those and for the gates among them.
+    `copies` are the variables that stand for those, each with the literal of its atom, and gates among them, with TRUE.
     """
 
     clauses: Clauses
     values: Mapping[int, Literal]
     loops: tuple[Mapping[int, tuple[Rule, ...]], ...] = ()
-    copies: frozenset[int] = frozenset()
+    copies: Mapping[int, Literal] = field(default_factory=dict)
 
     def value(self, literal: int) -> Literal:
         """Return the literal of an atom or its negation; an atom that no rule derives is false."""
@@ -88,10 +88,11 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
         if len(component) > 1 or any(component[0] in rule.body for rule in open_rules[component[0]]):
             loops.append({atom: tuple(open_rules[atom]) for atom in sorted(component)})
     before = clauses.variables
+    copies: dict[int, Literal] = {}
     for loop in loops:
-        (_copy if copied else _found)(clauses, loop, value)
-    copies = frozenset(range(before + 1, clauses.variables + 1)) if copied else frozenset[int]()
-    return Completion(clauses, values, tuple(loops), copies)
+        copies |= (_copy if copied else _found)(clauses, loop, value)
+    gates = range(before + 1, clauses.variables + 1) if copied else ()
+    return Completion(clauses, values, tuple(loops), {**dict.fromkeys(gates, TRUE), **copies})
 
 
 def _is_fact(rule: Rule) -> bool:
@@ -123,24 +124,30 @@ def _positive_graph(rules_of: Mapping[int, list[Rule]]) -> dict[int, list[int]]:
     return {atom: [below for rule in own for below in rule.body if below > 0] for atom, own in rules_of.items()}
 
 
-def _copy(clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]) -> None:
-    """Give the atoms of a component copies, which its rules derive."""
+def _copy(
+    clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
+) -> dict[int, Literal]:
+    """Give the atoms of a component copies, which its rules derive; return each copy with the literal of its atom."""
     copies = {atom: clauses.fresh() for atom in loop}
 
     def of_copies(literal: int) -> Literal:
         return copies[literal] if literal in copies else value(literal)
 
     for atom, rules in loop.items():
-        bodies = [
-            clauses.all_of((body_literal(clauses, rule, of_copies), value(atom) if rule.choice else TRUE))
-            for rule in rules
-        ]
-        clauses.any_of(bodies, into=copies[atom])
         clauses.add(-copies[atom], value(atom))
+        for rule in rules:
+            chosen = [-value(atom)] if rule.choice else []
+            if rule.weights:
+                clauses.add(copies[atom], *chosen, -body_literal(clauses, rule, of_copies))
+            else:
+                clauses.add(copies[atom], *chosen, *(-of_copies(literal) for literal in rule.body))
+    return {copy: value(atom) for atom, copy in copies.items()}
 
 
-def _found(clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]) -> None:
-    """State that each true atom of a component is derived at some stage."""
+def _found(
+    clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
+) -> dict[int, Literal]:
+    """State that each true atom of a component is derived at some stage, without copies."""
     stage = dict.fromkeys(loop, -TRUE)
 
     def at_stage(literal: int) -> Literal:
@@ -159,3 +166,4 @@ def _found(clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callab
         stage = derived
     for atom, literal in stage.items():
         clauses.add(-value(atom), literal)
+    return {}
