@@ -51,7 +51,7 @@ def count_models(
     """
     require_ganak(engine)
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-    refuse_what_ganak_cannot_take(cnf.variables, clauses, cnf.shown)
+    refuse_what_ganak_cannot_take(cnf.variables, clauses, cnf.shown, engine)
     with TemporaryFile() as complaints, Children("prag_asp.logic.formula.ganak", complaints.fileno()) as children:
         try:
             ganak = children.start()
@@ -73,7 +73,7 @@ def _last_line(complaints: IO[bytes]) -> str:
 
 
 def refuse_what_ganak_cannot_take(
-    variables: int, clauses: Iterable[Sequence[Literal]], shown: Sequence[Literal]
+    variables: int, clauses: Iterable[Sequence[Literal]], shown: Sequence[Literal], engine: str = SHARP
 ) -> None:
     """Refuse a formula that Ganak would miscount or abort on.
 
@@ -81,10 +81,10 @@ def refuse_what_ganak_cannot_take(
         EngineError: it has no variables or too many, an empty clause, or a literal of none of its variables.
     """
     if not 0 < variables <= LARGEST:
-        raise EngineError(f"engine sharp: a formula of {variables:,} variables; Ganak takes 1 to {LARGEST:,}")
+        raise EngineError(f"engine {engine}: a formula of {variables:,} variables; Ganak takes 1 to {LARGEST:,}")
     for clause in clauses:
         if not clause:
-            raise EngineError("engine sharp: a clause is empty, which Ganak may overlook")
+            raise EngineError(f"engine {engine}: a clause is empty, which Ganak may overlook")
     for literal in chain(shown, *clauses):
         if not 0 < abs(literal) <= variables:
-            raise EngineError(f"engine sharp: the literal {literal} is none of the {variables:,} variables")
+            raise EngineError(f"engine {engine}: the literal {literal} is none of the {variables:,} variables")
