@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from prag_asp import TaskSpace
+from prag_asp.bits import SeededBits
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import Relaxation
 from prag_asp.space.automaton import explore as exploring
 from prag_asp.space.automaton.explore import explore
-from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.drawing.draws import drawn_words, make_drawer
 from prag_asp.space.engines import LEVELS, Draw, Level
 from prag_asp.space.engines.automaton import AutomatonEngine
