@@ -20,6 +20,9 @@ CONTRACT = "contract.lp"
 HIERARCHY = "hierarchy.lp"
 """The encoding that only domains with composites need."""
 
+REACHABLE = "reachable.lp"
+"""The encoding that the linter alone reads: it tells of actions, and of no plan."""
+
 ADDED = Path("<added by the library>")
 """Where the facts would be that the library adds to a program; there is no such file."""
 
@@ -133,23 +136,28 @@ def decoded(content: bytes, path: Path) -> str:
 
 
 def core_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that every domain uses: the logic programs directly in the folder, but the hierarchy.
+    """Return the encodings that every domain uses: those directly in the folder that no other place reads.
 
     Raises:
         DomainError: the folder holds no encodings.
     """
     if not (encodings / CONTRACT).is_file():
         raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
-    paths = sorted(path for path in encodings.glob("*.lp") if path.name != HIERARCHY)
+    paths = sorted(path for path in encodings.glob("*.lp") if path.name not in (HIERARCHY, REACHABLE))
     found: Iterable[Source] = (source for path in paths for source in read_sources(path, encodings))
     return tuple({source.path.resolve(): source for source in found}.values())
 
 
 def owned(program: Program) -> list[tuple[Source, bool]]:
     """Return the files of a program, each with whether it is the domain's own; the encodings begin every program."""
-    contracts = (source.path.parent for source in program.sources if source.path.name == CONTRACT)
-    encodings = next(contracts, program.sources[0].path.parent)
+    encodings = encodings_folder(program)
     return [
         (source, source.path.parent not in (encodings, encodings / "rules", encodings / "conditions"))
         for source in program.sources
     ]
+
+
+def encodings_folder(program: Program) -> Path:
+    """Return the folder of the encodings that begin a program."""
+    contracts = (source.path.parent for source in program.sources if source.path.name == CONTRACT)
+    return next(contracts, program.sources[0].path.parent)
