@@ -58,7 +58,7 @@ def chains(draw: st.DrawFn, *, closed: bool) -> Toy:
     return replace(toy, composites=tuple(map(tuple, composites)), free=(0,))
 
 
-@settings(max_examples=examples(200), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(120), suppress_health_check=list(HealthCheck))
 @given(st.one_of(chains(closed=False), chains(closed=True)))
 def test_random_chains_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text()) as domain:
