@@ -19,6 +19,9 @@ from prag_asp.program.syntax import Statement
 MAKING = frozenset([("holds", 3), ("known", 3), ("changed", 2), ("occurs", 2)])
 """What tells of a state or an action otherwise than preconditions and postconditions do."""
 
+LEFT_OUT = ("left_out", 1)
+"""What keeps steps from trying an action that can never occur."""
+
 CONFLICTS = "10000"
 """The search that is spent at most on what else the base part says; the relaxed steps need none."""
 
@@ -34,12 +37,14 @@ def find_unreached(
 ) -> tuple[clingo.Symbol, ...]:
     """Return the actions of `facts` that never occur, none of them where that would be all.
 
-    `grounder` holds the base part with the relaxed steps. Where rules other than those of `encodings` make states, none
-    is found.
+    `grounder` holds the base part with the relaxed steps. None is found where rules other than the `encodings` make
+    states, or read what is left out.
     """
-    others = (each for each in statements if each.path.parent != encodings)
+    others = [each for each in statements if each.path.parent != encodings]
+    makes = any(atom.signature in MAKING for each in others for atom in each.heads)
+    reads = any(atom.signature == LEFT_OUT for each in others for atom in each.body)
     control = grounder.control
-    if control.is_conflicting or any(atom.signature in MAKING for each in others for atom in each.heads):
+    if makes or reads or control.is_conflicting:
         return ()
     grounder.state(clingo.Function("left_out", [term]) for term in facts.left_out)
     grounder.ground([("reachable", [])])

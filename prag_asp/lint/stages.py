@@ -18,7 +18,7 @@ from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
-from prag_asp.lint.reachability import find_unreached, relaxed_sources
+from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources
 from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.size import size_problems
 from prag_asp.lint.table import name_problems, table_problems
@@ -37,9 +37,6 @@ STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
 LEARNED_INVARIANT = ("impossible", 2)
 """What a file of learned invariants may state."""
-
-LEFT_OUT = ("left_out", 1)
-"""What keeps steps from trying an action that can never occur."""
 
 
 @dataclass(frozen=True)

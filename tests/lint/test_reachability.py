@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from prag_asp import Domain, DomainError, TaskSpace, explain, load_domain
 from prag_asp.logic.model import Model
 from prag_asp.program.paths import data_folder
+from prag_asp.space.engines.protocol import Level
 from tests.brute_force import Action, Toy, term
 from tests.chance import examples
 from tests.space.test_tasks import Schema, orbit, schemas
@@ -144,6 +145,16 @@ def test_a_value_that_invariants_forbid_together_with_all_that_may_be_is_not_rea
 )
 def test_rules_over_time_that_make_states_keep_all_actions(rule: str) -> None:
     assert unreached(f"{KEYS}\n#program step(t).\n{rule}") == []
+
+
+@pytest.mark.parametrize("level", ["plan", "task"])
+def test_rules_may_count_the_actions_that_are_never_reached(level: Level) -> None:
+    rule = "few :- #count{A : name(A,unlock)} < 5. some(A) :- mentions(A,1,_). #program step(t). :- few, occurs(_,t)."
+    text = KEYS.replace("room(1..5).", "room(1..5). class(room). entity(R,room) :- room(R).") + rule
+    assert unreached(text) == unreached(KEYS)
+    with loaded(text + ":- left_out(unlock(4)), occurs(_,t).") as domain, loaded(text) as other:
+        assert domain is not None and other is not None and domain.facts.unreached == ()
+        assert TaskSpace(domain, 3).count(level) == TaskSpace(other, 3).count(level) > 0
 
 
 def test_a_rule_over_time_that_only_reads_leaves_out_as_much_and_counts_the_same() -> None:

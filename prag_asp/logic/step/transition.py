@@ -116,13 +116,11 @@ class Transition:
         `wanted` says which actions are asked for in which states, shape (states, actions); without it, all are.
         """
         before = _Before.evaluated(self._rules, self._columns(states, self.step.ground.before), len(states))
-        asked = (
-            np.ones(len(self.actions), dtype=np.bool_)
-            if len(self.actions) <= MANY
-            else (self._needs.met(before.read, len(states)))
-        )
+        asked = np.ones(len(self.actions), dtype=np.bool_)
         if wanted is not None:
             asked &= wanted.any(axis=0)
+        if len(asked) > MANY:
+            asked &= self._needs.met(before.read, len(states))
         for letter in np.flatnonzero(asked).tolist():
             sources = _unguarded(self.move(letter), before, None if wanted is None else wanted[:, letter])
             if len(sources):
