@@ -5,8 +5,9 @@
         └── waits, looks, hands on signals, and says the one line that the command cannot say any more
 
 Foreign code (clingo's grounder, solvers, PyBullet) hears neither Ctrl-C nor a limit, and may end the process without a
-word. So the command is asked first, by a signal, and ends as it does after Ctrl-C; where it does not within a second,
-it is killed with all its workers. Where the supervisor is killed itself, the kernel ends the command.
+word. So the command is asked first, by a signal, and ends as it does after Ctrl-C; where it does not within 2 s, or
+8 s from when it has heard so, it is killed with all its workers. Where the supervisor is killed itself, the kernel
+ends the command.
 
 This is for Linux; elsewhere the command runs unsupervised, and limits hold where our own code looks at them.
 """

@@ -18,6 +18,16 @@ BY_LIBRARY = {
 }
 """What the library and its encodings for ``rules`` and ``conditions`` derive where they are asked for."""
 
+OWNERS = {
+    HIERARCHY: "the hierarchy of actions",
+    "invariants.lp": "the invariants",
+    "impossible.lp": "what is impossible",
+}
+"""Whose the predicates are that an encoding defines."""
+
+SHARED = frozenset([("is_a", 2), ("holds", 3), ("known", 3), ("changed", 2)])
+"""What the encodings define and a domain may add to."""
+
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
 
 
@@ -53,10 +63,12 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
 
 def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the own heads of predicates that only the library may derive."""
+    shipped = [each for each in statements if not each.own]
+    free = {(each.node.name, each.node.arity) for each in shipped if each.kind == ASTType.Defined} | SHARED
     taken = dict(BY_LIBRARY)
-    for each in statements:
-        if not each.own and each.path.name == HIERARCHY:
-            taken |= dict.fromkeys((atom.signature for atom in each.heads), "the hierarchy of actions")
+    for each in shipped:
+        owner = OWNERS.get(each.path.name, f"the encodings ({each.path.name})")
+        taken |= {atom.signature: owner for atom in each.heads if atom.signature not in free}
     for statement in statements:
         for atom in statement.heads if statement.own else ():
             if atom.signature in taken:

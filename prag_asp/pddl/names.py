@@ -16,6 +16,8 @@ RESERVED = frozenset([
     "occurs", "holds", "name", "mentions", "left_out", "successor", "asked", "condition", "tested", "opposite", "known",
     "changed", "propagates", "entails", "never", "bound", "sought", "reached", "state", "ruled_out", "impossible_with",
     "named", "adds", "deletes", "mentioned", "introduces_late", "times", "requires", "reverts", "differs", "undoes",
+    "barred", "hierarchical", "ahead", "last_stage", "worded_before", "wording", "unit", "unit_end", "splits",
+    "concatenation", "covers", "expected", "goes_on", "spared", "other", "forces", "supposed",
 ])  # fmt: skip
 """What means something to clingo or to the encodings, whatever the number of arguments."""
 

@@ -24,6 +24,9 @@ SUBSTEPS = 6
 PERIOD = SUBSTEPS * TIME_STEP
 """How long an action lasts, in seconds."""
 
+SHARES = tuple((i + 1) / SUBSTEPS for i in range(SUBSTEPS))
+"""How far the motors are told to be on their way in each step of the simulation."""
+
 
 class Arena:
     """One world, which is built anew only where other bodies take part or they have other sizes."""
@@ -59,13 +62,18 @@ class Arena:
     def act(self, action: NDArray[np.float64], control: Control) -> Situation:
         """Let all arms act for one `PERIOD`; `action` has the numbers of each robot in turn, between -1 and 1."""
         assert self._situation is not None
-        wanted = {}
+        wanted, ways = {}, {}
         for (robot, last), own in zip(self._commands.items(), np.split(action, len(self._commands)), strict=True):
             arm = self._situation.arm(robot)
             wanted[robot] = commanded(self._situation.robot(robot), arm, last, own, control, PERIOD)
-        for i in range(SUBSTEPS):
-            for robot, command in wanted.items():
-                self._drive(robot, command, (i + 1) / SUBSTEPS)
+            ways[robot] = [(a, b - a) for a, b in zip(last.joints, wanted[robot].joints, strict=True)]
+        speeds = {robot: [by / PERIOD for _, by in way] for robot, way in ways.items()}
+        for share in SHARES:
+            for robot, way in ways.items():
+                last, opening = self._commands[robot], wanted[robot].opening
+                joints = tuple([at + share * by for at, by in way])
+                command = Command(joints, last.opening + share * (opening - last.opening))
+                self._world.drive(robot, command, speeds[robot])
             self._world.step()
         self._commands = wanted
         self._world.at_rest()
@@ -80,14 +88,6 @@ class Arena:
     def asked(self) -> Mapping[str, float]:
         """How far each gripper is told to open, in metres."""
         return {robot: command.opening for robot, command in self._commands.items()}
-
-    def _drive(self, robot: str, command: Command, share: float) -> None:
-        """Tell the motors of an arm to be a share of the way from what they were told last to a command."""
-        last = self._commands[robot]
-        joints = tuple(a + share * (b - a) for a, b in zip(last.joints, command.joints, strict=True))
-        speeds = [(b - a) / PERIOD for a, b in zip(last.joints, command.joints, strict=True)]
-        opening = last.opening + share * (command.opening - last.opening)
-        self._world.drive(robot, Command(joints, opening), speeds)
 
     def _look(self) -> Situation:
         """Return where everything is now, and note how fast the tools have moved."""

@@ -74,7 +74,7 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
         QueryError: it is none.
     """
     try:
-        moves = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
+        moves = np.minimum(np.maximum(np.asarray(action, dtype=np.float64), -1.0), 1.0)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)
     if moves.shape != (size,) or np.isnan(moves).any():

@@ -6,12 +6,13 @@ for is cut to the speeds and the limits of the robot, so no action is refused.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.robot.kinematics import nudged, tool_matrix
+from prag_asp.physics.robot.kinematics import nudged
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.dynamics import Command
 from prag_asp.scene.geometry import rotate
@@ -44,28 +45,30 @@ def commanded(
     `last` is what they drive to until now, `arm` where it really is; `action` has the shape (`SIZES[control]`,), each
     number between -1 and 1.
     """
-    joints = np.array(last.joints)
-    if control == "tool":
-        step = _towards(robot, last, joints, action) - joints
-    else:
-        step = np.clip(action[:7], -1.0, 1.0) * np.array(robot.speeds) * seconds
-    fastest = float((np.abs(step) / (np.array(robot.speeds) * seconds)).max())
-    joints = joints + step / max(1.0, fastest)
+    joints, (speeds, lower, upper) = np.array(last.joints), _bounds(robot)
+    farthest = speeds * seconds
+    step = _towards(robot, joints, action) - joints if control == "tool" else action[:7] * speeds * seconds
+    joints += step / max(1.0, float((np.abs(step) / farthest).max()))
     here = np.array(arm.joints)
-    joints = np.clip(np.clip(joints, here - LEASH, here + LEASH), robot.lower, robot.upper)
+    for least, most in ((here - LEASH, here + LEASH), (lower, upper)):
+        np.maximum(joints, least, out=joints)
+        np.minimum(joints, most, out=joints)
     opening = min(max(last.opening + FINGERS * float(action[-1]), 0.0), robot.opening)
     return Command(tuple(joints.tolist()), opening)
 
 
-def _towards(
-    robot: Robot, last: Command, joints: NDArray[np.float64], action: NDArray[np.float64]
-) -> NDArray[np.float64]:
+@cache
+def _bounds(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the speeds of a robot's joints, and their lower and upper limits; shape (7,)."""
+    return np.array(robot.speeds), np.array(robot.lower), np.array(robot.upper)
+
+
+def _towards(robot: Robot, joints: NDArray[np.float64], action: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return joint angles that move the tool as an action says, upright; no lower than its fingers meet the table."""
-    rows = tool_matrix(robot, last.joints)
-    twist = np.zeros(6)
-    twist[:3], twist[5] = STRIDE * action[:3], TURN * action[3]
-    twist[2] = max(twist[2], robot.fingertip + GAP - rows[2][3])
+    here = robot.solver.forward(joints)
+    x, y, z, yaw, *_ = action.tolist()
+    lowest = robot.fingertip + GAP - float(here[2, 3])
     # The cross product of where the tool points and straight down: it turns the one to the other.
-    along, across = rows[0][2], rows[1][2]
-    twist[3:5] = rotate(robot.base.quaternion, (-across, along, 0.0))[:2]
-    return nudged(robot, joints, twist)
+    leaning, rolling, _ = rotate(robot.base.quaternion, (-float(here[1, 2]), float(here[0, 2]), 0.0))
+    twist = np.array((STRIDE * x, STRIDE * y, max(STRIDE * z, lowest), leaning, rolling, TURN * yaw))
+    return nudged(robot, joints, here, twist)

@@ -45,7 +45,7 @@ SMALLEST, LARGEST = 16, 4096
 
 @click.command()
 @click.argument("file", metavar="TASKS.jsonl", shell_complete=complete.files)
-@click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=click.IntRange(min=1))
+@click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=options.whole(1))
 @asks((*options.OF_FILE, options.TRUST))
 @click.option(
     "--as",
@@ -56,7 +56,7 @@ SMALLEST, LARGEST = 16, 4096
     help="All states side by side with captions; one state; an animation of the robot performing the task.",
 )
 @click.option(
-    "--state", type=click.IntRange(min=0), metavar="K", help="State to draw with --as state.  [default: last]"
+    "--state", type=options.whole(0), metavar="K", help="State to draw with --as state.  [default: last]"
 )
 @click.option("--size", metavar="WxH", help="Pixels of a frame.  [default: 360x320; state 960x800; animation 400x350]")
 @click.option("--speed", type=float, default=2.0, show_default=True, help="How fast an animation plays.")

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     "-o", "--output", metavar="DIR", shell_complete=complete.files, help="Folder for one data set a part, and the card."
 )
 @click.option(
-    "--at-most", "most", type=click.IntRange(min=1), metavar="K",
+    "--at-most", "most", type=options.whole(1), metavar="K",
     help="At most K tasks a part, to try it; without, the same command goes on from there.",
 )  # fmt: skip
-@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for physics.")
+@click.option("--workers", type=options.whole(1), default=1, show_default=True, help="Processes for physics.")
 @options.TRUST
 def suite(*, name: str, counts: bool, output: str | None, most: int | None, workers: int, trust: bool) -> None:
     """Count or write a benchmark: parts over one domain, each with what the others have not.

@@ -16,7 +16,7 @@ from prag_asp.wording import plural
 @options.TRUST
 @click.option("--physics/--no-physics", default=True, help="Look at witnesses and recordings too.  [default: yes]")
 @click.option(
-    "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes that look at witnesses."
+    "--workers", type=options.whole(1), default=1, show_default=True, help="Processes that look at witnesses."
 )
 def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
     """Verify a data set, or a suite of them: files, exact numbers, each plan, its words, its witnesses.

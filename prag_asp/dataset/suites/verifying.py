@@ -17,7 +17,7 @@ from prag_asp.dataset.suites.note import NAME, SPELLED, SuiteNote, is_suite, not
 from prag_asp.dataset.suites.reading import read_suite
 from prag_asp.dataset.verifying.files import UNSEEN, wrong_file
 from prag_asp.dataset.verifying.finding import Finding, Looked
-from prag_asp.dataset.verifying.verify import verify as verify_dataset
+from prag_asp.dataset.verifying.verify import wrong_dataset
 from prag_asp.errors import DomainError, PragError, QueryError
 from prag_asp.program.sources import Source
 from prag_asp.reading import read_bytes
@@ -52,25 +52,12 @@ def verify(
         QueryError: there is no data set, its files cannot be read, or the run that makes it has not ended.
         DatasetsMissingError: pyarrow is not installed.
     """
-    look = verify_suite if is_suite(folder) else verify_dataset
-    return look(folder, trust=trust, physics=physics, workers=workers, progress=progress)
+    look = _wrong_suite if is_suite(folder) else wrong_dataset
+    return look(Path(folder), trust, physics, workers, progress)
 
 
-def verify_suite(
-    folder: str | Path,
-    *,
-    trust: bool = False,
-    physics: bool = True,
-    workers: int = 1,
-    progress: Looked = lambda words, done, total: None,
-) -> Iterator[Finding]:
-    """Yield what is wrong with a suite, as `verify` does.
-
-    Raises:
-        QueryError: there is no suite, it cannot be read, or the run that makes it has not ended.
-        DatasetsMissingError: pyarrow is not installed.
-    """
-    path = Path(folder)
+def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress: Looked) -> Iterator[Finding]:
+    """Yield what is wrong with a suite, as `verify` does."""
     note = read_note(path)
     if note is None or not note.complete:
         what = f"is no suite, for it has no {NAME}" if note is None else "the run that makes it has not ended"
@@ -93,8 +80,7 @@ def verify_suite(
             data = Dataset.open(path / part.name, trust=trust)
             yield from _wrong_part(suite, part.name, data)
             told = _of(part.name, progress)
-            found = verify_dataset(path / part.name, trust=trust, physics=physics, workers=workers, progress=told)
-            for finding in found:
+            for finding in wrong_dataset(path / part.name, trust, physics, workers, told):
                 yield finding._replace(file=f"{part.name}/{finding.file}")
             yield from apart.wrong(part.name, data)
         except PragError as error:

@@ -23,26 +23,8 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 
-def verify(
-    folder: str | Path,
-    *,
-    trust: bool = False,
-    physics: bool = True,
-    workers: int = 1,
-    progress: Looked = lambda words, done, total: None,
-) -> Iterator[Finding]:
-    """Yield what is wrong with a data set; nothing where it is what `generate` has written.
-
-    Each file is as dataset.json says, and there are no others. Each exact size is counted again. Each draw is made
-    again by its seed, and stands in one row, once in all parts; clingo, which drew nothing, takes its plan; its words
-    are read back from their text. With `physics`, where that was asked, a fresh simulator takes each witness, and
-    recordings show their tasks; several `workers` find the same, in the same order. With `trust`, physics may run the
-    Python files of the domain.
-
-    Raises:
-        QueryError: there is no data set, dataset.json cannot be read, or the run that makes it has not ended.
-        DatasetsMissingError: pyarrow is not installed.
-    """
+def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progress: Looked) -> Iterator[Finding]:
+    """Yield what is wrong with one data set, as `verify` of any of them does."""
     data = Dataset.open(folder, trust=trust)
     manifest, tables = data.manifest, Tables(data.folder)
     progress("files", 0, 1)

@@ -117,18 +117,24 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the tool misses the object, and the opening its width.
 
-    A box can be held anywhere but at its edges, for instance a long one at its end.
+    A box can be held anywhere but at its edges, for instance a long one at its end. The width is left out where the
+    tool is so far away that it cannot matter.
     """
     robot, entity = arguments
-    yield from _height_violations(situation, robot, entity)
-    shape = situation.shape(entity)
+    shape, body = situation.shape(entity), situation.body(entity)
+    x, y, z = situation.tool(robot).position
+    over, under = z - body.high[2], body.low[2] - BELOW - z
+    yield over
+    yield under
     if shape.traits.even:
-        x, y, _ = situation.tool(robot).position
-        places = to_local(situation.pose(entity), x, y)
-        yield from (abs(at) - max(CENTRE_TOLERANCE, half - EDGE) for at, half in zip(places, shape.half, strict=False))
+        (dx, dy), (half_x, half_y, _) = to_local(body.pose, x, y), shape.half
+        beside = max(abs(dx) - max(CENTRE_TOLERANCE, half_x - EDGE), abs(dy) - max(CENTRE_TOLERANCE, half_y - EDGE))
     else:
-        yield _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
-    yield abs(situation.arm(robot).width - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
+        beside = _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
+    yield beside
+    width = situation.arm(robot).width
+    if max(over, under, beside) < max(width, 2 * math.hypot(*shape.half)):
+        yield abs(width - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:

@@ -24,6 +24,7 @@ ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 DIFFERENCES = DIFFERENCE * np.eye(7)
 CAUTION, POSTURE_GAIN = 1e-3, 0.02
 """How much a step is damped near where the arm is stretched, and what share of the way to its posture it takes."""
+DAMPED = CAUTION * np.eye(6)
 
 MAX_SOLUTIONS = 4
 EVEN = (1.0,) * 7
@@ -96,36 +97,37 @@ def adjusted(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
     return None
 
 
-def nudged(robot: Robot, joints: NDArray[np.float64], twist: NDArray[np.float64]) -> NDArray[np.float64]:
+def nudged(
+    robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64], twist: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Return joint angles that move and turn the tool by about a small twist, in the frame of the world; shape (7,).
 
-    `twist` has the shape (6,): metres, then radians about the axes. It is one step of damped least squares (Wampler,
+    `here` is where the tool is with `joints`, in the frame of the base as a homogeneous matrix; `twist` has the shape
+    (6,): metres, then radians about the axes. It is one step of damped least squares (Wampler,
     "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so
     that the arm does not leap where it is stretched. What does not move the tool draws the arm to the robot's posture.
     """
-    jacobian = _jacobian(robot, joints)
+    jacobian = _jacobian(robot, joints, here)
     if robot.base is not ORIGIN:
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
-    inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + CAUTION * np.eye(6))
+    inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
     drawn = POSTURE_GAIN * (np.array(robot.posture) - joints)
     drawn[0] = 0.0
     found: NDArray[np.float64] = joints + drawn + inverse @ (twist - jacobian @ drawn)
     return found
 
 
-def _jacobian(robot: Robot, joints: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how the tool moves and turns with each joint, in the frame of the base, shape (6, 7); by differences."""
+def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how the tool moves from `here` with each joint, in the frame of the base, shape (6, 7); by differences."""
     forward = robot.solver.forward
-    here = forward(joints)
     near = np.array([forward(joints + row) for row in DIFFERENCES])
     turns = near[:, :3, :3] @ here[:3, :3].T
     columns = np.empty((6, len(joints)))
     columns[:3] = (near[:, :3, 3] - here[:3, 3]).T
-    columns[3] = (turns[:, 2, 1] - turns[:, 1, 2]) / 2
-    columns[4] = (turns[:, 0, 2] - turns[:, 2, 0]) / 2
-    columns[5] = (turns[:, 1, 0] - turns[:, 0, 1]) / 2
-    return columns / DIFFERENCE
+    columns[3:] = (turns[:, (2, 0, 1), (1, 2, 0)] - turns[:, (1, 2, 0), (2, 0, 1)]).T / 2
+    columns /= DIFFERENCE
+    return columns
 
 
 def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
