@@ -94,7 +94,8 @@ def questions(checkout: Path, families: Sequence[str], first: int, limit: float,
             length = Answer.of(measured(SCRIPT, ["shortest", str(domain), str(plain), "0"], limit)).count
             if length:
                 yield Question(f"{name}/{problem.stem}", domain, plain, length, shortest=True)
-                yield Question(f"{name}/{problem.stem}", domain, plain, length * 3 // 2, shortest=False)
+                if length > 1:
+                    yield Question(f"{name}/{problem.stem}", domain, plain, length * 3 // 2, shortest=False)
 
 
 def asked(question: Question, peers: Sequence[str], limit: float) -> dict[str, Answer]:
