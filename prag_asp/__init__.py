@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from prag_asp.space.limits import Limits
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
+    from prag_asp.space.why import Reasons, fewest_changes, why_empty
     from prag_asp.task import Task
 
 __all__ = [
@@ -57,6 +58,7 @@ __all__ = [
     "OutputError",
     "PragError",
     "QueryError",
+    "Reasons",
     "Scene",
     "SceneError",
     "Task",
@@ -65,10 +67,12 @@ __all__ = [
     "__version__",
     "bounded",
     "explain",
+    "fewest_changes",
     "load_domain",
     "load_scene",
     "parse_atom",
     "shipped_domains",
+    "why_empty",
     "write_new_domain",
 ]
 
@@ -86,6 +90,7 @@ _HOMES = {
     "prag_asp.scene.model": ("Scene",),
     "prag_asp.space.conditions.condition": ("Condition",),
     "prag_asp.space.explain": ("explain",),
+    "prag_asp.space.why": ("Reasons", "fewest_changes", "why_empty"),
     "prag_asp.space.limits": ("Limits",),
     "prag_asp.task": ("Task",),
     "prag_asp.space.task_space": ("TaskSpace",),

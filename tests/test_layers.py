@@ -69,7 +69,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "logic": ("ground", "step", "symmetry", "model", "formula"),
     "space": (
         "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "explain", "drawing", "shared",
-        "task_space", "task_spaces", "ordered",
+        "task_space", "task_spaces", "ordered", "why",
     ),
     "physics": (
         "bullet", "required", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",
@@ -85,8 +85,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 
 PUBLIC = {
     "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached", "Limits",
-    "OutputError", "PragError", "QueryError", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces", "__version__",
-    "bounded", "explain", "load_domain", "load_scene", "parse_atom", "shipped_domains", "write_new_domain",
+    "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces",
+    "__version__", "bounded", "explain", "fewest_changes", "load_domain", "load_scene", "parse_atom", "shipped_domains",
+    "why_empty", "write_new_domain",
 }  # fmt: skip
 HEAVY = {
     "inflect",

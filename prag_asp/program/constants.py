@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import clingo
 from clingo.ast import ASTType
@@ -60,7 +61,7 @@ def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domai
         )
     changed = [statement for name in constants for statement in declared[name]]
     return tuple(
-        Source(source.path, _rewritten(source.text, [each for each in changed if each.path == source.path], constants))
+        replace(source, text=_rewritten(source.text, [at for at in changed if at.path == source.path], constants))
         for source in sources
     )
 

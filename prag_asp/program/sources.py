@@ -31,10 +31,11 @@ INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 @dataclass(frozen=True)
 class Source:
-    """One file of a logic program, its includes blanked out."""
+    """One file of a logic program, its includes blanked out; `includes` are their lines, and the files they name."""
 
     path: Path
     text: str
+    includes: tuple[tuple[int, Path], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ def read_sources(path: Path | Source, encodings: Path, *, own: Path | None = Non
 
 def _read(source: Source, encodings: Path, own: Path, found: dict[Path, Source], above: tuple[Path, ...]) -> None:
     path, text = source.path, source.text
-    pieces = []
+    pieces, includes = [], []
     end = 0
     for keyword in KEYWORD.finditer(blanked(text)):
         line = text.count("\n", 0, keyword.start()) + 1
@@ -91,8 +92,9 @@ def _read(source: Source, encodings: Path, own: Path, found: dict[Path, Source],
         if target.resolve() not in (*above, path.resolve()) and target.resolve() not in found:
             _read(Source(target, read_text(target, limit)), encodings, own, found, (*above, path.resolve()))
         pieces += [text[end : include.start()], re.sub(r"[^\n]", " ", include[0])]
+        includes.append((line, target))
         end = include.end()
-    found[path.resolve()] = Source(path, "".join([*pieces, text[end:]]))
+    found[path.resolve()] = Source(path, "".join([*pieces, text[end:]]), tuple(includes))
 
 
 def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> tuple[Path, Path]:

@@ -118,7 +118,7 @@ class TaskSpace:
         return space
 
     @property
-    def _title(self) -> str:
+    def title(self) -> str:
         """The domain, the length and the conditions in words."""
         where = "".join(f", where {clause}" for clause in self.condition.clauses)
         return f"{self.domain.label} of length {self.length}{where}"
@@ -243,7 +243,7 @@ class TaskSpace:
         word = tuple(str(renamed(action, names)) for action in plan)
         rank = self._engine("task").rank(word) if len(word) == self.length else None
         if rank is None:
-            told = f"no task of {self._title}: {' '.join(map(str, plan))}"
+            told = f"no task of {self.title}: {' '.join(map(str, plan))}"
             raise QueryError(f"{told}; prag-asp explain says why it is no plan, where it is none")
         return rank
 
@@ -394,7 +394,7 @@ class TaskSpace:
         from prag_asp.space.engines.formula import word_formula
 
         formula = word_formula(self._shared.model, _level(by), self.length)
-        return dimacs(formula.cnf, [f"the {by}s of {self._title}, by prag_asp"])
+        return dimacs(formula.cnf, [f"the {by}s of {self.title}, by prag_asp"])
 
     def total_weight(
         self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1

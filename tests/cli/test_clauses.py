@@ -33,6 +33,33 @@ def test_explain_refuses_what_is_no_action() -> None:
     assert done.returncode == 2 and "such as approach(panda,apple_1)" in done.stderr
 
 
+def test_explain_names_the_lines_that_leave_no_task_of_a_length(tmp_path: Path) -> None:
+    domain = tmp_path / "lamp.lp"
+    domain.write_text("fluent(lit). action(on). initially(lit,false).\npostcondition(on,lit,true).\ngoal(lit,false).\n")
+    done = run_apart("explain", str(domain), "--length", "1")
+    told = ["there is no task of lamp of length 1", "these lines leave none together:"]
+    told += [f"  {domain}:2: postcondition(on,lit,true).", f"  {domain}:3: goal(lit,false)."]
+    assert (done.returncode, done.stdout.splitlines(), done.stderr) == (1, told, "")
+    done = run("explain", str(domain), "--length", "1", "--fewest-changes")
+    assert done.returncode == 1 and done.stdout.splitlines()[2:] == told[2:]
+    assert ok("explain", str(domain), "--length", "0") == "there are tasks of lamp of length 0\n"
+    words = ok("explain", "prag", "-n", "2", "--why-not", "grasp", "--step", "2")
+    assert words == "there are tasks of prag of length 2 with grasp as step 2\n"
+
+
+def test_explain_refuses_what_does_not_go_together() -> None:
+    for words, told in (
+        (["prag", "--where", "uses can_1"], "--where asks about all tasks of a length; give --length"),
+        (["prag", "drop(panda,can_1)", "--length", "2"], "no actions are given"),
+        (["prag", "--length", "2", "--step", "1"], "name the action"),
+        (["prag", "--length", "2", "--why-not", "fly"], "no action 'fly'"),
+        (["prag", "--length", "2", "--smallest", "--fewest-changes"], "give one of them"),
+        (["prag", "--length", "1..2"], "a range"),
+    ):
+        done = run("explain", *words)
+        assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1, words
+
+
 def test_export_writes_the_same_bytes_again_for_each_level(tmp_path: Path) -> None:
     shown = {}
     for level in ("plan", "task", "skeleton"):

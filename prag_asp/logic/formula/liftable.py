@@ -1,0 +1,118 @@
+"""A program whose restricting lines can be lifted, one by one.
+
+A line restricts where plans are at most lost by it: a constraint, and what states a precondition, an initial value, an
+invariant, a goal. Each such line gets an atom, and holds where that is true. A postcondition does two things: it
+changes a fluent, and says to what. Where it is lifted, a second atom, ``LOOSE``, says what is left of it: nothing, or
+a fluent that may have any value afterwards. What declares entities, fluents and actions stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from clingo.ast import AST, ASTType
+
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.sources import ADDED, Program, Source, owned
+from prag_asp.program.syntax import Statement
+
+KEPT, LOOSE = "__kept", "__loose"
+"""The atoms of lines, by their number, and the one that leaves any value to what a lifted line would change."""
+
+RESTRICTING = frozenset([
+    ("precondition", 3), ("initially", 2), ("exclusive", 2), ("implies", 2), ("impossible", 2), ("goal", 2),
+    ("at_most", 2),
+])  # fmt: skip
+"""What only restricts plans where it is stated."""
+
+EFFECT = ("postcondition", 3)
+RULES = "rules"
+"""The folder of encodings whose files a domain asks for, each of them by one line."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A statement of an author: its file, the line in it, and what it says; an included rule where it is asked for."""
+
+    path: Path
+    line: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.text}"
+
+
+@dataclass(frozen=True)
+class LiftableProgram:
+    """A program, and its lines; number i holds where the program's atom ``__kept(i)`` is true, which it may choose."""
+
+    program: Program
+    lines: tuple[Line, ...]
+
+
+def liftable(program: Program) -> LiftableProgram:
+    """Return a program in which each line that restricts can be lifted."""
+    lines: list[Line] = []
+    sources = [_guarded(source, own, program, lines) for source, own in owned(program)]
+    choice = "".join(f"{{ {KEPT}({number}) }}. " for number in range(len(lines)))
+    return LiftableProgram(Program((*sources, Source(ADDED, f"{choice}{{ {LOOSE} }}."))), tuple(lines))
+
+
+def _guarded(source: Source, own: bool, program: Program, lines: list[Line]) -> Source:
+    """Return a source with its restricting statements under an atom each, those of a rule asked for under one."""
+    asked = not own and source.path.parent.name == RULES
+    if source.path == ADDED or not (own or asked):
+        return source
+    statements, _ = parse_sources([(source, own)])
+    if asked and any(map(_restricts, statements)):
+        lines.append(_asking(source, program))
+    texts = list[str]()
+    for statement in statements:
+        if _restricts(statement):
+            if own:
+                lines.append(Line(source.path, statement.line, str(statement.node)))
+            texts += _under(statement, f"{KEPT}({len(lines) - 1})")
+        else:
+            texts.append(str(statement.node))
+    return Source(source.path, "\n".join(texts))
+
+
+def _asking(source: Source, program: Program) -> Line:
+    """Return the line that asks for a rule: an include, or else the rule itself, which the user has named."""
+    for other in program.sources:
+        for line, path in other.includes:
+            if path.resolve() == source.path.resolve():
+                return Line(other.path, line, f'#include "{RULES}/{path.name}".')
+    return Line(source.path, 1, f"the rule {source.path.stem}")
+
+
+def _restricts(statement: Statement) -> bool:
+    """Tell whether plans are at most lost by a statement."""
+    if not statement.is_rule or statement.node.head.ast_type != ASTType.Literal:
+        return False
+    if not statement.heads:
+        return True
+    own = {atom.signature for atom in statement.heads}
+    return not statement.timed and own <= RESTRICTING | {EFFECT}
+
+
+def _under(statement: Statement, kept: str) -> Iterator[str]:
+    """Yield a statement that holds where an atom is true, and what is left of it where that is not."""
+    body = [text for _, text in statement.literals]
+    yield _rule(statement.node.head, [*body, kept])
+    if any(atom.signature == EFFECT for atom in statement.heads):
+        yield _rule(_with_any_value(statement.node.head), [*body, f"not {kept}", LOOSE])
+
+
+def _rule(head: AST | str, body: Sequence[str]) -> str:
+    return f"{head} :- {'; '.join(body)}."
+
+
+def _with_any_value(head: AST) -> str:
+    """Return the head of a postcondition with an unknown value, be it one or a pool of several."""
+    symbol = head.atom.symbol
+    functions = symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]
+    found = [f"{EFFECT[0]}({','.join([*map(str, list(each.arguments)[:2]), 'unknown'])})" for each in functions]
+    return f"({';'.join(found)})" if len(found) > 1 else found[0]
