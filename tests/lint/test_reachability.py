@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from prag_asp import Domain, DomainError, TaskSpace, explain, load_domain
+from prag_asp import Domain, DomainError, TaskSpace, explain, fewest_changes, load_domain
 from prag_asp.logic.model import Model
 from prag_asp.program.paths import data_folder
 from prag_asp.space.engines.protocol import Level
@@ -281,3 +281,15 @@ def test_ten_thousand_actions_that_are_reached_one_after_the_other_are_all_kept(
     ]
     assert unreached("\n".join(lines)) == []
     assert len(unreached("\n".join(lines).replace("(go(2),at(1),", f"(go(2),at({steps}),"))) == steps - 1
+
+
+def test_the_lines_that_keep_an_action_from_being_reached_are_named() -> None:
+    text = """
+    fluent(chicken; egg). initially((chicken;egg),false). action(lay; hatch; wait).
+    precondition(lay,chicken,true). precondition(hatch,egg,true).
+    postcondition(lay,egg,true). postcondition(hatch,chicken,true).
+    """
+    with loaded(text) as domain:
+        assert domain is not None and [str(each) for each in domain.facts.unreached] == ["hatch", "lay"]
+        changes = fewest_changes(TaskSpace(domain, 1), action="lay")
+        assert [line.line for (line,) in changes] == [2, 3]
