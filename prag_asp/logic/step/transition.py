@@ -69,7 +69,8 @@ class Transition:
         return pack(column.reshape(len(self.variables), 1))[: 1 if ground.consistent else 0]
 
     @cached_property
-    def _rules(self) -> StepRules:
+    def rules(self) -> StepRules:
+        """The rules of the step in order, with an index of who reads what."""
         now, bodies = self.step.ground.now, self.step.bodies
         atoms = (now.get(symbol, 0) for symbol in self.variables)
         kept = set(self.step.occurs.values())
@@ -87,14 +88,15 @@ class Transition:
         return Needs.of(self.constraints, self._atoms, frozenset(self.step.ground.before.values()))
 
     @cached_property
-    def _final_strata(self) -> list[Stratum]:
+    def final_strata(self) -> list[Stratum]:
+        """The rules that the check after the last step depends on, in order."""
         roots = [abs(literal) for body in self.step.final for literal in body.literals]
         return stratify(roots, self.step.final_bodies)
 
     def move(self, letter: int) -> Move:
         """Return what the action of a number does."""
         if letter not in self._moves:
-            self._moves[letter] = compile_move(self._rules, self._atoms[letter])
+            self._moves[letter] = compile_move(self.rules, self._atoms[letter])
         return self._moves[letter]
 
     def accepts(self, states: Rows) -> Column:
@@ -105,17 +107,28 @@ class Transition:
         now, size = self.step.ground.now, len(states)
         columns = self._columns(states, now)
         read = _reader(columns, size)
-        evaluate(self._final_strata, self.step.final_bodies.__getitem__, columns, read, size)
+        evaluate(self.final_strata, self.step.final_bodies.__getitem__, columns, read, size)
         for body in self.step.final:
             broken |= body_column(body, read, size)
         return ~broken
+
+    def places_set(self, move: Move) -> list[int]:
+        """Return the variables that an action decides, in order."""
+        kept = unpack(move.keep[None], len(self.variables))[:, 0]
+        return [place for place, stays in enumerate(kept.tolist()) if not stays]
+
+    def rests(self, states: Rows) -> Column:
+        """Return which states stay as they are, and break no constraint, while no action occurs, shape (states,)."""
+        before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
+        stays: Column = (before.after == states).all(axis=1) & (before.breaches == 0)
+        return stays
 
     def expand(self, states: Rows, wanted: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
         """Yield what each action makes of a frontier, in the order of `actions`; of none where it is forbidden.
 
         `wanted` says which actions are asked for in which states, shape (states, actions); without it, all are.
         """
-        before = _Before.evaluated(self._rules, self._columns(states, self.step.ground.before), len(states))
+        before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
         asked = np.ones(len(self.actions), dtype=np.bool_)
         if wanted is not None:
             asked &= wanted.any(axis=0)

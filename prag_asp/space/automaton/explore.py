@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,11 +20,18 @@ from prag_asp.space.automaton.automaton import Automaton
 from prag_asp.space.automaton.numbering import Numbering
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.relaxation import Relaxation
     from prag_asp.logic.symmetry.merging import Merging, Orders
     from prag_asp.logic.symmetry.twins import Twins
 
 MOST, FEWEST = 16_384, 64
 """States that are expanded together: enough to make NumPy's overhead small, few enough for the memory at hand."""
+
+MANY = 4096
+"""States from which on those are not expanded that are too far from the end of a plan: fewer are expanded as fast."""
+
+FEW = 1 / 16
+"""The share of states that are too far from which on it is worth the time to look for them."""
 
 ROOM = 2**26
 """Bytes that the states after those expanded together should take at most."""
@@ -73,11 +81,19 @@ class Explored:
 
 
 def explore(
-    transition: Transition, length: int, watch: Watch | None = None, *, merging: Merging | None = None
+    transition: Transition,
+    length: int,
+    watch: Watch | None = None,
+    *,
+    merging: Merging | None = None,
+    object_to: Callable[[Rows], str] | None = None,
 ) -> Explored:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
-    Letters are numbers of `transition.actions`.
+    Letters are numbers of `transition.actions`. Where plans end in some states alone, and there are `MANY` states, a
+    state is not expanded from which no plan ends within the steps left. A state is found first where most steps are
+    left, so words of more than `length` actions alone may be missing. `object_to` sees all states; a text that it
+    returns says why exploring has to stop.
     """
     search = _Search(transition, merging)
     first, depth, stopped = 0, 0, ""
@@ -85,14 +101,16 @@ def explore(
         last = len(search.states)
         while first < last:
             rows = search.states.rows[first : min(first + search.together, last)]
-            search.take(rows, expanding=depth < length and not stopped)
+            search.take(rows, 0 if stopped else length - depth)
             first += len(rows)
+            if object_to:
+                stopped = object_to(rows) or stopped
             if watch and not stopped:
                 stopped = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes)) or ""
         if depth == length:
             return search.explored(length, stopped)
         depth += 1
-    return search.explored(None, stopped)
+    return search.explored(length if search.cut else None, stopped)
 
 
 class _Search:
@@ -111,27 +129,39 @@ class _Search:
         self.edges = 0
         self._twins: list[NDArray[np.bool_]] = []
         self._bytes = 0
+        self.cut = False
+        self._worth_a_look: tuple[int, bool] | None = None
+
+    @cached_property
+    def _relaxation(self) -> Relaxation | None:
+        """What tells how far states are from the end of a plan; None where plans end anywhere."""
+        if not self._transition.step.final:
+            return None
+        from prag_asp.logic.step.relaxation import relax
+
+        return relax(self._transition)
 
     @property
     def nbytes(self) -> int:
         """The memory in use, counting what putting the edges together takes."""
         return self.states.nbytes + 2 * self._bytes
 
-    def take(self, rows: Rows, *, expanding: bool) -> None:
-        """Add the next states and, if `expanding`, their edges and the states that these lead to."""
+    def take(self, rows: Rows, left: int) -> None:
+        """Add the next states and, where steps are left, their edges and the states that these lead to."""
         self._accepting.append(self._transition.accepts(rows))
-        twins = None
         if self._merging:
             self._twins.append(self._merging.twins(rows))
-            twins = self._merging.classes(self._twins[-1])
-        if not expanding:
-            self._degrees.append(np.zeros(len(rows), dtype=np.int64))
+        self._degrees.append(np.zeros(len(rows), dtype=np.int64))
+        places = self._near(rows, left) if left else np.arange(0)
+        if not len(places):
             return
+        rows = rows[places]
+        twins = self._merging.classes(self._twins[-1][places]) if self._merging else None
         wanted = self._merging.wanted(rows, twins) if self._merging and twins else None
         found = list(self._transition.expand(rows, wanted))
         sources = np.concatenate([np.zeros(0, dtype=np.uint16), *(each.sources.astype(np.uint16) for each in found)])
         order = np.argsort(sources, kind="stable")
-        self._degrees.append(np.bincount(sources, minlength=len(rows)))
+        self._degrees[-1][places] = np.bincount(sources, minlength=len(rows))
         if len(order):
             edges = self._numbered(found, order, twins)
             self._edges.append(edges)
@@ -140,6 +170,19 @@ class _Search:
         taken = len(order) * rows.shape[1] * 8 // len(rows) + (len(self._transition.actions) if twins else 0)
         room = ROOM // max(taken, 1)
         self.together = max(FEWEST, min(MOST, 4 * self.together, room))
+
+    def _near(self, rows: Rows, left: int) -> NDArray[np.intp]:
+        """Return the places of the states from which a plan may end in at most so many steps.
+
+        Where few of the first states of a layer are too far, the others are not looked at.
+        """
+        if len(self.states) < MANY or self._relaxation is None or self._worth_a_look == (left, False):
+            return np.arange(len(rows))
+        near, forever = self._relaxation.within(rows, left)
+        self.cut |= not forever
+        places = np.flatnonzero(near)
+        self._worth_a_look = (left, len(rows) - len(places) > len(rows) * FEW)
+        return places
 
     def _numbered(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
         """Return the edges of some successors in order of source and letter, and number the states that they reach."""
@@ -156,7 +199,7 @@ class _Search:
         return _Edges(letters, targets, labels, multiplicities, self._orders.add(_packed(orders)).astype(np.int32))
 
     def explored(self, horizon: int | None, stopped: str) -> Explored:
-        """Return all that was found."""
+        """Return all that was found; without a horizon, every word is."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:
             np.cumsum(np.concatenate(self._degrees), out=offsets[1:])

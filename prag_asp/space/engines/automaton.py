@@ -14,9 +14,10 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
+from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reach import Explorer, Reach
+from prag_asp.space.engines.reach import HALTED, Explorer, Halt, Reach
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more, cache_folder
 from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
 
@@ -29,6 +30,9 @@ WORTH_KEEPING = 0.2
 
 RANKED = 8
 """Lengths whose rankings are kept."""
+
+FEW_STATES = 4096
+"""States up to which a domain is explored as a whole, though it may fall into parts: it answers more questions so."""
 
 LONG = 10_000
 """From this length on counting says how far it is."""
@@ -99,7 +103,12 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        reach = self._reach(length, budget)
+        reach = self._reach(length, budget, None if prefix else self._falls_apart)
+        if reach.stopped == HALTED:
+            apart = self._count_apart(length, budget, reach)
+            if apart is not None:
+                return apart
+            reach = self._reach(length, budget)
         stage("counting")
         if not prefix and not reach.stopped and reach.completions.automaton.horizon is None:
             known = count_by_recurrence(reach.completions, length, budget.spent)
@@ -110,8 +119,41 @@ class AutomatonEngine:
         else:
             found, stopped = count_within(reach.completions, length, budget.to_close().spent, self._tell)
         if stopped or reach.stopped:
-            raise limit_reached(reach, reach.stopped or stopped, found, self._level, length)
+            raise limit_reached(reach.states, reach.stopped or stopped, found, self._level, length)
         return found
+
+    def _count_apart(self, length: int, budget: Budget, whole: Reach) -> int | None:
+        """Return the number of words of a length, part by part; None where the parts are not independent after all.
+
+        `whole` is what was explored of the whole until then.
+
+        Raises:
+            LimitReached: a limit ended the count; the error has the number of words that were found.
+        """
+        from prag_asp.space.engines.apart import count_apart
+
+        found = count_apart(self._explorer, self._parts, length, budget)
+        if found is None:
+            self._parts = ()
+            return None
+        self._tell(f"counted in {len(self._parts)} independent parts with {found.states:,} states")
+        if found.stopped:
+            least = found.found
+            if self._level != "skeleton":  # what was explored of the whole has no names yet
+                least = max(least, count_within(whole.completions, length, budget.to_close().spent)[0])
+            raise limit_reached(found.states, found.stopped, least, self._level, length)
+        return found.found
+
+    def _falls_apart(self, extent: Extent) -> bool:
+        """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
+        return extent.states > FEW_STATES and self._explorer.merge is None and bool(self._parts)
+
+    @cached_property
+    def _parts(self) -> tuple[Transition, ...]:
+        """The independent parts of the domain, none where there is but one."""
+        from prag_asp.logic.step.independent import independent_parts
+
+        return independent_parts(self._transition, by_name=self._level == "skeleton")
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -178,13 +220,13 @@ class AutomatonEngine:
             return count_merged(reach.merged, reach.completions, length, sets)
         return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
 
-    def _reach(self, length: int, budget: Budget) -> Reach:
+    def _reach(self, length: int, budget: Budget, halt: Halt | None = None) -> Reach:
         """Return what is reached within a length, and keep it where no limit ended it."""
         if self._reached is not None and self._reached.covers(length):
             return self._reached
         begun = monotonic()
         stage("exploring")
-        found = self._explorer.reach(self._transition, length, budget)
+        found = self._explorer.reach(self._transition, length, budget, halt)
         if found.covers(length):
             self._reached = found
             if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:
@@ -201,7 +243,7 @@ class AutomatonEngine:
         reach = self._reach(length, budget)
         if not reach.covers(length):
             found, _ = count_within(reach.completions, length, budget.to_close().spent)
-            raise limit_reached(reach, reach.stopped, found, self._level, length)
+            raise limit_reached(reach.states, reach.stopped, found, self._level, length)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking:
@@ -226,7 +268,7 @@ class AutomatonEngine:
                 return Weighed(known.completions, ranking=_merged_ranking(known, length))
         reach, unit, marks = explorer.weighed(length, weights, self._limits.begin(), read)
         if not reach.covers(length):
-            raise limit_reached(reach, reach.stopped, 0, self._level, length)
+            raise limit_reached(reach.states, reach.stopped, 0, self._level, length)
         ends = numbered_goals(hindsight, marks) if hindsight else None
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 
@@ -249,9 +291,8 @@ def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
     return MergedRanking(reach.merged, reach.completions, length)
 
 
-def limit_reached(reach: Reach, limit: str, found: int, level: Level, length: int) -> LimitReached:
+def limit_reached(states: int, limit: str, found: int, level: Level, length: int) -> LimitReached:
     """Return the error that says which limit was reached, how far it came until then, and how many words it found."""
-    states = reach.completions.automaton.states
     return LimitReached(
         f"{limit} was reached with {states:,} states explored: there are at least {found} {level}s of length "
         f"{length}; {allow_more(limit)}, or ask for shorter ones",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from math import factorial, prod
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
+from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Automaton, Completions
@@ -33,7 +35,14 @@ PATIENCE, WORDS, LARGE = 250_000, 4, 100
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
 
-OUTGROWN = "outgrown"
+OUTGROWN, HALTED = "outgrown", "halted"
+"""Why exploring stopped where no limit ended it."""
+
+Halt = Callable[[Extent], bool]
+"""Tells, by how far exploring has come, whether to leave it."""
+
+Allow = Callable[[Rows], NDArray[np.bool_]]
+"""Tells of states whether exploring may go on; where one of them forbids it, it is halted."""
 
 Groups = Sequence[Sequence[clingo.Symbol]]
 
@@ -57,6 +66,11 @@ class Reach:
     def of_merged(cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stopped: str = "") -> Reach:
         """Return what is known where states were merged."""
         return cls(letters, names, Completions(merged.automaton), merged, stopped)
+
+    @property
+    def states(self) -> int:
+        """The number of states."""
+        return self.completions.automaton.states
 
     def covers(self, length: int) -> bool:
         """Return whether all words of a length are known."""
@@ -84,11 +98,18 @@ class Explorer:
         facts, labels = weighing_facts(weights or Weights())
         return self.model.transition(tasks=self.level == "task", weighed=facts, labels=(*labels, *read))
 
-    def reach(self, transition: Transition, length: int, budget: Budget) -> Reach:
-        """Return what is reached within `length` steps, or until the budget is spent."""
-        explored, merging = self._explored(transition, length, budget, Weights())
+    def reach(
+        self,
+        transition: Transition,
+        length: int,
+        budget: Budget,
+        halt: Halt | None = None,
+        allow: Allow | None = None,
+    ) -> Reach:
+        """Return what is reached within `length` steps, or until the budget is spent or `halt` or `allow` says so."""
+        explored, merging = self._explored(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
-        if self.level == "skeleton":
+        if self.level == "skeleton" and explored.stopped != HALTED:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
@@ -112,34 +133,46 @@ class Explorer:
         return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
 
     def _explored(
-        self, transition: Transition, length: int, budget: Budget, weights: Weights
+        self,
+        transition: Transition,
+        length: int,
+        budget: Budget,
+        weights: Weights,
+        halt: Halt | None = None,
+        allow: Allow | None = None,
     ) -> tuple[Explored, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
             return explore(transition, length, self._watch(budget), merging=merging), merging
+        object_to = partial(_objection, allow) if allow else None
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
-        explored = explore(transition, length, self._watch(budget, patience))
+        explored = explore(transition, length, self._watch(budget, patience, halt), object_to=object_to)
         if explored.stopped == OUTGROWN:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
-                explored = explore(transition, length, self._watch(budget, MORE_PATIENCE))
+                explored = explore(transition, length, self._watch(budget, MORE_PATIENCE), object_to=object_to)
                 if explored.stopped != OUTGROWN:
                     return explored, None
-            return explore(transition, length, self._watch(budget), merging=merging), merging
+            return explore(transition, length, self._watch(budget), merging=merging, object_to=object_to), merging
         return explored, None
 
     def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
         from prag_asp.logic.symmetry.merging import find_merging
 
         groups = self.model.groups(0)
-        return find_merging(transition, equal_groups(groups, weights), groups if self.level == "task" else ())
+        named = groups if self.level == "task" else ()
+        return find_merging(transition, _present(equal_groups(groups, weights), transition), named)
 
-    def _watch(self, budget: Budget, patience: int | None = None) -> Watch:
+    def _watch(self, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
+        """Return what tells of progress, and says when to stop: by the budget, `patience` with the edges, or `halt`."""
+
         def watch(extent: Extent) -> str | None:
             if self.tell:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
+            if halt and halt(extent):
+                return HALTED
             outgrown = patience is not None and extent.edges > patience
             return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
 
@@ -156,6 +189,18 @@ def _known(transition: Transition, explored: Explored, merging: Merging | None, 
     base = explored.automaton
     merged = Merged(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
     return Reach.of_merged(letters, names, merged, explored.stopped)
+
+
+def _objection(allow: Allow, rows: Rows) -> str:
+    return "" if allow(rows).all() else HALTED
+
+
+def _present(groups: Groups, transition: Transition) -> list[Sequence[clingo.Symbol]]:
+    """Return the groups all of whose entities a step function speaks of: one of a part need not speak of all."""
+    entities = [entity for group in groups for entity in group]
+    spoken = {each for symbol in (*transition.actions, *transition.variables)
+              for each in mentioned_entities(symbol, entities)}  # fmt: skip
+    return [group for group in groups if spoken.issuperset(group)]
 
 
 def equal_groups(groups: Groups, weights: Weights) -> list[tuple[clingo.Symbol, ...]]:

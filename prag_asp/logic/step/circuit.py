@@ -1,0 +1,117 @@
+"""Circuits of conjunctions and disjunctions, each made once, and their evaluation on words of bits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+
+import numpy as np
+from numpy.typing import NDArray
+
+FALSE, TRUE = 0, 1
+"""The gates that are constant."""
+
+CONSTANTS = 2
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Gates of one kind that read only gates before them: the operands of all, and where those of each begin."""
+
+    conjunctions: bool
+    first: int
+    operands: NDArray[np.intp]
+    starts: NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """Gates by number: the constants, the inputs, then those of each layer."""
+
+    inputs: int
+    gates: int
+    layers: tuple[Layer, ...]
+
+    @property
+    def widest(self) -> int:
+        """The most words that are at hand at once for each word of an input."""
+        return self.gates + max((len(layer.operands) for layer in self.layers), default=0)
+
+    def evaluate(self, inputs: NDArray[np.uint64]) -> NDArray[np.uint64]:
+        """Return the values of all gates, shape (gates, words), for inputs of shape (inputs, words)."""
+        values = np.empty((self.gates, inputs.shape[1]), dtype=np.uint64)
+        values[FALSE], values[TRUE] = np.uint64(0), ~np.uint64(0)
+        values[CONSTANTS : CONSTANTS + self.inputs] = inputs
+        for layer in self.layers:
+            combine = np.bitwise_and if layer.conjunctions else np.bitwise_or
+            own = values[layer.first : layer.first + len(layer.starts)]
+            combine.reduceat(values[layer.operands], layer.starts, axis=0, out=own)
+        return values
+
+
+class Gates:
+    """Makes gates; equal ones are one, and what a constant decides is none."""
+
+    def __init__(self, inputs: int) -> None:
+        self._inputs = inputs
+        self._numbers: dict[tuple[bool, tuple[int, ...]], int] = {}
+        self._made: list[tuple[bool, tuple[int, ...]]] = []
+
+    def input(self, place: int) -> int:
+        """Return the gate of an input."""
+        return CONSTANTS + place
+
+    def all(self, operands: Iterable[int]) -> int:
+        """Return the gate that is true where all of some gates are."""
+        return self._gate(True, operands)
+
+    def any(self, operands: Iterable[int]) -> int:
+        """Return the gate that is true where some of some gates are."""
+        return self._gate(False, operands)
+
+    def _gate(self, conjunction: bool, operands: Iterable[int]) -> int:
+        neutral, decisive = (TRUE, FALSE) if conjunction else (FALSE, TRUE)
+        found = set(operands) - {neutral}
+        if decisive in found:
+            return decisive
+        if len(found) < 2:
+            return found.pop() if found else neutral
+        key = (conjunction, tuple(sorted(found)))
+        if key not in self._numbers:
+            self._numbers[key] = CONSTANTS + self._inputs + len(self._made)
+            self._made.append(key)
+        return self._numbers[key]
+
+    def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
+        """Return the circuit of some gates and those that they read, and the number that each gate has there."""
+        before = CONSTANTS + self._inputs
+        needed = self._needed(roots)
+        depths: dict[int, int] = {}
+        kinds: dict[tuple[int, bool], list[int]] = {}
+        for gate in needed:
+            conjunction, operands = self._made[gate - before]
+            depths[gate] = 1 + max(depths.get(each, 0) for each in operands)
+            kinds.setdefault((depths[gate], conjunction), []).append(gate)
+        numbers = {gate: gate for gate in range(before)}
+        layers = []
+        for (_, conjunction), members in sorted(kinds.items()):
+            first = len(numbers)
+            read = [self._made[gate - before][1] for gate in members]
+            numbers |= {gate: first + place for place, gate in enumerate(members)}
+            starts = np.array([0, *accumulate(map(len, read[:-1]))], dtype=np.intp)
+            reading = np.array([numbers[each] for several in read for each in several], dtype=np.intp)
+            layers.append(Layer(conjunction, first, reading, starts))
+        return Circuit(self._inputs, len(numbers), tuple(layers)), numbers
+
+    def _needed(self, roots: Sequence[int]) -> list[int]:
+        """Return the gates that roots read, directly or not, in the order in which they were made."""
+        before = CONSTANTS + self._inputs
+        needed: set[int] = set()
+        waiting = [gate for gate in roots if gate >= before]
+        while waiting:
+            gate = waiting.pop()
+            if gate not in needed:
+                needed.add(gate)
+                waiting += [each for each in self._made[gate - before][1] if each >= before]
+        return sorted(needed)

@@ -1,0 +1,189 @@
+"""The parts of a domain that have nothing in common: no variable, no action, no rule, nothing that the end asks for.
+
+An action is put together with the variables that it reads or sets, once all that depends on no variable is evaluated:
+so counting the actions of a step, or naming them, joins nothing. What is left to see is that a part stays as it is
+while another one acts; `Transition.rests` tells it of each state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import replace
+
+from prag_asp.logic.ground.program import action_name
+from prag_asp.logic.step.moves import Move
+from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.simplify import simplified
+from prag_asp.logic.step.transition import Transition
+
+FEWEST_VARIABLES = 12
+"""Variables from which on parts are looked for: fewer have few states."""
+
+Node = tuple[str, int]
+"""A variable, an atom that rules define, or an action, by number."""
+
+NOTHING: Node = ("nothing", 0)
+"""What stands for all variables that no action sets or reads, and for all actions without variables."""
+
+
+def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
+    """Return step functions whose plans, shuffled, are those of a step function, where each rests in all its states.
+
+    With `by_name`, actions of one name belong to one part. The result is empty where there is but one part, or where
+    there are too few variables for the search to be worth its time.
+    """
+    if len(transition.variables) < FEWEST_VARIABLES:
+        return ()
+    return _Parts(transition, by_name).found()
+
+
+class _Parts:
+    """Joins what has something in common (disjoint sets, Tarjan 1975)."""
+
+    def __init__(self, transition: Transition, by_name: bool) -> None:
+        self._transition = transition
+        self._above: dict[Node, Node] = {}
+        before = transition.step.ground.before
+        self._variable = {
+            before[symbol]: place for place, symbol in enumerate(transition.variables) if symbol in before
+        }
+        self._moves = {letter: transition.move(letter) for letter in range(len(transition.actions))}
+        self._moves = {letter: move for letter, move in self._moves.items() if not move.impossible}
+        self._idle_nodes: dict[int, list[Node]] = {}
+        self._asking: dict[int, list[Node]] = {}
+        self._settled = self._decided()
+        self._join_what_no_action_leaves()
+        for letter, move in self._moves.items():
+            self._join_action(letter, move)
+        if by_name:
+            first: dict[str, int] = {}
+            for letter in self._moves:
+                named = first.setdefault(action_name(transition.actions[letter]), letter)
+                self._join([("action", named), ("action", letter)])
+
+    def found(self) -> tuple[Transition, ...]:
+        """Return the parts, none where they are but one."""
+        final = [self._leaves(body) for body in self._transition.step.final]
+        for leaves in final:
+            self._join(leaves)
+        if not self._join_lonely():
+            return ()
+        parts: dict[Node, tuple[list[int], list[int]]] = {}
+        for place in range(len(self._transition.variables)):
+            parts.setdefault(self._root(("variable", place)), ([], []))[0].append(place)
+        for letter in self._moves:
+            parts.setdefault(self._root(("action", letter)), ([], []))[1].append(letter)
+        if len(parts) < 2:
+            return ()
+        return tuple(self._part(root, *members, final) for root, members in parts.items())
+
+    def _part(self, root: Node, places: list[int], letters: list[int], final: list[list[Node]]) -> Transition:
+        """Return the step function of the variables and actions of a part."""
+        whole = self._transition
+        step = replace(
+            whole.step,
+            occurs={whole.actions[letter]: whole.step.occurs[whole.actions[letter]] for letter in letters},
+            final=tuple(body for body, leaves in zip(whole.step.final, final, strict=True)
+                        if not leaves or self._root(leaves[0]) == root),
+        )  # fmt: skip
+        constraints = tuple(body for number, body in enumerate(whole.constraints) if self._concerns(number, root))
+        return Transition(step, tuple(whole.variables[place] for place in places), constraints, ())
+
+    def _decided(self) -> set[int]:
+        """Return the atoms that depend on no variable where no action occurs."""
+        decided: set[int] = set()
+        for stratum in self._transition.rules.strata:
+            inside = set(stratum.atoms)
+            read = {abs(literal) for atom in stratum.atoms for body in self._transition.rules.idle[atom]
+                    for literal in body.literals}  # fmt: skip
+            if all(atom in decided or atom in inside or not self._known(atom) for atom in read):
+                decided |= inside
+        return decided
+
+    def _known(self, atom: int) -> bool:
+        return atom in self._variable or atom in self._transition.rules.order
+
+    def _join_what_no_action_leaves(self) -> None:
+        rules = self._transition.rules
+        for place, atom in enumerate(rules.written):
+            if atom in rules.order:
+                self._join([("variable", place), ("atom", atom)])
+        for atom, bodies in rules.idle.items():
+            self._join([("atom", atom), *self._read(bodies)])
+        for number, body in rules.idle_constraints:
+            self._idle_nodes[number] = self._read([body])
+            self._join(self._idle_nodes[number])
+
+    def _join_action(self, letter: int, move: Move) -> None:
+        """Join an action with what it reads and sets, and remember which constraints ask something of it."""
+        action: Node = ("action", letter)
+        own = {atom for stratum in move.strata for atom in stratum.atoms}
+        for atom in own:
+            self._join([action, ("atom", atom), *self._read(move.bodies[atom], own)])
+        self._join([action, *self._read(move.guards), *self._read(move.constraints, own)])
+        self._join([action, *(("variable", place) for place in self._transition.places_set(move))])
+        constants = {**self._transition.rules.no_action, **move.constants}
+        for number in move.touched:
+            left = simplified(self._transition.constraints[number], constants)
+            if isinstance(left, Body):
+                self._join([action, *self._idle_nodes.get(number, ())])
+                self._asking.setdefault(number, []).append(action)
+
+    def _join_lonely(self) -> bool:
+        """Join what no action touches, and the actions without variables; tell whether actions remain apart."""
+        acting = {self._root(("action", letter)) for letter in self._moves}
+        placed = {self._root(("variable", place)) for place in range(len(self._transition.variables))}
+        self._join([NOTHING, *(placed - acting)])
+        self._join([("nothing", 1), *(acting - placed)])
+        return len({self._root(("action", letter)) for letter in self._moves}) > 1
+
+    def _concerns(self, number: int, root: Node) -> bool:
+        """Tell whether a constraint is one of a part: it reads a variable of it, or asks something of its actions.
+
+        One that reads no variable while no action occurs concerns all parts, unless every action decides it.
+        """
+        idle = self._idle_nodes.get(number)
+        if any(self._root(node) == root for node in (*(idle or ()), *self._asking.get(number, ()))):
+            return True
+        return idle == [] and not all(number in move.touched for move in self._moves.values())
+
+    def _read(self, bodies: Iterable[Body], own: Collection[int] = ()) -> list[Node]:
+        """Return the variables that bodies read, and the derived atoms that some variable decides, as it does `own`."""
+        nodes: list[Node] = []
+        for atom in {abs(literal) for body in bodies for literal in body.literals}:
+            if atom in self._variable:
+                nodes.append(("variable", self._variable[atom]))
+            elif atom in own or (atom in self._transition.rules.order and atom not in self._settled):
+                nodes.append(("atom", atom))
+        return nodes
+
+    def _leaves(self, body: Body) -> list[Node]:
+        """Return the variables that a constraint on the last state depends on."""
+        step = self._transition.step
+        places = {step.ground.now.get(symbol): place for place, symbol in enumerate(self._transition.variables)}
+        seen: set[int] = set()
+        waiting = [abs(literal) for literal in body.literals]
+        while waiting:
+            atom = waiting.pop()
+            if atom not in seen:
+                seen.add(atom)
+                waiting += [abs(each) for found in step.final_bodies.get(atom, ()) for each in found.literals]
+        return [("variable", places[atom]) for atom in sorted(seen) if atom in places and atom not in step.final_bodies]
+
+    def _root(self, node: Node) -> Node:
+        path = []
+        while (above := self._above.get(node, node)) != node:
+            path.append(node)
+            node = above
+        for each in path:
+            self._above[each] = node
+        return node
+
+    def _join(self, nodes: Iterable[Node]) -> None:
+        first: Node | None = None
+        for node in nodes:
+            root = self._root(node)
+            if first is None:
+                first = root
+            else:
+                self._above[root] = self._root(first)

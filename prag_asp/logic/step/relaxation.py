@@ -1,0 +1,201 @@
+"""How many steps a state is from the end of a plan at least, for many states at once.
+
+What may be true and what may be false of each variable is carried along apart, and never taken back: so what actions
+delete, and which values exclude each other, is passed over. The step after which a plan may end first is then at most
+as far away as the end of any plan, whatever the rules say: this is h_max (Bonet and Geffner, Planning as heuristic
+search, 2001) on the Cartesian abstraction of states (Cousot and Cousot 1977). What is unknown is neither known to be
+true nor known to be false, so it needs no case of its own.
+
+What may be so after a step grows with what may be so before it. So one step is a circuit of conjunctions and
+disjunctions without a negation, which is evaluated on 64 states with each word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.step.circuit import FALSE, TRUE, Circuit, Gates
+from prag_asp.logic.step.moves import Move
+from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.packed import Rows, mask_of, unpack
+from prag_asp.logic.step.strata import Stratum
+from prag_asp.logic.step.transition import Transition
+
+MOST_ROUNDS = 16
+"""Atoms that derive each other up to which it is followed how; of more, anything may be so."""
+
+ROOM = 2**23
+"""Bytes that the operands of one gate of each kind should take at most."""
+
+May = tuple[int, int]
+"""The gates that say where an atom may be true, and where it may be false."""
+
+NEVER: May = (FALSE, TRUE)
+ANYTHING: May = (TRUE, TRUE)
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """One relaxed step: the gates of what may be so after it, and of whether a plan may end before it.
+
+    The inputs are, for each variable, that it may be true and that it may be false; `after` has their gates in the
+    same order.
+    """
+
+    variables: int
+    circuit: Circuit
+    after: NDArray[np.intp]
+    ends: int
+
+    def within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
+        """Return which states may be at most `left` steps from the end, and whether the others are so for any number.
+
+        No plan goes on from the others within so many steps.
+        """
+        near = np.empty(len(states), dtype=np.bool_)
+        together = 64 * max(ROOM // (8 * self.circuit.widest), 4)
+        forever = True
+        for first in range(0, len(states), together):
+            some = states[first : first + together]
+            near[first : first + together], settled = self._within(some, left)
+            forever &= settled
+        return near, forever
+
+    def _within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
+        inputs = self._inputs(states)
+        ended = np.zeros(inputs.shape[1], dtype=np.uint64)
+        settled = False
+        for steps in range(left + 1):
+            values = self.circuit.evaluate(inputs)
+            ended = values[self.ends]
+            following = values[self.after]
+            settled = bool((~ended == 0).all()) or np.array_equal(following, inputs)
+            if settled or steps == left:
+                break
+            inputs = following
+        return np.unpackbits(ended.view(np.uint8), count=len(states), bitorder="little").view(np.bool_), settled
+
+    def _inputs(self, states: Rows) -> NDArray[np.uint64]:
+        """Return 64 states in each word, shape (inputs, words); bits beyond the last state repeat it."""
+        columns = unpack(states, self.variables)
+        columns = np.pad(columns, ((0, 0), (0, -len(states) % 64)), mode="edge")
+        true = np.packbits(columns, axis=1, bitorder="little").view(np.uint64)
+        return np.stack([true, ~true], axis=1).reshape(2 * self.variables, columns.shape[1] // 64)
+
+
+def relax(transition: Transition) -> Relaxation:
+    """Return the relaxation of a step function."""
+    gates = Gates(2 * len(transition.variables))
+    inputs = [(gates.input(2 * place), gates.input(2 * place + 1)) for place in range(len(transition.variables))]
+    step = _Relaxed(transition, gates, inputs)
+    roots = [gate for after in step.after() for gate in after]
+    ends = step.ends()
+    circuit, numbers = gates.circuit([*roots, ends])
+    after = np.array([numbers[gate] for gate in roots], dtype=np.intp)
+    return Relaxation(len(transition.variables), circuit, after, numbers[ends])
+
+
+class _Relaxed:
+    """Makes the gates of a step."""
+
+    def __init__(self, transition: Transition, gates: Gates, inputs: Sequence[May]) -> None:
+        self._transition, self._gates, self._inputs = transition, gates, inputs
+        self._idle = self._values(transition.step.ground.before)
+        self._evaluate(transition.rules.strata, transition.rules.idle, self._idle, self._idle_value)
+
+    def after(self) -> list[May]:
+        """Return what may be so of each variable after the step, or was so before it."""
+        true = [[may, self._idle_value(atom)[0]]
+                for (may, _), atom in zip(self._inputs, self._transition.rules.written, strict=True)]  # fmt: skip
+        false = [[may, self._idle_value(atom)[1]]
+                 for (_, may), atom in zip(self._inputs, self._transition.rules.written, strict=True)]  # fmt: skip
+        for letter in range(len(self._transition.actions)):
+            move = self._transition.move(letter)
+            if not move.impossible:
+                self._add_effects(move, true, false)
+        return [(self._gates.any(may), self._gates.any(may_not)) for may, may_not in zip(true, false, strict=True)]
+
+    def ends(self) -> int:
+        """Return where a plan may end."""
+        transition, final = self._transition, self._transition.step.final
+        values = self._values(transition.step.ground.now)
+        read = _reader(values)
+        self._evaluate(transition.final_strata, transition.step.final_bodies, values, read)
+        return self._gates.all(self._false(body, read) for body in final)
+
+    def _add_effects(self, move: Move, true: list[list[int]], false: list[list[int]]) -> None:
+        """Add what an action may make true or false of the variables that it decides."""
+        values: dict[int, May] = {}
+
+        def value(atom: int) -> May:
+            if atom in move.constants:
+                return (TRUE, FALSE) if move.constants[atom] else NEVER
+            return values[atom] if atom in values else self._idle_value(atom)
+
+        self._evaluate(move.strata, move.bodies, values, value)
+        occurs = self._gates.all([*(self._false(body, self._idle_value) for body in move.guards),
+                                  *(self._false(body, value) for body in move.constraints)])  # fmt: skip
+        changed = dict(move.changed)
+        for place in self._transition.places_set(move):
+            may = value(changed[place]) if place in changed else (TRUE, FALSE) if _has(move.put, place) else NEVER
+            true[place].append(self._gates.all((occurs, may[0])))
+            false[place].append(self._gates.all((occurs, may[1])))
+
+    def _evaluate(
+        self,
+        strata: Iterable[Stratum],
+        bodies: Mapping[int, tuple[Body, ...]],
+        values: dict[int, May],
+        value: Callable[[int], May],
+    ) -> None:
+        """Add to `values` what may be so of the atoms of some strata; `value` reads these and all others."""
+        for stratum in strata:
+            if not stratum.recursive:
+                values |= {atom: self._value(bodies[atom], value) for atom in stratum.atoms}
+                continue
+            known = len(stratum.atoms) <= MOST_ROUNDS
+            # The least model has nothing true that is not derived in as many rounds as there are atoms; that anything
+            # may be false is always so.
+            values |= dict.fromkeys(stratum.atoms, NEVER if known else ANYTHING)
+            for _ in range(len(stratum.atoms) if known else 0):
+                values |= {atom: (self._value(bodies[atom], value)[0], TRUE) for atom in stratum.atoms}
+
+    def _value(self, bodies: Sequence[Body], value: Callable[[int], May]) -> May:
+        true = self._gates.any(self._true(body, value) for body in bodies)
+        return true, self._gates.all(self._false(body, value) for body in bodies)
+
+    def _true(self, body: Body, value: Callable[[int], May]) -> int:
+        """Return where a body may be true; a sum that has to reach something needs some literal."""
+        literals = [value(abs(literal))[literal < 0] for literal in body.literals]
+        if not body.weights:
+            return self._gates.all(literals)
+        if body.bound <= 0 or min(body.weights) < 0:
+            return TRUE
+        return self._gates.any(literals)
+
+    def _false(self, body: Body, value: Callable[[int], May]) -> int:
+        """Return where a body may be false; a sum may always be."""
+        if body.weights:
+            return TRUE
+        return self._gates.any(value(abs(literal))[literal > 0] for literal in body.literals)
+
+    def _values(self, atoms: Mapping[clingo.Symbol, int]) -> dict[int, May]:
+        """Return what may be so of the variables among `atoms`."""
+        pairs = zip(self._transition.variables, self._inputs, strict=True)
+        return {atoms[symbol]: may for symbol, may in pairs if symbol in atoms}
+
+    def _idle_value(self, atom: int) -> May:
+        return self._idle.get(atom, NEVER)
+
+
+def _reader(values: Mapping[int, May]) -> Callable[[int], May]:
+    return lambda atom: values.get(atom, NEVER)
+
+
+def _has(words: Rows, place: int) -> bool:
+    return bool((words & mask_of([place], len(words))).any())
