@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         SceneError,
     )
     from prag_asp.logic.formula.explain import Explanation
+    from prag_asp.models.answer_sets import AnswerSets, answer_sets
     from prag_asp.processes.bounding import bounded
     from prag_asp.program.paths import shipped_domains
     from prag_asp.scene.model import Scene
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 __all__ = [
+    "AnswerSets",
     "Atom",
     "Condition",
     "Dataset",
@@ -65,6 +67,7 @@ __all__ = [
     "TaskSpace",
     "TaskSpaces",
     "__version__",
+    "answer_sets",
     "bounded",
     "explain",
     "fewest_changes",
@@ -79,6 +82,7 @@ __all__ = [
 _HOMES = {
     "prag_asp.atom": ("Atom", "parse_atom"),
     "prag_asp.dataset.store.dataset": ("Dataset",),
+    "prag_asp.models.answer_sets": ("AnswerSets", "answer_sets"),
     "prag_asp.processes.bounding": ("bounded",),
     "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
     "prag_asp.domain.scaffold": ("write_new_domain",),

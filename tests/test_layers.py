@@ -23,13 +23,13 @@ PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
     ["errors", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "fields", "reading"]
-) | {"arrays"}
+) | {"arrays", "bits"}
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
 
 ROOMS: Mapping[str, frozenset[str]] = {
-    "": GROUND | {"program", "scene", "domain", "logic", "space", "dataset", "versions", "bounding"},
+    "": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "versions", "bounding"},
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
@@ -37,6 +37,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "missing": frozenset(["errors"]),
     "reading": frozenset(),
     "arrays": frozenset(),
+    "bits": frozenset(),
     "fields": frozenset(["errors"]),
     "output": frozenset(["errors", "reading"]),
     "wording": frozenset(["errors"]),
@@ -50,13 +51,15 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "pddl": GROUND | {"program"},
     "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
+    "models": (GROUND - {"task"}) | {"program", "logic"},
     "space": GROUND | {"program", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "pddl", "domain", "logic", "space", "physics", "dataset", "analysis", "versions"},
+    | {"program", "scene", "grammar", "pddl", "domain", "logic", "space", "models", "physics", "dataset", "analysis"}
+    | {"versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -84,10 +87,10 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 """The rooms within a room, from the ground up: each imports only what stands below it."""
 
 PUBLIC = {
-    "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached", "Limits",
-    "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task", "TaskSpace", "TaskSpaces",
-    "__version__", "bounded", "explain", "fewest_changes", "load_domain", "load_scene", "parse_atom", "shipped_domains",
-    "why_empty", "write_new_domain",
+    "AnswerSets", "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached",
+    "Limits", "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task", "TaskSpace",
+    "TaskSpaces", "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
+    "parse_atom", "shipped_domains", "why_empty", "write_new_domain",
 }  # fmt: skip
 HEAVY = {
     "inflect",

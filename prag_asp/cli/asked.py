@@ -76,7 +76,7 @@ class Asked:
         if self.settings is None:
             _note_unread(self.names)
         return load_domain(
-            *map(_given, self.names),
+            *map(given, self.names),
             constants={**recorded, **parse_constant_options(self.constants)},
             settings=self.settings,
             rules=self.rules,
@@ -145,11 +145,11 @@ def _note_unread(names: Sequence[str]) -> None:
                 tell_line(told)
 
 
-def _given(name: str) -> str | Source:
+def given(name: str) -> str | Source:
     """Return what a domain is given as; standard input is read once, however often its domain is loaded."""
     if name != STANDARD_INPUT:
         return name
-    from prag_asp.domain.given import standard_input
+    from prag_asp.program.sources import standard_input
 
     kept: dict[str, Any] = click.get_current_context().meta
     if STANDARD_INPUT not in kept:

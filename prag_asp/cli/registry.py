@@ -27,6 +27,7 @@ COMMANDS = {
     "import": "importing",
     "learn": "learn",
     "merge": "merge",
+    "models": "models",
     "new": "domains",
     "render": "render",
     "sample": "sample",

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from prag_asp.errors import DomainError
 from prag_asp.program.paths import PDDL, domain_folder, is_file_name
-from prag_asp.program.sources import Source, decoded, read_sources
-from prag_asp.reading import LARGEST_TEXT, STANDARD_INPUT
+from prag_asp.program.sources import Source, read_sources, standard_input, text_source
+from prag_asp.reading import STANDARD_INPUT
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given
     Raises:
         DomainError: there is no such domain, or it is given in more than one way.
     """
-    files = list(dict.fromkeys([*given, *([] if text is None else [_text_source("text", text)])]))
+    files = list(dict.fromkeys([*given, *([] if text is None else [text_source("text", text)])]))
     if not files:
         raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text")
     named = [str(each) for each in given if not isinstance(each, Source) and not is_file_name(each)]
@@ -68,35 +67,6 @@ def _imported(files: Sequence[str | Path | Source]) -> Source:
 
     found = read(*map(str, files))
     return Source(Path(f"<{found.name}>"), found.text)
-
-
-def _text_source(name: str, text: str) -> Source:
-    """Return a text as a file that messages call ``<name>``.
-
-    Raises:
-        DomainError: it cannot be written as UTF-8.
-    """
-    path = Path(f"<{name}>")
-    try:
-        text.encode()
-    except UnicodeEncodeError as error:
-        line = text.count("\n", 0, error.start) + 1
-        raise DomainError(f"{path}:{line}: half of a surrogate pair is no text; remove it") from None
-    return Source(path, text)
-
-
-def standard_input() -> Source:
-    """Return what comes from standard input, read to its end.
-
-    Raises:
-        DomainError: there is no standard input, or it is too large, or not UTF-8.
-    """
-    if sys.stdin is None:
-        raise DomainError(f"{STANDARD_INPUT}: standard input is closed; write `cat FILE | prag-asp ...`")
-    path, content = Path("<stdin>"), sys.stdin.buffer.read(LARGEST_TEXT + 1)
-    if len(content) > LARGEST_TEXT:
-        raise DomainError(f"{path}:1: it is larger than {LARGEST_TEXT / 10**6:,.0f} MB; write the domain shorter")
-    return Source(path, decoded(content, path))
 
 
 def _entry(given: str | Path | Source) -> Path | Source:

@@ -84,7 +84,7 @@ def check(program: Program, given: Source) -> Checked:
     judge.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
     plain = _one_free_step(program, sources)
     encodings = encodings_folder(program)
-    relaxed = relaxed_sources(encodings)
+    relaxed = relaxed_sources(encodings) if encodings else ()
     grounder = Grounder(Program((*plain.sources, *relaxed)))
     grounder.ground([("base", [])])
     judge.take(demand_problems(grounder.control, statements))
@@ -93,7 +93,7 @@ def check(program: Program, given: Source) -> Checked:
     _check_facts(judge, grounder, facts, statements, origins)
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
-    if relaxed and _can_leave_out(statements):
+    if encodings and relaxed and _can_leave_out(statements):
         left = replace(left, unreached=find_unreached(grounder, left, statements, encodings))
     ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))
     return Checked(left, settings, tuple(ordered))

@@ -26,12 +26,15 @@ Part = tuple[str, Sequence[clingo.Symbol]]
 class Grounder:
     """A clingo control that holds one program; nothing of it is printed, whatever the program does.
 
+    `notes` are what clingo itself only remarks, where it is not to be an error (`strict`): undefined operations.
+
     Raises:
         DomainError: clingo cannot parse the program, or an interval of it has too many numbers.
     """
 
-    def __init__(self, program: Program, *arguments: str) -> None:
-        self._program = program
+    def __init__(self, program: Program, *arguments: str, strict: bool = True) -> None:
+        self._program, self._strict = program, strict
+        self.notes: list[str] = []
         found = guarded(program)
         self._checks = Checks(found.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
@@ -46,7 +49,8 @@ class Grounder:
         """Ground program parts.
 
         Raises:
-            DomainError: clingo cannot ground them, or an arithmetic or set operation is undefined or out of range.
+            DomainError: clingo cannot ground them, or an arithmetic or set operation is out of range or (where that is
+                an error) undefined.
         """
         stage("grounding the domain")
         self._run(lambda: self.control.ground(list(parts), context=self._checks))
@@ -69,8 +73,9 @@ class Grounder:
         out_of_range = [text for text in undefined if SCRIPT in text]
         if out_of_range:
             raise self._checks.overflow(located(self._program, out_of_range[0]))
-        if undefined:
+        if undefined and self._strict:
             raise DomainError(f"{located(self._program, undefined[0])}; guard the operation")
+        self.notes += dict.fromkeys(located(self._program, text) for text in undefined)
 
     def _errors(self) -> list[str]:
         return [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bisect
 import re
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +12,7 @@ from pathlib import Path
 
 from prag_asp.errors import DomainError
 from prag_asp.program.tokens import blanked
-from prag_asp.reading import is_inside, read_bytes
+from prag_asp.reading import LARGEST_TEXT, STANDARD_INPUT, is_inside, read_bytes
 
 KEYWORD = re.compile(r"#include\b")
 CONTRACT = "contract.lp"
@@ -137,6 +138,35 @@ def decoded(content: bytes, path: Path) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
+def text_source(name: str, text: str) -> Source:
+    """Return a text as a file that messages call ``<name>``.
+
+    Raises:
+        DomainError: it cannot be written as UTF-8.
+    """
+    path = Path(f"<{name}>")
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise DomainError(f"{path}:{line}: half of a surrogate pair is no text; remove it") from None
+    return Source(path, text)
+
+
+def standard_input() -> Source:
+    """Return what comes from standard input, read to its end.
+
+    Raises:
+        DomainError: there is no standard input, or it is too large, or not UTF-8.
+    """
+    if sys.stdin is None:
+        raise DomainError(f"{STANDARD_INPUT}: standard input is closed; write `cat FILE | prag-asp ...`")
+    path, content = Path("<stdin>"), sys.stdin.buffer.read(LARGEST_TEXT + 1)
+    if len(content) > LARGEST_TEXT:
+        raise DomainError(f"{path}:1: it is larger than {LARGEST_TEXT / 10**6:,.0f} MB; write it shorter")
+    return Source(path, decoded(content, path))
+
+
 def core_sources(encodings: Path) -> tuple[Source, ...]:
     """Return the encodings that every domain uses: those directly in the folder that no other place reads.
 
@@ -151,15 +181,16 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
 
 
 def owned(program: Program) -> list[tuple[Source, bool]]:
-    """Return the files of a program, each with whether it is the domain's own; the encodings begin every program."""
+    """Return the files of a program, each with whether it is the author's own, and none of the encodings."""
     encodings = encodings_folder(program)
+    if encodings is None:
+        return [(source, True) for source in program.sources]
     return [
         (source, source.path.parent not in (encodings, encodings / "rules", encodings / "conditions"))
         for source in program.sources
     ]
 
 
-def encodings_folder(program: Program) -> Path:
-    """Return the folder of the encodings that begin a program."""
-    contracts = (source.path.parent for source in program.sources if source.path.name == CONTRACT)
-    return next(contracts, program.sources[0].path.parent)
+def encodings_folder(program: Program) -> Path | None:
+    """Return the folder of the encodings of a program, None where it has none."""
+    return next((source.path.parent for source in program.sources if source.path.name == CONTRACT), None)

@@ -69,7 +69,7 @@ class Shared:
         Raises:
             QueryError: there are fewer.
         """
-        from prag_asp.space.drawing.bits import SeededBits
+        from prag_asp.bits import SeededBits
         from prag_asp.space.drawing.draws import log_probability
         from prag_asp.space.parts.ranked import distinct_ranks
 

@@ -338,7 +338,7 @@ class TaskSpace:
 
         Skeletons are drawn uniformly alone.
         """
-        from prag_asp.space.drawing.bits import SeededBits
+        from prag_asp.bits import SeededBits
         from prag_asp.space.drawing.draws import drawn_words
 
         drawer = self.drawer(weights=weights, by=by, temperature=temperature, over=over)
@@ -359,7 +359,7 @@ class TaskSpace:
 
         It holds places in `letters`. Draws are independent of each other, so portions may be made apart.
         """
-        from prag_asp.space.drawing.bits import SeededBits
+        from prag_asp.bits import SeededBits
 
         drawer = self.drawer(weights=weights, by=by, temperature=temperature, over=over)
         return drawer.draw(SeededBits(seed), first, _drawable(count), tell=False).letters

@@ -402,7 +402,8 @@ def test_every_command_has_the_limits_and_says_what_they_are_otherwise() -> None
     from tests.commands import ok
 
     forms = [("export", form) for form in ("dimacs", *FORMS)]
-    for command in [*((name,) for name in COMMANDS if name != "export"), *forms]:
+    asked = [("models", question) for question in ("count", "sample", "list", "marginals")]
+    for command in [*((name,) for name in COMMANDS if name not in ("export", "models")), *forms, *asked]:
         told = " ".join(ok(*command, "--help").split())
         assert "--time TIME" in told and "[default: no limit]" in told
         assert "--memory SIZE" in told and "[default: 80 % of the machine's]" in told

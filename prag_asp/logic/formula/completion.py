@@ -17,6 +17,11 @@ set U of atoms that the least model of its reduct lacks. Take a component C that
 does. The body of any rule for an atom of U and C that is true in M needs an atom of U, of C that is, so no stage of C
 reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
 
+*With copies.* Counting by cases can do with less (Kabir, Chakraborty and Meel 2024): an atom of a component has a copy,
+which implies it, and which follows where a rule for a true atom has its body true among the copies of the component's
+atoms. Unit propagation then makes the copies of all atoms of an answer set true, and leaves some open where an atom is
+true for no reason. So the models are more than the answer sets, but those without open copies are they.
+
 The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
 the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
 smaller for large components, and propagates less.
@@ -25,7 +30,7 @@ smaller for large components, and propagates less.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from prag_asp.logic.formula.clauses import TRUE, Clauses, Literal
 from prag_asp.logic.ground.ground import Rule
@@ -34,14 +39,25 @@ from prag_asp.program.finite.components import components
 
 @dataclass(frozen=True)
 class Completion:
-    """Clauses whose models are answer sets, and the literal of each atom."""
+    """Clauses whose models are answer sets, and the literal of each atom.
+
+    `loops` are the components of atoms that depend positively on themselves, each atom with its rules. With copies,
+    `copies` are the variables that stand for those, each with the literal of its atom, and gates among them, with TRUE.
+    """
 
     clauses: Clauses
     values: Mapping[int, Literal]
+    loops: tuple[Mapping[int, tuple[Rule, ...]], ...] = ()
+    copies: Mapping[int, Literal] = field(default_factory=dict)
+
+    def value(self, literal: int) -> Literal:
+        """Return the literal of an atom or its negation; an atom that no rule derives is false."""
+        found = self.values.get(abs(literal), -TRUE)
+        return found if literal > 0 else -found
 
 
-def complete(rules: Iterable[Rule]) -> Completion:
-    """Return the clauses of a ground program without disjunctions."""
+def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
+    """Return the clauses of a ground program without disjunctions; with `copied`, positive loops have copies."""
     clauses = Clauses()
     rules_of: dict[int, list[Rule]] = {}
     constraints: list[Rule] = []
@@ -63,21 +79,28 @@ def complete(rules: Iterable[Rule]) -> Completion:
         _support(clauses, values[atom], own, value)
     for rule in constraints:
         if rule.weights:
-            clauses.add(-_body(clauses, rule, value))
+            clauses.add(-body_literal(clauses, rule, value))
         else:
             clauses.add(*(-value(literal) for literal in rule.body))
+    loops: list[Mapping[int, tuple[Rule, ...]]] = []
     graph = _positive_graph(open_rules)
     for component in components(graph, lambda atom: (below for below in graph[atom] if below in graph)):
         if len(component) > 1 or any(component[0] in rule.body for rule in open_rules[component[0]]):
-            _found(clauses, component, open_rules, value)
-    return Completion(clauses, values)
+            loops.append({atom: tuple(open_rules[atom]) for atom in sorted(component)})
+    before = clauses.variables
+    copies: dict[int, Literal] = {}
+    for loop in loops:
+        copies |= (_copy if copied else _found)(clauses, loop, value)
+    gates = range(before + 1, clauses.variables + 1) if copied else ()
+    return Completion(clauses, values, tuple(loops), {**dict.fromkeys(gates, TRUE), **copies})
 
 
 def _is_fact(rule: Rule) -> bool:
     return not rule.choice and not rule.body
 
 
-def _body(clauses: Clauses, rule: Rule, value: Callable[[int], Literal]) -> Literal:
+def body_literal(clauses: Clauses, rule: Rule, value: Callable[[int], Literal]) -> Literal:
+    """Return a literal that is true where the body of a rule is, given the values of its literals."""
     literals = list(map(value, rule.body))
     return clauses.at_least(rule.bound, literals, rule.weights) if rule.weights else clauses.all_of(literals)
 
@@ -88,9 +111,9 @@ def _support(clauses: Clauses, atom: Literal, rules: list[Rule], value: Callable
         if len(rules) == 1 and not rules[0].weights:
             clauses.all_of(map(value, rules[0].body), into=atom)
         else:
-            clauses.any_of([_body(clauses, rule, value) for rule in rules], into=atom)
+            clauses.any_of([body_literal(clauses, rule, value) for rule in rules], into=atom)
         return
-    bodies = [(rule.choice, _body(clauses, rule, value)) for rule in rules]
+    bodies = [(rule.choice, body_literal(clauses, rule, value)) for rule in rules]
     clauses.add(-atom, *(body for _, body in bodies))
     for choice, body in bodies:
         if not choice:
@@ -101,21 +124,41 @@ def _positive_graph(rules_of: Mapping[int, list[Rule]]) -> dict[int, list[int]]:
     return {atom: [below for rule in own for below in rule.body if below > 0] for atom, own in rules_of.items()}
 
 
+def _copy(
+    clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
+) -> dict[int, Literal]:
+    """Give the atoms of a component copies, which its rules derive; return each copy with the literal of its atom."""
+    copies = {atom: clauses.fresh() for atom in loop}
+
+    def of_copies(literal: int) -> Literal:
+        return copies[literal] if literal in copies else value(literal)
+
+    for atom, rules in loop.items():
+        clauses.add(-copies[atom], value(atom))
+        for rule in rules:
+            chosen = [-value(atom)] if rule.choice else []
+            if rule.weights:
+                clauses.add(copies[atom], *chosen, -body_literal(clauses, rule, of_copies))
+            else:
+                clauses.add(copies[atom], *chosen, *(-of_copies(literal) for literal in rule.body))
+    return {copy: value(atom) for atom, copy in copies.items()}
+
+
 def _found(
-    clauses: Clauses, component: list[int], rules_of: Mapping[int, list[Rule]], value: Callable[[int], Literal]
-) -> None:
-    """State that each true atom of a component is derived at some stage."""
-    stage = dict.fromkeys(sorted(component), -TRUE)
+    clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
+) -> dict[int, Literal]:
+    """State that each true atom of a component is derived at some stage, without copies."""
+    stage = dict.fromkeys(loop, -TRUE)
 
     def at_stage(literal: int) -> Literal:
         return stage[literal] if literal in stage else value(literal)
 
-    for _ in component:
+    for _ in loop:
         derived = {}
         for atom in stage:
             ways = []
-            for rule in rules_of[atom]:
-                body = _body(clauses, rule, at_stage)
+            for rule in loop[atom]:
+                body = body_literal(clauses, rule, at_stage)
                 ways.append(clauses.all_of((body, value(atom))) if rule.choice else body)
             derived[atom] = clauses.any_of(ways)
         if derived == stage:
@@ -123,3 +166,4 @@ def _found(
         stage = derived
     for atom, literal in stage.items():
         clauses.add(-value(atom), literal)
+    return {}

@@ -46,6 +46,14 @@ class Solver:
             if answer is not None:
                 return bool(answer)
 
+    def propagated(self, assumptions: Sequence[Literal]) -> list[Literal] | None:
+        """Return the literals assumed and those that unit propagation finds, or None where it finds a conflict.
+
+        They are a function of the clauses as long as nothing was solved, for then nothing is learned.
+        """
+        consistent, found = self._solver.propagate(assumptions=list(assumptions))
+        return list(found) if consistent else None
+
     def model(self) -> list[Literal]:
         """Return the model found last: the literal of variable v is at place v - 1."""
         found: list[Literal] = self._solver.get_model()

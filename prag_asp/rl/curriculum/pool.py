@@ -11,8 +11,8 @@ from itertools import islice
 from math import lcm
 from typing import TYPE_CHECKING, NamedTuple
 
+from prag_asp.bits import SeededBits
 from prag_asp.errors import NotFound, QueryError
-from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.drawing.draws import log_probability
 from prag_asp.space.engines import Draw
 from prag_asp.space.ordered import MISSES, at, lengths_of

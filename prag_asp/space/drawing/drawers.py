@@ -12,10 +12,10 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.bits import Bits
 from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking, positive
 from prag_asp.space.automaton.merged import MergedRanking
 from prag_asp.space.automaton.skeletons import skeleton_automaton
-from prag_asp.space.drawing.bits import Bits
 from prag_asp.space.drawing.paths import PathDrawer, chunks
 from prag_asp.space.drawing.table import exact_choice
 from prag_asp.space.weighing.weights import Weighed

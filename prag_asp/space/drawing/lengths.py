@@ -9,7 +9,7 @@ from functools import partial
 from itertools import accumulate
 from math import lcm
 
-from prag_asp.space.drawing.bits import SeededBits
+from prag_asp.bits import SeededBits
 from prag_asp.space.drawing.drawers import Drawer
 from prag_asp.space.drawing.draws import BATCH
 from prag_asp.space.drawing.table import exact_choice

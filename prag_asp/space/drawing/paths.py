@@ -9,8 +9,8 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.bits import Bits, Words
 from prag_asp.space.automaton.automaton import Completions
-from prag_asp.space.drawing.bits import Bits, Words
 from prag_asp.space.drawing.table import Integers, Table, exact_choice, make_table, weights_behind
 
 CHUNK_WORDS = 1 << 17

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.bits import WORD, Words
 from prag_asp.space.automaton.automaton import Automaton
-from prag_asp.space.drawing.bits import WORD, Words
 
 GUIDE_CELLS = 1 << 15
 """Cells of the guide of one table, about: it shall stay in the cache."""

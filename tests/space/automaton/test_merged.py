@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import load_domain
+from prag_asp.bits import SeededBits
 from prag_asp.logic.model import Model
-from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.drawing.draws import drawn_words, make_drawer
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton import AutomatonEngine

@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
+from prag_asp.bits import SeededBits, uniform_below
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.drawing import paths
-from prag_asp.space.drawing.bits import SeededBits, uniform_below
 from prag_asp.space.drawing.drawers import ByWeight
 from prag_asp.space.drawing.table import exact_choice
 from prag_asp.space.weighing.weights import Number, Weighed

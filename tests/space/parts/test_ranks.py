@@ -9,9 +9,9 @@ from typing import get_args
 import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
+from prag_asp.bits import SeededBits
 from prag_asp.logic.model import Model
 from prag_asp.space.automaton import automaton
-from prag_asp.space.drawing.bits import SeededBits
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Level
 from prag_asp.space.parts.ranked import distinct_ranks

@@ -1,0 +1,250 @@
+"""The answer sets of any logic program as one value: how many, which, drawn exactly, and how often each atom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+
+import clingo
+
+from prag_asp.errors import NotFound, QueryError
+from prag_asp.logic.formula.clauses import TRUE, Literal
+from prag_asp.logic.formula.counter import count_models, has_ganak
+from prag_asp.models import ENGINES
+from prag_asp.models.compiling import Progress, compile_formula, prepare
+from prag_asp.models.diagram import Weighed
+from prag_asp.models.enumerating import Enumeration
+from prag_asp.models.formula import ModelFormula, model_formula
+from prag_asp.models.ground import GroundModels, ground_models
+from prag_asp.models.listing import listed
+from prag_asp.models.reading import GivenProgram, read_program
+from prag_asp.models.shifting import is_disjunctive, is_head_cycle_free
+from prag_asp.models.weighing import PLAIN, LiteralWeights, literal_weights, stated_weights
+from prag_asp.processes.stage import stage
+from prag_asp.program.constants import Constant
+from prag_asp.program.sources import Source, text_source
+
+AnswerSet = tuple[clingo.Symbol, ...]
+"""What is shown of an answer set, sorted."""
+
+Tell = Callable[[str], None]
+
+
+def answer_sets(
+    *files: str | Path | Source,
+    text: str | None = None,
+    constants: Mapping[str, Constant] | None = None,
+    project: bool = False,
+    weighted: bool = False,
+    engine: str = "auto",
+    tell: Tell | None = None,
+    progress: Progress | None = None,
+) -> AnswerSets:
+    """Return the answer sets of a logic program, given as files, a text, or both.
+
+    With `project`, those are one that agree on the atoms of ``#project`` or, without such a statement, on what is
+    shown. With `weighted`, facts ``weight(Atom, W)`` weigh them: each by the product over its atoms. `tell` gets a line
+    on what is done instead of what was asked for, or before it takes long; `progress` how far that is.
+
+    Raises:
+        DomainError: a file cannot be read or ground, or has what is not supported; each line of the message names one.
+        QueryError: there is no such engine, or no weight.
+    """
+    if engine not in ENGINES:
+        raise QueryError(f"engine {engine!r}: there is none; choose {', '.join(ENGINES)}")
+    given = read_program([*files, *([] if text is None else [text_source("text", text)])], constants or {})
+    stage("grounding the program")
+    ground = ground_models(given)
+    stated = stated_weights(ground) if weighted else {}
+    found = AnswerSets(given, ground, project, stated, engine, tell, progress)
+    for note in ground.notes:
+        found.note(f"{note}; clingo leaves this out")
+    return found
+
+
+@dataclass(frozen=True)
+class AnswerSets:
+    """The answer sets of one program; what was compiled is kept for further questions.
+
+    ``for each in answer_sets(...)`` finds them lazily, in an order that is always the same: one answer set comes before
+    another if it has the first symbol, in clingo's order, that only one of them has. Where clingo enumerates, its order
+    is taken.
+    """
+
+    given: GivenProgram
+    ground: GroundModels
+    project: bool
+    stated: Mapping[clingo.Symbol, Fraction]
+    engine: str
+    tell: Tell | None = None
+    progress: Progress | None = None
+
+    def count(self) -> int:
+        """Return their exact number, whatever they weigh.
+
+        Raises:
+            EngineError: the engine ganak is not installed, or fails.
+        """
+        how = self._way(counts=True)
+        if how == "clingo":
+            return self._enumeration.count()
+        if how == "diagram":
+            return Weighed(self._weighed.diagram, {}).total
+        stage("counting models")
+        formula = self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
+        return count_models(formula.cnf, engine="ganak")
+
+    def total(self) -> Fraction:
+        """Return the exact sum of their weights: without weights, their number."""
+        if not self.stated:
+            return Fraction(self.count())
+        if self._way() == "clingo":
+            return self._enumeration.total()
+        return self._weighed.total * self._weights.scale
+
+    def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
+        """Yield so many, each drawn with a probability exactly proportional to its weight; the same for a seed.
+
+        Raises:
+            NotFound: there is none, or all have the weight 0.
+        """
+        if self._way() == "clingo":
+            total = self._enumeration.total()
+            self._require(total)
+            yield from self._enumeration.draws(seed, count, total)
+            return
+        self._require(self._weighed.total)
+        places, always = self._places
+        for literals in islice(self._weighed.draws(seed), count):
+            found = [*always]
+            for literal in literals:
+                found += places.get(literal, ())
+            yield self._printed(found)
+
+    def marginals(self) -> dict[clingo.Symbol, Fraction]:
+        """Return for each symbol that may be shown the exact share of the answer sets, by weight, that have it.
+
+        Raises:
+            NotFound: there is none, or all have the weight 0.
+        """
+        if self._way() == "clingo":
+            total = self._enumeration.total()
+            self._require(total)
+            sums = self._enumeration.marginals()
+            return {symbol: sums.get(symbol, Fraction(0)) / total for symbol in self._symbols}
+        whole = self._weighed.total
+        self._require(whole)
+        weights = self._weighed.marginals() | {TRUE: whole}
+        return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._formula.printed}
+
+    def __iter__(self) -> Iterator[AnswerSet]:
+        if self._way() == "clingo":
+            yield from self._enumeration
+            return
+        stage("searching answer sets")
+        formula, (places, always) = self._formula, self._places
+        order = [literal for _, literal in formula.printed]
+        if formula.whole:
+            order += [formula.completion.value(atom) for _, atom in self.ground.names]
+            order += map(formula.completion.value, formula.completion.values)
+        for literals in listed(formula, order):
+            found = [*always]
+            for literal in literals:
+                found += places.get(literal, ())
+            yield self._printed(found)
+
+    def _printed(self, places: list[int]) -> AnswerSet:
+        return tuple([self._symbols[place] for place in sorted(places)])
+
+    def _way(self, *, counts: bool = False) -> str:
+        """Return which engine answers, and tell where it is not the one that one would expect.
+
+        Raises:
+            QueryError: the engine that was chosen has no answer.
+        """
+        if self.engine == "clingo":
+            return "clingo"
+        if self._obstacle:
+            if self.engine != "auto":
+                raise QueryError(f"engine {self.engine}: {self._obstacle}; choose the engine clingo")
+            return "clingo"
+        if self.engine == "ganak" and not counts:
+            raise QueryError("engine ganak: it only counts; choose the engine diagram")
+        fits = counts and not self.stated and not self._formula.completion.loops and has_ganak()
+        return "ganak" if self.engine == "ganak" or (self.engine == "auto" and fits) else "diagram"
+
+    @cached_property
+    def _obstacle(self) -> str:
+        """Why there is no formula, in words."""
+        found = ""
+        if self.ground.acyclic:
+            found = "#edge wants a graph without cycles"
+        elif any(map(is_disjunctive, self.ground.rules)) and not is_head_cycle_free(self.ground.rules):
+            found = "atoms of one disjunction depend on each other"
+        if found and self.engine == "auto":
+            self.note(f"{found}: clingo enumerates, which takes time for each answer set")
+        return found
+
+    @cached_property
+    def _formula(self) -> ModelFormula:
+        return self._formula_of(copied=True)
+
+    def _formula_of(self, *, copied: bool) -> ModelFormula:
+        return model_formula(self.ground, project=self.project, copied=copied)
+
+    @cached_property
+    def _weights(self) -> LiteralWeights:
+        return literal_weights(self._formula, self.stated) if self.stated else PLAIN
+
+    @cached_property
+    def _weighed(self) -> Weighed:
+        weights = self._weights.weights
+        kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
+        stage("ordering variables")
+        prepared = prepare(self._formula, kept)
+        if prepared.clauses:
+            self.note(f"compiling {prepared.cost}")
+        stage("compiling")
+        return Weighed(compile_formula(self._formula, prepared, self.progress), weights)
+
+    @cached_property
+    def _symbols(self) -> tuple[clingo.Symbol, ...]:
+        if self._obstacle or self.engine == "clingo":
+            by_statement = self.project and self.ground.projected is not None
+            named = (symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ()))
+            return tuple(named) if by_statement else tuple(symbol for symbol, _ in self.ground.shown)
+        return tuple(symbol for symbol, _ in self._formula.printed)
+
+    @cached_property
+    def _places(self) -> tuple[dict[Literal, list[int]], list[int]]:
+        """The places of the symbols of each literal, and of those that all answer sets have."""
+        places: dict[Literal, list[int]] = {}
+        for place, (_, literal) in enumerate(self._formula.printed):
+            places.setdefault(literal, []).append(place)
+        return places, places.pop(TRUE, [])
+
+    @cached_property
+    def _enumeration(self) -> Enumeration:
+        if self.project and self.stated:
+            left = sorted(set(self.stated) - set(self._symbols))
+            if left:
+                raise QueryError(f"--weighted: {left[0]} has a weight, but is projected away; show it, or leave it out")
+        return Enumeration(self.given, self.ground, self.project, self.stated)
+
+    def note(self, line: str) -> None:
+        """Tell a line to whoever wants to hear."""
+        if self.tell is not None:
+            self.tell(line)
+
+    def _require(self, total: Fraction | int) -> None:
+        """Check that there is something to draw."""
+        if not total:
+            raise NotFound(
+                "no answer set has a weight above 0; raise the weight of an atom"
+                if self.stated and self.count()
+                else "there is no answer set; drop a constraint"
+            )

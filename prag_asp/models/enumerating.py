@@ -1,0 +1,110 @@
+"""clingo's own enumeration, for programs that have no formula here: disjunctions with cycles, and acyclic graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import clingo
+
+from prag_asp.bits import SeededBits
+from prag_asp.models.ground import GroundModels
+from prag_asp.models.reading import GivenProgram
+from prag_asp.models.weighing import weight_of
+from prag_asp.processes.stage import stage
+from prag_asp.program.grounding import Grounder
+
+POLL = 0.05
+"""Seconds between two moments at which an interruption is heard."""
+
+Printed = tuple[clingo.Symbol, ...]
+
+
+@dataclass(frozen=True)
+class Enumeration:
+    """The answer sets of a program, each found anew by every question; memory does not grow with their number."""
+
+    given: GivenProgram
+    ground: GroundModels
+    project: bool
+    stated: Mapping[clingo.Symbol, Fraction]
+
+    def __iter__(self) -> Iterator[Printed]:
+        return (printed for printed, _ in self._found())
+
+    def count(self) -> int:
+        """Return the number of answer sets."""
+        grounder = self._grounder("--stats")
+        with grounder.control.solve(async_=True) as handle:
+            try:
+                while not handle.wait(POLL):
+                    pass
+            finally:
+                handle.cancel()
+        # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
+        return int(grounder.control.statistics["summary"]["models"]["enumerated"])
+
+    def total(self) -> Fraction:
+        """Return the sum of the weights of all answer sets: without weights, their number."""
+        return sum((weight for _, weight in self._found()), start=Fraction(0))
+
+    def marginals(self) -> dict[clingo.Symbol, Fraction]:
+        """Return for each symbol the sum of the weights of the answer sets that print it."""
+        found: dict[clingo.Symbol, Fraction] = {}
+        for printed, weight in self._found():
+            for symbol in printed:
+                found[symbol] = found.get(symbol, Fraction(0)) + weight
+        return found
+
+    def draws(self, seed: int, number: int, total: Fraction) -> list[Printed]:
+        """Return a number of answer sets, each drawn with a probability proportional to its weight.
+
+        Each draw is a point between 0 and the total of all weights; the answer sets are gone through once more to see
+        which of them the points fall on.
+        """
+        bits, scale = SeededBits(seed, "models"), self._scale()
+        points = [(bits.randrange(int(total * scale)), draw) for draw in range(number)]
+        points.sort(reverse=True)
+        drawn: list[Printed] = [()] * number
+        passed = 0
+        for printed, weight in self._found() if points else ():
+            passed += int(weight * scale)
+            while points and points[-1][0] < passed:
+                drawn[points.pop()[1]] = printed
+            if not points:
+                break
+        return drawn
+
+    def _scale(self) -> int:
+        """Return what makes the weight of every answer set a whole number."""
+        scale = 1
+        for weight in self.stated.values():
+            scale *= weight.denominator
+        return scale
+
+    def _grounder(self, *arguments: str) -> Grounder:
+        project = ["--project=auto"] if self.project else []
+        grounder = Grounder(self.given.program, *self.given.arguments, *arguments, "0", *project, strict=False)
+        grounder.ground([("base", [])])
+        stage("enumerating answer sets")
+        return grounder
+
+    def _found(self) -> Iterator[tuple[Printed, Fraction]]:
+        grounder = self._grounder()
+        by_statement = self.project and self.ground.projected is not None
+        projected = {symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ())}
+        with grounder.control.solve(yield_=True, async_=True) as handle:
+            try:
+                while True:
+                    handle.resume()
+                    while not handle.wait(POLL):
+                        pass
+                    model = handle.model()
+                    if model is None:
+                        return
+                    atoms = model.symbols(atoms=True)
+                    found = (each for each in atoms if each in projected) if by_statement else model.symbols(shown=True)
+                    yield tuple(sorted(found)), weight_of(self.stated, iter(atoms))
+            finally:
+                handle.cancel()

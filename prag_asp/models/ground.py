@@ -1,0 +1,102 @@
+"""A program as ground rules, exactly as clingo made them, with what it shows and what it projects on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.logic.ground.ground import Rule
+from prag_asp.models.reading import GivenProgram
+from prag_asp.program.grounding import Grounder
+
+Condition = tuple[int, ...]
+"""Literals that have to be true together."""
+
+
+@dataclass(frozen=True)
+class GroundModels:
+    """The ground rules of a program.
+
+    `names` are its atoms by their symbols, sorted, and `shown` what is printed of an answer set, sorted, each with the
+    conditions of which one has to hold. `projected` are the atoms of ``#project``, None where there is no such
+    statement. `acyclic` says whether a graph has to be (``#edge``), which no rule expresses. `notes` are what clingo
+    remarks: instances that it leaves out since an operation has no value.
+    """
+
+    rules: tuple[Rule, ...]
+    names: tuple[tuple[clingo.Symbol, int], ...]
+    shown: tuple[tuple[clingo.Symbol, tuple[Condition, ...]], ...]
+    projected: frozenset[int] | None
+    acyclic: bool
+    notes: tuple[str, ...]
+
+
+def ground_models(given: GivenProgram) -> GroundModels:
+    """Ground the part `base` of a program, as clingo does where it is run on its files.
+
+    An ``#external`` is false, as clingo takes it, unless it says ``[true]`` or ``[free]``, or a rule derives it.
+
+    Raises:
+        DomainError: clingo cannot ground it.
+    """
+    grounder, recorder = Grounder(given.program, *given.arguments, strict=False), _Recorder()
+    grounder.control.register_observer(recorder)
+    grounder.ground([("base", [])])
+    # What clingo has come across, but no rule can derive, is atom 0.
+    names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms if atom.literal)
+    shown = sorted((symbol, tuple(dict.fromkeys(found))) for symbol, found in recorder.shown.items())
+    projected = None if recorder.projected is None else frozenset(recorder.projected)
+    rules = (*recorder.rules, *recorder.external_rules())
+    return GroundModels(rules, tuple(names), tuple(shown), projected, recorder.acyclic, tuple(grounder.notes))
+
+
+class _Recorder(clingo.Observer):
+    """Keeps what clingo grounds."""
+
+    def __init__(self) -> None:
+        self.rules: list[Rule] = []
+        self.shown: dict[clingo.Symbol, list[Condition]] = {}
+        self.projected: set[int] | None = None
+        self.acyclic = False
+        self._externals: dict[int, clingo.TruthValue] = {}
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        self.rules.append(Rule(_once(head), tuple(body), choice))
+
+    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]) -> None:
+        if lower_bound <= 0:
+            self.rules.append(Rule(_once(head), (), choice))
+        elif body:
+            literals, weights = zip(*body, strict=True)
+            self.rules.append(Rule(_once(head), literals, choice, lower_bound, weights))
+
+    def output_atom(self, symbol: clingo.Symbol, atom: int) -> None:
+        self.shown.setdefault(symbol, []).append((atom,) if atom else ())
+
+    def output_term(self, symbol: clingo.Symbol, condition: Sequence[int]) -> None:
+        self.shown.setdefault(symbol, []).append(tuple(condition))
+
+    def project(self, atoms: Sequence[int]) -> None:
+        self.projected = (self.projected or set()) | {atom for atom in atoms if atom}
+
+    def external(self, atom: int, value: clingo.TruthValue) -> None:
+        self._externals[atom] = value
+
+    def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
+        self.acyclic = True
+
+    def external_rules(self) -> list[Rule]:
+        """Return rules for the externals that are not false and that no rule derives."""
+        derived = {head for rule in self.rules for head in rule.heads}
+        values = {clingo.TruthValue.True_: False, clingo.TruthValue.Free: True}
+        return [
+            Rule((atom,), (), values[value])
+            for atom, value in self._externals.items()
+            if value in values and atom not in derived
+        ]
+
+
+def _once(heads: Sequence[int]) -> tuple[int, ...]:
+    return tuple(dict.fromkeys(heads))

@@ -1,0 +1,41 @@
+"""The models of a formula one by one, lazily and in a fixed order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+
+from prag_asp.logic.formula.clauses import TRUE, Literal
+from prag_asp.models.formula import ModelFormula
+from prag_asp.models.founded import Oracle
+
+
+def listed(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
+    """Yield the literals of `order` as models have them, each combination once; what has the first literal comes first.
+
+    One question to a solver tells for each literal of a model whether there is one that differs there first.
+    """
+    order = [literal for literal in dict.fromkeys(order) if abs(literal) != TRUE]
+    with closing(Oracle(formula.completion)) as oracle:
+        found = oracle.model()
+        if found is None:
+            return
+        chosen: list[Literal] = []
+        while True:
+            while len(chosen) < len(order):  # the first of all models that begin so
+                literal = order[len(chosen)]
+                if (found[abs(literal) - 1] > 0) != (literal > 0):
+                    found = oracle.model([*chosen, literal]) or found
+                true = (found[abs(literal) - 1] > 0) == (literal > 0)
+                chosen.append(literal if true else -literal)
+            yield [*chosen]
+            following = None
+            while chosen and following is None:
+                literal = chosen.pop()
+                if literal == order[len(chosen)]:
+                    following = oracle.model([*chosen, -literal])
+                    if following is not None:
+                        chosen.append(-literal)
+            if following is None:
+                return
+            found = following

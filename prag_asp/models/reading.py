@@ -1,0 +1,94 @@
+"""Read the files of any logic program, and refuse by name and line what has no exact number of answer sets here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from clingo.ast import ASTType
+
+from prag_asp.errors import DomainError
+from prag_asp.program.constants import Constant, parse_constants, set_constants
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.problem import Problem, raise_problems
+from prag_asp.program.sources import Program, Source, read_sources
+from prag_asp.program.syntax import Statement, below
+from prag_asp.program.tokens import blanked
+from prag_asp.wording import did_you_mean
+
+REFUSED: Mapping[ASTType, tuple[str, str]] = {
+    ASTType.Minimize: ("it optimises", "leave it out, or bound the cost by a constraint with #sum"),
+    ASTType.TheoryDefinition: ("a theory means nothing to clingo alone", "leave it out"),
+    ASTType.Script: ("a script is not run", "state by rules or facts what it computes"),
+}
+"""Statements that are refused: what is wrong with them, and what to do."""
+
+NAME = re.compile(r"(?<![\w'@#])_*[a-z][\w']*")
+
+
+@dataclass(frozen=True)
+class GivenProgram:
+    """The files of a program, and the constants that none of them declares, as options of clingo."""
+
+    program: Program
+    arguments: tuple[str, ...]
+
+
+def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, Constant]) -> GivenProgram:
+    """Return a program as it is given, with the values of constants.
+
+    Raises:
+        DomainError: a file cannot be read or parsed, has what is not supported, or nothing reads a constant.
+    """
+    entries = [each if isinstance(each, Source) else Path(each) for each in dict.fromkeys(files)]
+    if not entries:
+        raise DomainError("no program; give one or more files, such as queens.lp")
+    found: dict[Path, Source] = {}
+    for entry in entries:
+        folder = (entry.path if isinstance(entry, Source) else entry).parent
+        found.update({source.path.resolve(): source for source in read_sources(entry, folder)})
+    sources = tuple(found.values())
+    statements, problems = parse_sources((source, True) for source in sources)
+    suspects = {source.path for source in sources if re.search("[&@]", blanked(source.text))}
+    raise_problems([*problems, *_refused(statements, suspects)])
+    values = parse_constants(constants)
+    declared = {each.node.name for each in statements if each.kind == ASTType.Definition}
+    told = " ".join(str(source.path) for source in sources)
+    sources = set_constants(sources, {name: text for name, text in values.items() if name in declared}, told)
+    return GivenProgram(Program(sources), tuple(_undeclared(sources, values, declared)))
+
+
+def _undeclared(sources: Sequence[Source], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
+    """Yield clingo's options for the constants that no statement declares; each has to stand somewhere."""
+    names = {name for source in sources for name in NAME.findall(blanked(source.text))}
+    for name, text in values.items():
+        if name in declared:
+            continue
+        if name not in names:
+            hint = did_you_mean(name, declared, "leave it out, or write the name where it is read")
+            raise DomainError(f"constant {name}: nothing in the program reads it; {hint}")
+        yield f"-c{name}={text}"
+
+
+def _refused(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:
+    """Yield what is not supported; only some files can have it within statements, and to look for that takes long."""
+    for statement in statements:
+        if statement.kind in REFUSED:
+            wrong, todo = REFUSED[statement.kind]
+            yield statement.problem(f"{_name(statement)} is not supported, for {wrong}; {todo}")
+        for node in below(statement.node) if statement.path in suspects else ():
+            if node.ast_type == ASTType.TheoryAtom:
+                (wrong, todo), name = REFUSED[ASTType.TheoryDefinition], f"the theory atom &{node.term.name}"
+            elif node.ast_type == ASTType.Function and node.external:
+                (wrong, todo), name = REFUSED[ASTType.Script], f"the function @{node.name}"
+            else:
+                continue
+            yield statement.problem(f"{name} is not supported, for {wrong}; {todo}", node.location.begin.line)
+
+
+def _name(statement: Statement) -> str:
+    if statement.kind == ASTType.Minimize:
+        return "a weak constraint or #minimize"
+    return f"#theory {statement.node.name}" if statement.kind == ASTType.TheoryDefinition else "#script"

@@ -1,0 +1,77 @@
+"""``prag-asp models``: results on stdout, one line for each mistake, and what was asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.commands import ok, run, run_apart
+
+QUEENS = """{ q(I,1..n) } = 1 :- I = 1..n.
+:- q(I,J), q(K,J), I < K.
+:- q(I,J), q(K,L), I < K, |I-K| = |J-L|.
+"""
+
+
+@pytest.fixture
+def queens(tmp_path: Path) -> str:
+    (tmp_path / "queens.lp").write_text(QUEENS)
+    return str(tmp_path / "queens.lp")
+
+
+def test_a_program_is_counted_listed_and_drawn_from_in_one_command_each(queens: str) -> None:
+    assert ok("models", "count", queens, "-c", "n=6") == "4\n"
+    listed = ok("models", "list", queens, "-c", "n=6").splitlines()
+    assert len(listed) == 4 and listed[0] == "q(1,2) q(2,4) q(3,6) q(4,1) q(5,3) q(6,5)"
+    assert ok("models", "list", queens, "-c", "n=6", "--count", "2").splitlines() == listed[:2]
+    drawn = ok("models", "sample", queens, "-c", "n=6", "--count", "40", "--seed", "3")
+    assert set(drawn.splitlines()) == set(listed)
+    assert ok("models", "sample", queens, "-c", "n=6", "--count", "40", "--seed", "3") == drawn
+    assert ok("models", "marginals", queens, "-c", "n=5").splitlines()[:2] == ["1/5  q(1,1)", "1/5  q(1,2)"]
+
+
+def test_weights_are_exact_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "coins.lp").write_text("{ head(1..3) }. weight(head(C),(1,3)) :- C = 1..3. #show head/1.")
+    assert ok("models", "count", str(tmp_path / "coins.lp")) == "8\n"
+    assert ok("models", "count", str(tmp_path / "coins.lp"), "--weighted") == "64/27\n"
+    assert ok("models", "marginals", str(tmp_path / "coins.lp"), "--weighted").split("\n")[0] == "1/4  head(1)"
+
+
+def test_what_compiling_takes_and_what_clingo_leaves_out_is_told_beside_the_results(tmp_path: Path) -> None:
+    (tmp_path / "odd.lp").write_text("{ a; b }. :- a, b.\nc :- 1/0 = 1.")
+    done = run("models", "sample", str(tmp_path / "odd.lp"), "--count", "1")
+    assert done.returncode == 0 and len(done.stdout.splitlines()) == 1
+    assert done.stderr.splitlines() == [
+        f"note: {tmp_path}/odd.lp:2: operation undefined: (1/0); clingo leaves this out",
+        "note: compiling 1 clauses over 2 variables, width 1",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "told"),
+    [
+        ("a :- b(X).\n#minimize { 1 : a }.", 2, "given.lp:2: a weak constraint or #minimize is not supported"),
+        ("a\n:- b", 2, "given.lp:2: the file ends within a statement"),
+        ("a. :- a.", 1, "there is no answer set"),
+    ],
+)
+def test_a_program_that_cannot_be_answered_gives_one_line(text: str, code: int, told: str, tmp_path: Path) -> None:
+    (tmp_path / "given.lp").write_text(text)
+    done = run("models", "sample", "given.lp", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (code, "") and done.stderr.startswith(told)
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_limit_on_time_ends_what_would_take_for_ever(tmp_path: Path) -> None:
+    (tmp_path / "hard.lp").write_text("{ a(X,Y) } :- X = 1..14, Y = 1..14. " + " ".join(
+        f":- #sum {{ (X*{k}+Y*{k * k}) \\ 97,X,Y : a(X,Y) }} != {900 + k}." for k in range(3, 9)
+    ))  # fmt: skip
+    for question in ("count", "sample"):
+        done = run_apart("models", question, str(tmp_path / "hard.lp"), "--time", "4s")
+        assert done.returncode == 3 and "the time limit of 4 s was reached" in done.stderr
+
+
+def test_help_loads_no_solver() -> None:
+    done = run_apart("models", "count", "--help")
+    assert done.returncode == 0 and "FILE" in done.stdout

@@ -1,0 +1,79 @@
+"""What is no program, or none that is supported, is told by file and line; what clingo ignores is ignored."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from prag_asp import DomainError, EngineError, QueryError, answer_sets
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "told"),
+    [
+        ("a.\n#minimize { 1 : a }.", 2, "#minimize is not supported"),
+        ("a.\n\n:~ a. [1]", 3, "weak constraint"),
+        ("a :-\n &sum { x } > 0.", 2, "theory atom &sum is not supported"),
+        ("#theory t { }.", 1, "#theory t is not supported"),
+        ("#script (python) def f(): return 1 #end.", 1, "#script is not supported"),
+        ("a.\nb(X) :- a.", 2, "unsafe variable X"),
+        ("a.\nb :- ,.", 2, "unexpected ,"),
+        ("a(1).\nb(X+2147483647) :- a(X).", 2, "out of range"),
+        ("n(0).\nn(X+1) :- n(X).", 2, "never ends"),
+        ("a.\nb(@f(1)) :- a.", 2, "the function @f is not supported"),
+    ],
+)
+def test_what_is_not_supported_is_refused_by_its_name_and_line(text: str, line: int, told: str, tmp_path: Path) -> None:
+    file = tmp_path / "given.lp"
+    file.write_text(text)
+    with pytest.raises(DomainError) as error:
+        answer_sets(file)
+    (message,) = error.value.lines
+    assert message.startswith(f"{file}:{line}: ") and told in message
+
+
+def test_constants_are_set_whether_they_are_declared_or_not() -> None:
+    assert answer_sets(text="#const n=2. {a(1..n)}.", constants={"n": 5}).count() == 32
+    assert answer_sets(text="{a(1..n)}.", constants={"n": 6}).count() == 64
+    with pytest.raises(DomainError, match="constant m: nothing in the program reads it; did you mean mm"):
+        answer_sets(text="#const mm=2. {a(1..mm)}.", constants={"m": 5})
+
+
+def test_what_has_no_bearing_on_answer_sets_is_ignored_and_an_external_is_false() -> None:
+    text = "{a;b}. #heuristic a. [1,true] #external c. :- c. d :- not c. #program step(t). e(t). x :- #minimize."
+    text = text.replace(" x :- #minimize.", "")
+    assert answer_sets(text=text).count() == 4
+    assert {str(each) for each in next(iter(answer_sets(text=text)))} == {"a", "b", "d"}
+
+
+def test_a_graph_that_has_to_be_acyclic_is_left_to_clingo_and_that_is_told() -> None:
+    notes: list[str] = []
+    found = answer_sets(text="{e(1,2); e(2,1)}. #edge (X,Y) : e(X,Y).", tell=notes.append)
+    assert found.count() == 3 and len(list(found.sample(5))) == 5
+    assert notes == ["#edge wants a graph without cycles: clingo enumerates, which takes time for each answer set"]
+    with pytest.raises(QueryError, match="choose the engine clingo"):
+        answer_sets(text="{e(1,2); e(2,1)}. #edge (X,Y) : e(X,Y).", engine="ganak").count()
+
+
+def test_files_are_one_program_and_include_others(tmp_path: Path) -> None:
+    (tmp_path / "one.lp").write_text('#include "two.lp". {a}.')
+    (tmp_path / "two.lp").write_text("{b} :- a.")
+    (tmp_path / "three.lp").write_text(":- not a.")
+    assert answer_sets(tmp_path / "one.lp").count() == 3
+    assert answer_sets(tmp_path / "one.lp", tmp_path / "three.lp").count() == 2
+
+
+def test_answer_sets_come_in_an_order_that_is_always_the_same() -> None:
+    listed = [" ".join(map(str, each)) for each in answer_sets(text="1 {c;a;b} 2.")]
+    assert listed == ["a b", "a c", "a", "b c", "b", "c"]
+    assert list(answer_sets(text="a :- not a.")) == []
+    assert list(answer_sets(text="#show.")) == [()]
+
+
+def test_without_the_counter_a_diagram_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("prag_asp.models.answer_sets.has_ganak", lambda: False)
+    monkeypatch.setattr("prag_asp.logic.formula.counter.has_ganak", lambda: False)
+    assert answer_sets(text="{a(1..50)}. :- a(1), a(2).").count() == 3 * 2**48
+    with pytest.raises(EngineError, match="engine ganak: the package pyganak is missing; pip install"):
+        answer_sets(text="{a}.", engine="ganak").count()
