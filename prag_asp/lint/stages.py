@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from clingo.ast import ASTType
 
@@ -18,6 +18,7 @@ from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
+from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources
 from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.size import size_problems
 from prag_asp.lint.table import name_problems, table_problems
@@ -29,16 +30,13 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, parse_table, settings_of
-from prag_asp.program.sources import HIERARCHY, Program, Source, owned
+from prag_asp.program.sources import HIERARCHY, Program, Source, encodings_folder, owned
 from prag_asp.program.syntax import Statement
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
 LEARNED_INVARIANT = ("impossible", 2)
 """What a file of learned invariants may state."""
-
-LEFT_OUT = ("left_out", 1)
-"""What keeps steps from trying an action that can never occur."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,9 @@ def check(program: Program, given: Source) -> Checked:
     judge.take([*directive_problems(statements), *size_problems(statements)])
     judge.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
     plain = _one_free_step(program, sources)
-    grounder = Grounder(plain)
+    encodings = encodings_folder(program)
+    relaxed = relaxed_sources(encodings) if encodings else ()
+    grounder = Grounder(Program((*plain.sources, *relaxed)))
     grounder.ground([("base", [])])
     judge.take(demand_problems(grounder.control, statements))
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
@@ -93,6 +93,8 @@ def check(program: Program, given: Source) -> Checked:
     _check_facts(judge, grounder, facts, statements, origins)
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
+    if encodings and relaxed and _can_leave_out(statements):
+        left = replace(left, unreached=find_unreached(grounder, left, statements, encodings))
     ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))
     return Checked(left, settings, tuple(ordered))
 

@@ -16,7 +16,7 @@ from prag_asp.logic.ground.stationary import StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
-from prag_asp.logic.symmetry.symmetry import interchangeable
+from prag_asp.logic.symmetry.symmetry import interchangeable, may_interchange
 from prag_asp.processes.stage import stage
 from prag_asp.program.sources import ADDED, Program, read_sources
 
@@ -38,6 +38,12 @@ class Model:
     def program(self) -> Program:
         """The program whose answer sets are plans."""
         return whole_program(self.domain)
+
+    @cached_property
+    def whole(self) -> Model:
+        """The model whose steps try every action, those that are never reached as well."""
+        facts = self.domain.facts
+        return Model(replace(self.domain, facts=replace(facts, unreached=()))) if facts.unreached else self
 
     @cached_property
     def reads(self) -> StepReads:
@@ -68,7 +74,12 @@ class Model:
         return stratified_step(ground)
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        """Return the groups of interchangeable entities in plans of a length; most domains have the same for all."""
+        """Return the groups of interchangeable entities in plans of a length; most domains have the same for all.
+
+        What is never reached may tell entities apart as well: what the author has written decides.
+        """
+        if self.domain.facts.unreached:
+            return self.whole.groups(length) if may_interchange(self.domain.facts) else ()
         if not self._without_loops.obstacles:
             return self._without_loops._groups
         unrolled = ground_plan(self.program, length, self.reads)

@@ -18,6 +18,7 @@ RESERVED = frozenset([
     "named", "adds", "deletes", "mentioned", "introduces_late", "times", "requires", "reverts", "differs", "undoes",
     "barred", "hierarchical", "ahead", "last_stage", "worded_before", "wording", "unit", "unit_end", "splits",
     "concatenation", "covers", "expected", "goes_on", "spared", "other", "forces", "supposed",
+    "may_hold", "may_stand", "may_occur",
 ])  # fmt: skip
 """What means something to clingo or to the encodings, whatever the number of arguments."""
 

@@ -31,6 +31,8 @@ class Facts:
     Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above
     it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``. `left_out`
     are the actions and composites that are declared, but can never occur; nothing else of such an action is kept.
+    `unreached` are those of the actions that never occur because nothing ever makes what they need: no step tries them,
+    and all that they state is kept.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
@@ -49,11 +51,18 @@ class Facts:
     stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
     free: tuple[clingo.Symbol, ...]
     left_out: tuple[clingo.Symbol, ...] = ()
+    unreached: tuple[clingo.Symbol, ...] = ()
 
     @property
     def classes(self) -> set[clingo.Symbol]:
         """All classes, declared or only named above others."""
         return {name for _, name in self.memberships}.union(self.parents)
+
+    @cached_property
+    def tried(self) -> tuple[clingo.Symbol, ...]:
+        """The actions that a step may be."""
+        never = set(self.unreached)
+        return tuple(action for action in self.actions if action not in never)
 
     @cached_property
     def entity_names(self) -> Mapping[str, str]:

@@ -21,6 +21,9 @@ CONTRACT = "contract.lp"
 HIERARCHY = "hierarchy.lp"
 """The encoding that only domains with composites need."""
 
+REACHABLE = "reachable.lp"
+"""The encoding that the linter alone reads: it tells of actions, and of no plan."""
+
 ADDED = Path("<added by the library>")
 """Where the facts would be that the library adds to a program; there is no such file."""
 
@@ -165,24 +168,29 @@ def standard_input() -> Source:
 
 
 def core_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that every domain uses: the logic programs directly in the folder, but the hierarchy.
+    """Return the encodings that every domain uses: those directly in the folder that no other place reads.
 
     Raises:
         DomainError: the folder holds no encodings.
     """
     if not (encodings / CONTRACT).is_file():
         raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
-    paths = sorted(path for path in encodings.glob("*.lp") if path.name != HIERARCHY)
+    paths = sorted(path for path in encodings.glob("*.lp") if path.name not in (HIERARCHY, REACHABLE))
     found: Iterable[Source] = (source for path in paths for source in read_sources(path, encodings))
     return tuple({source.path.resolve(): source for source in found}.values())
 
 
 def owned(program: Program) -> list[tuple[Source, bool]]:
     """Return the files of a program, each with whether it is the author's own, and none of the encodings."""
-    encodings = next((source.path.parent for source in program.sources if source.path.name == CONTRACT), None)
+    encodings = encodings_folder(program)
     if encodings is None:
         return [(source, True) for source in program.sources]
     return [
         (source, source.path.parent not in (encodings, encodings / "rules", encodings / "conditions"))
         for source in program.sources
     ]
+
+
+def encodings_folder(program: Program) -> Path | None:
+    """Return the folder of the encodings of a program, None where it has none."""
+    return next((source.path.parent for source in program.sources if source.path.name == CONTRACT), None)

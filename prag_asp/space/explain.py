@@ -22,4 +22,4 @@ def explain(domain: Domain, actions: Sequence[str | Atom]) -> Explanation | None
         QueryError: one is no action of the domain, or only the name of several.
         EngineError: the domain has no counterpart in clauses.
     """
-    return reasons_against(Model(domain), parse_plan(actions, domain.facts))
+    return reasons_against(Model(domain).whole, parse_plan(actions, domain.facts))

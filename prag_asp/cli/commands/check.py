@@ -42,7 +42,7 @@ def check(*, asked: Asked) -> None:
     for warning in first_of_each(warnings):
         tell_line(str(warning))
     facts = domain.facts
-    left = f"{len(facts.actions)} of " if len(facts.actions) < len(facts.declared_actions) else ""
+    left = f"{len(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
     parts = [

@@ -175,7 +175,7 @@ def _seeds(facts: Facts, reads: StepReads) -> set[clingo.Symbol]:
     if ("holds", 3) in reads.previous:
         seeds |= {clingo.Function("holds", [fluent, value]) for fluent in facts.fluents for value in OPEN_VALUES}
     if ("occurs", 2) in reads.previous:
-        seeds |= {clingo.Function("occurs", [action]) for action in facts.actions}
+        seeds |= {clingo.Function("occurs", [action]) for action in facts.tried}
     return seeds
 
 

@@ -13,7 +13,7 @@ from prag_asp.program.sources import ADDED, Program, Source, read_sources
 
 
 def whole_program(domain: Domain) -> Program:
-    """Return the program of a domain with `name` and `mentions` for every action, and `left_out` for some."""
+    """Return the program of a domain with `name` and `mentions` for all actions, and `left_out` for those not tried."""
     return with_facts(domain.program, _added_facts(domain.facts))
 
 
@@ -44,7 +44,7 @@ def action_name(action: clingo.Symbol) -> str:
 
 
 def _added_facts(facts: Facts) -> list[str]:
-    added = [f"left_out({term})." for term in facts.left_out]
+    added = [f"left_out({term})." for term in (*facts.left_out, *facts.unreached)]
     for action in facts.actions:
         added.append(f"name({action},{action_name(action)}).")
         for position, entity in enumerate(mentioned_entities(action, facts.entities), 1):

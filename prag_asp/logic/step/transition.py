@@ -17,11 +17,15 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.step.cone import find_cone
 from prag_asp.logic.step.moves import Move, compile_move
+from prag_asp.logic.step.needs import Needs
 from prag_asp.logic.step.normal import Body, NormalStep
 from prag_asp.logic.step.packed import Rows, bit, pack, unpack
 from prag_asp.logic.step.step_rules import StepRules
 from prag_asp.logic.step.strata import Column, Stratum, body_column, evaluate, stratify
 from prag_asp.processes.stage import stage
+
+MANY = 64
+"""Actions of which most are passed over together; fewer are tried one by one."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,10 @@ class Transition:
         return tuple(self.step.occurs.values())
 
     @cached_property
+    def _needs(self) -> Needs:
+        return Needs.of(self.constraints, self._atoms, frozenset(self.step.ground.before.values()))
+
+    @cached_property
     def final_strata(self) -> list[Stratum]:
         """The rules that the check after the last step depends on, in order."""
         roots = [abs(literal) for body in self.step.final for literal in body.literals]
@@ -121,8 +129,12 @@ class Transition:
         `wanted` says which actions are asked for in which states, shape (states, actions); without it, all are.
         """
         before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
-        asked = range(len(self.actions)) if wanted is None else np.flatnonzero(wanted.any(axis=0)).tolist()
-        for letter in asked:
+        asked = np.ones(len(self.actions), dtype=np.bool_)
+        if wanted is not None:
+            asked &= wanted.any(axis=0)
+        if len(asked) > MANY:
+            asked &= self._needs.met(before.read, len(states))
+        for letter in np.flatnonzero(asked).tolist():
             sources = _unguarded(self.move(letter), before, None if wanted is None else wanted[:, letter])
             if len(sources):
                 yield _apply(self.move(letter), letter, before, sources)

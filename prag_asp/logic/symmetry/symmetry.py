@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import clingo
 import numpy as np
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from prag_asp.logic.ground.ground import GroundStep
 from prag_asp.logic.symmetry.atoms import Atoms, SpelledRule
 from prag_asp.logic.symmetry.entailment import Consequences
+from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.program.facts import Facts
 
 
@@ -46,6 +48,32 @@ def interchangeable(facts: Facts, ground: GroundStep) -> list[tuple[clingo.Symbo
                 found.append([entity])
         groups += [group for group in found if len(group) > 1]
     return [tuple(entities[number] for number in group) for group in groups]
+
+
+def may_interchange(facts: Facts) -> bool:
+    """Return whether there are entities whose swap maps the actions onto themselves; `interchangeable` ones are some.
+
+    A step has an atom for each action, so that no others need to be looked for on the ground program.
+    """
+    by_class: dict[clingo.Symbol, list[int]] = {}
+    for number, name in enumerate(facts.entities.values()):
+        by_class.setdefault(name, []).append(number)
+    shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
+    actions = {shapes.of(action) for action in facts.actions}
+    naming: dict[int, list[Shaped]] = {}
+    for action in actions:
+        for entity in set(action[1]):
+            naming.setdefault(entity, []).append(action)
+
+    def kept(first: int, second: int) -> bool:
+        names = {first: second, second: first}
+        return all(
+            (shape, tuple(names.get(each, each) for each in inside)) in actions
+            for entity in (first, second)
+            for shape, inside in naming.get(entity, ())
+        )
+
+    return any(kept(*pair) for members in by_class.values() for pair in combinations(members, 2))
 
 
 @dataclass(frozen=True)

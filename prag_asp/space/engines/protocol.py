@@ -92,8 +92,8 @@ MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
 
 
 def all_letters(model: Model, level: Level) -> dict[str, clingo.Symbol]:
-    """Return the letters of a level with their terms, in order: the texts of all actions, or their names."""
-    actions = model.domain.facts.actions
+    """Return the letters of a level with their terms, in order: the texts of all actions tried, or their names."""
+    actions = model.domain.facts.tried
     if level == "skeleton":
         return {name: clingo.Function(name) for name in sorted(set(map(action_name, actions)))}
     return {str(action): action for action in actions}

@@ -67,13 +67,15 @@ class Shelf:
 def shelf_for(folder: Path, domain: Domain, level: str, merge: bool | None) -> Shelf | None:
     """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
-    The key covers all that the arrays depend on: the program, the rules of tasks, and the code that explores.
+    The key covers all that the arrays depend on: the program, what of it is never reached, the rules of tasks, and
+    the code that explores.
     """
     names = domain.encodings / "rules" / "canonical_names.lp"
     try:
         told = [domain.program.text, names.read_text(encoding="utf-8") if level == "task" else "", _code()]
     except OSError:
         return None
+    told += map(str, domain.facts.unreached)
     told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
     return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
 

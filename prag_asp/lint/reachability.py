@@ -1,0 +1,60 @@
+"""Actions that never occur because nothing ever makes what they need, such as those that wait for one another.
+
+Reachability where nothing that was so is lost (the relaxed problem of Bonet and Geffner 2001, by which planners ground:
+Helmert 2009), as ``encodings/reachable.lp`` says it of the facts of the base part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import clingo
+
+from prag_asp.program.facts import Facts
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.sources import REACHABLE, Source, read_sources
+from prag_asp.program.syntax import Statement
+
+MAKING = frozenset([("holds", 3), ("known", 3), ("changed", 2), ("occurs", 2)])
+"""What tells of a state or an action otherwise than preconditions and postconditions do."""
+
+LEFT_OUT = ("left_out", 1)
+"""What keeps steps from trying an action that can never occur."""
+
+CONFLICTS = "10000"
+"""The search that is spent at most on what else the base part says; the relaxed steps need none."""
+
+
+def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
+    """Return the program of relaxed steps in a folder of encodings; copies of older ones have none."""
+    path = encodings / REACHABLE
+    return read_sources(path, encodings) if path.is_file() else ()
+
+
+def find_unreached(
+    grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path
+) -> tuple[clingo.Symbol, ...]:
+    """Return the actions of `facts` that never occur, none of them where that would be all.
+
+    `grounder` holds the base part with the relaxed steps. None is found where rules other than the `encodings` make
+    states, or read what is left out.
+    """
+    others = [each for each in statements if each.path.parent != encodings]
+    makes = any(atom.signature in MAKING for each in others for atom in each.heads)
+    reads = any(atom.signature == LEFT_OUT for each in others for atom in each.body)
+    control = grounder.control
+    if makes or reads or control.is_conflicting:
+        return ()
+    grounder.state(clingo.Function("left_out", [term]) for term in facts.left_out)
+    grounder.ground([("reachable", [])])
+    solving = control.configuration.solve
+    assert isinstance(solving, clingo.Configuration)
+    solving.solve_limit = CONFLICTS
+    with control.solve(yield_=True) as handle:
+        model = handle.model()
+        if model is None:
+            return ()
+        atoms = control.symbolic_atoms.by_signature("may_occur", 1)
+        reached = {atom.symbol.arguments[0] for atom in atoms if model.is_true(atom.literal)}
+    return tuple(action for action in facts.actions if action not in reached) if reached else ()

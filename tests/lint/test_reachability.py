@@ -1,0 +1,295 @@
+"""What nothing ever makes possible is never tried: every count stays what it was, for every engine and level."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import pairwise, product
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from prag_asp import Domain, DomainError, TaskSpace, explain, fewest_changes, load_domain
+from prag_asp.logic.model import Model
+from prag_asp.program.paths import data_folder
+from prag_asp.space.engines.protocol import Level
+from tests.brute_force import Action, Toy, term
+from tests.chance import examples
+from tests.space.test_tasks import Schema, orbit, schemas
+
+ENGINES = ("automaton", "clingo", "sat")
+
+
+@contextmanager
+def loaded(text: str, **options: object) -> Iterator[Domain | None]:
+    """Yield the domain of a text, checked; None where it is refused."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "domain.lp").write_text(text, encoding="utf-8")
+        try:
+            domain = load_domain(folder, **options)  # type: ignore[arg-type]
+        except DomainError:
+            domain = None
+        yield domain
+
+
+def unreached(text: str) -> list[str]:
+    with loaded(text) as domain:
+        assert domain is not None
+        return [str(action) for action in domain.facts.unreached]
+
+
+@st.composite
+def chains(draw: st.DrawFn, *, closed: bool) -> Toy:
+    """Draw a domain whose actions need what others make, where little is so at the start."""
+    fluents = draw(st.integers(3, 6))
+    values = st.dictionaries(st.integers(0, fluents - 1), st.booleans(), min_size=1, max_size=3)
+    effects = st.dictionaries(st.integers(0, fluents - 1), st.sampled_from([True, True, False, None]), max_size=2)
+    actions = draw(st.lists(st.builds(Action, st.sampled_from("ab"), values, effects), min_size=2, max_size=6))
+    pairs = st.lists(st.tuples(*[st.integers(0, fluents - 1)] * 2), max_size=2)
+    numbers = st.just(range(fluents)) if closed else st.sets(st.integers(0, fluents - 1), min_size=fluents // 2)
+    known = {fluent: draw(st.sampled_from([False, False, True])) for fluent in draw(numbers)}
+    toy = Toy(fluents, tuple(actions), known, tuple(draw(pairs)), tuple(draw(pairs)))
+    composites = draw(st.lists(st.lists(st.integers(0, len(actions) - 1), min_size=1, max_size=2), max_size=2))
+    if not composites or draw(st.booleans()):
+        return toy
+    return replace(toy, composites=tuple(map(tuple, composites)), free=(0,))
+
+
+@settings(max_examples=examples(120), suppress_health_check=list(HealthCheck))
+@given(st.one_of(chains(closed=False), chains(closed=True)))
+def test_random_chains_count_as_the_definition_says(toy: Toy) -> None:
+    with loaded(toy.text()) as domain:
+        if domain is None:
+            return
+        never = set(map(str, domain.facts.unreached))
+        plans = [[tuple(term(toy, i) for i in plan) for plan in toy.plans(n)] for n in range(4)]
+        assert not any(never.intersection(plan) for found in plans for plan in found)
+        names = {tuple(action.partition("(")[0] for action in plan) for plan in plans[3]}
+        for engine in ENGINES if never else ():
+            space = TaskSpace(domain, 3, engine=engine)
+            assert [space.count(level) for level in ("plan", "skeleton")] == [len(plans[3]), len(names)]
+        assert set(TaskSpace(domain, 3).words("plan")) == set(plans[3])
+
+
+@settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
+@given(schemas())
+def test_what_is_never_reached_tells_entities_apart_as_before(schema: Schema) -> None:
+    with loaded(schema.text()) as domain:
+        if domain is None or not domain.facts.unreached:
+            return
+        groups = Model(replace(domain, facts=replace(domain.facts, unreached=()))).groups(3)
+        assert Model(domain).groups(3) == groups
+        plans = schema.plans(3)
+        tasks = {orbit(plan, [tuple(map(str, group)) for group in groups]) for plan in plans}
+        assert {TaskSpace(domain, 3, engine=engine).count("task") for engine in ENGINES} == {len(tasks)}
+
+
+KEYS = """
+room(1..5). fluent(in(R)) :- room(R). fluent(has(K)) :- room(K). fluent(open(R)) :- room(R).
+initially(in(1),true). initially(has(1),true). #include "rules/closed_world.lp".
+action(unlock(R)) :- room(R).       action(enter(R,S)) :- room(R), room(S), |R-S| = 1.  action(take(K)) :- room(K).
+precondition(unlock(R),has(R),true) :- room(R). postcondition(unlock(R),open(R),true) :- room(R).
+precondition(enter(R,S),in(R),true; enter(R,S),open(S),true)   :- action(enter(R,S)).
+postcondition(enter(R,S),in(R),false; enter(R,S),in(S),true)   :- action(enter(R,S)).
+precondition(take(K),in(K),true) :- room(K), K != 2.  precondition(take(2),in(1),true).
+postcondition(take(K),has(K),true) :- room(K).
+"""
+
+
+def test_behind_a_door_whose_key_lies_behind_it_nothing_is_reached() -> None:
+    never = {"enter(2,3)", "enter(3,2)", "enter(3,4)", "enter(4,3)", "enter(4,5)", "enter(5,4)"}
+    locks = {"take(3)", "take(4)", "take(5)", "unlock(3)", "unlock(4)", "unlock(5)"}
+    assert set(unreached(KEYS)) == never | locks
+
+
+def test_what_is_unknown_may_be_learned_either_way() -> None:
+    text = KEYS.replace('#include "rules/closed_world.lp".', "")
+    assert unreached(text) == []
+    shut = "".join(f"initially(open({room}),false). initially(has({room}),false). " for room in (3, 4, 5))
+    assert unreached(text + shut + "initially(in(3..5),false).") == unreached(KEYS)
+
+
+def test_a_negative_condition_is_reached_where_something_makes_it_false() -> None:
+    text = """
+    fluent(guarded; asleep; inside; rich). initially((guarded),true). initially((asleep;inside;rich),false).
+    action(enter; sing; steal).
+    precondition(enter,guarded,false). postcondition(enter,inside,true).
+    precondition(sing,inside,true). postcondition(sing,guarded,false).
+    precondition(steal,asleep,false). postcondition(steal,rich,true).
+    """
+    assert unreached(text) == ["enter", "sing"]
+    assert unreached(text + "action(lure). precondition(lure,rich,true). postcondition(lure,guarded,unknown).") == []
+
+
+def test_a_value_that_invariants_forbid_together_with_all_that_may_be_is_not_reached() -> None:
+    text = """
+    fluent(lit; warm; shut). initially((lit;warm),false). initially(shut,true). exclusive(lit,shut).
+    action(light; bask; burn; wait). postcondition(light,lit,true). precondition(bask,lit,true).
+    precondition(burn,warm,true). postcondition(burn,shut,false; burn,warm,true).
+    """
+    assert unreached(text) == ["bask", "burn"]
+    assert unreached(text + "postcondition(wait,shut,unknown).") == ["burn"]
+
+
+@pytest.mark.parametrize(
+    "rule",
+    [
+        "holds(open(3),true,t) :- occurs(enter(1,2),t).",
+        "known(has(3),true,t) :- occurs(take(2),t).",
+        "changed(open(R),t) :- occurs(take(2),t), room(R).",
+    ],
+)
+def test_rules_over_time_that_make_states_keep_all_actions(rule: str) -> None:
+    assert unreached(f"{KEYS}\n#program step(t).\n{rule}") == []
+
+
+@pytest.mark.parametrize("level", ["plan", "task"])
+def test_rules_may_count_the_actions_that_are_never_reached(level: Level) -> None:
+    rule = "few :- #count{A : name(A,unlock)} < 5. some(A) :- mentions(A,1,_). #program step(t). :- few, occurs(_,t)."
+    text = KEYS.replace("room(1..5).", "room(1..5). class(room). entity(R,room) :- room(R).") + rule
+    assert unreached(text) == unreached(KEYS)
+    with loaded(text + ":- left_out(unlock(4)), occurs(_,t).") as domain, loaded(text) as other:
+        assert domain is not None and other is not None and domain.facts.unreached == ()
+        assert TaskSpace(domain, 3).count(level) == TaskSpace(other, 3).count(level) > 0
+
+
+def test_a_rule_over_time_that_only_reads_leaves_out_as_much_and_counts_the_same() -> None:
+    text = KEYS + "#program step(t).\ntired(t) :- occurs(enter(_,_),t-1).\n:- occurs(enter(_,_),t), tired(t)."
+    assert unreached(text) == unreached(KEYS)
+    with loaded(text) as domain:
+        assert domain is not None
+        whole = replace(domain, facts=replace(domain.facts, unreached=()))
+        for length, level in product((2, 4), ("plan", "task", "skeleton")):
+            counts = {TaskSpace(each, length, engine=engine).count(level)  # type: ignore[arg-type]
+                      for each in (domain, whole) for engine in ENGINES}  # fmt: skip
+            assert len(counts) == 1
+            assert counts.pop()
+
+
+FREECELL = """
+suit(hearts; spades). rank(1..4). entity(card(S,R),card) :- suit(S), rank(R). class(card).
+place(C) :- entity(C,card). place(home(S)) :- suit(S). place(cell(1..2)). place(column(1..3)).
+fluent(on(C,P)) :- entity(C,card), place(P), C != P. fluent(clear(P)) :- place(P).
+below(card(S,R),card(T,R+1)) :- suit(S), suit(T), rank(R), rank(R+1), S != T.
+below(card(S,R),cell(K)) :- suit(S), rank(R), place(cell(K)).
+below(card(S,R),column(K)) :- suit(S), rank(R), place(column(K)).
+below(card(S,1),home(S)) :- suit(S).  below(card(S,R+1),card(S,R)) :- suit(S), rank(R), rank(R+1).
+dealt(card(hearts,1),column(1)). dealt(card(spades,3),card(hearts,1)). dealt(card(hearts,4),card(spades,3)).
+dealt(card(spades,1),column(2)). dealt(card(hearts,2),card(spades,1)). dealt(card(spades,4),card(hearts,2)).
+dealt(card(hearts,3),column(3)). dealt(card(spades,2),card(hearts,3)).
+initially(on(C,P),true) :- dealt(C,P).   initially(clear(P),true) :- place(P), not dealt(_,P).
+#include "rules/closed_world.lp".
+action(move(C,P,Q)) :- fluent(on(C,P)), below(C,Q), P != Q.
+precondition(move(C,P,Q),(on(C,P);clear(C);clear(Q)),true) :- action(move(C,P,Q)).
+postcondition(move(C,P,Q),(on(C,P);clear(Q)),false; move(C,P,Q),(on(C,Q);clear(P)),true) :- action(move(C,P,Q)).
+"""
+
+
+def forward(domain: Domain, length: int) -> int:
+    """Return the number of plans by a search that knows nothing of reachability."""
+    facts = domain.facts
+    start = frozenset(fluent for fluent, value in facts.initially if value == "true")
+    states = {start: 1}
+    for _ in range(length):
+        following: dict[frozenset[object], int] = {}
+        for (state, ways), action in product(states.items(), facts.actions):
+            if all((fluent in state) == (value == "true") for fluent, value in facts.preconditions[action]):
+                after = set(state)
+                for fluent, value in facts.postconditions[action]:
+                    (after.add if value == "true" else after.discard)(fluent)
+                following[frozenset(after)] = following.get(frozenset(after), 0) + ways
+        states = following  # type: ignore[assignment]
+    return sum(states.values())
+
+
+def test_of_a_card_game_only_what_can_be_played_is_tried() -> None:
+    with loaded(FREECELL) as domain:
+        assert domain is not None
+        assert len(domain.facts.unreached) > len(domain.facts.tried) > 20
+        for length in (1, 3, 5):
+            assert TaskSpace(domain, length).count("plan") == forward(domain, length) > 0
+        assert TaskSpace(domain, 3, engine="clingo").count("plan") == forward(domain, 3)
+        assert TaskSpace(domain, 5).count("task") == forward(domain, 5)
+
+
+def test_entities_that_only_unreached_actions_tell_apart_stay_apart() -> None:
+    text = """
+    class(box). entity((red;blue;green),box). fluent(held(B)) :- entity(B,box). fluent(key). initially(key,false).
+    #include "rules/closed_world.lp". action(take(B); drop(B)) :- entity(B,box).
+    precondition(take(B),held(B),false) :- entity(B,box). postcondition(take(B),held(B),true) :- entity(B,box).
+    precondition(drop(B),held(B),true) :- entity(B,box). postcondition(drop(B),held(B),false) :- entity(B,box).
+    action(paint(red); find). precondition(paint(red),key,true; find,key,true). postcondition(find,key,true).
+    postcondition(paint(red),held(red),true).
+    """
+    with loaded(text) as domain:
+        assert domain is not None
+        assert [str(action) for action in domain.facts.unreached] == ["find", "paint(red)"]
+        assert [[str(each) for each in group] for group in Model(domain).groups(2)] == [["blue", "green"]]
+        assert {TaskSpace(domain, 1, engine=engine).count("task") for engine in ENGINES} == {2}
+        assert {TaskSpace(domain, 2, engine=engine).count("task") for engine in ENGINES} == {5}
+
+
+def test_what_is_never_reached_may_be_asked_for_and_is_explained() -> None:
+    with loaded(KEYS) as domain:
+        assert domain is not None
+        for engine in ENGINES:
+            space = TaskSpace(domain, 2, engine=engine)
+            assert space.count("plan", prefix=["unlock(3)"]) == space.where("has unlock(4)").count("plan") == 0
+            assert space.count("plan", prefix=["unlock"]) > 0
+            assert space.where("lacks unlock(4)").count("plan") == space.count("plan")
+        found = explain(domain, ["take(2)", "unlock(3)"])
+        assert found is not None
+        assert found.reasons == ("it needs has(3) to be true, which is false from the start",)
+        assert [str(task) for task in TaskSpace(domain, 1).sample(1, seed=1, weights={"unlock(3)": 5, "enter": 0})]
+
+
+def test_a_domain_in_which_nothing_is_reached_has_no_plan_and_no_refusal() -> None:
+    text = """
+    fluent(chicken; egg). initially((chicken;egg),false). action(lay; hatch).
+    precondition(lay,chicken,true; hatch,egg,true). postcondition(lay,egg,true; hatch,chicken,true).
+    """
+    assert unreached(text) == []
+    with loaded(text) as domain:
+        assert domain is not None
+        assert [TaskSpace(domain, n, engine=engine).count() for n in (0, 1) for engine in ENGINES] == [1] * 3 + [0] * 3
+
+
+def test_encodings_without_the_relaxed_program_try_all(tmp_path: Path) -> None:
+    for source in data_folder("encodings").rglob("*.lp"):
+        copy = tmp_path / source.relative_to(data_folder("encodings"))
+        copy.parent.mkdir(exist_ok=True)
+        if source.name != "reachable.lp":
+            copy.write_bytes(source.read_bytes())
+    with loaded(KEYS, encodings=tmp_path) as domain:
+        assert domain is not None and domain.facts.unreached == ()
+        with loaded(KEYS) as other:
+            assert other is not None
+            assert TaskSpace(domain, 4).count() == TaskSpace(other, 4).count() > 0
+
+
+@pytest.mark.slow
+def test_ten_thousand_actions_that_are_reached_one_after_the_other_are_all_kept() -> None:
+    steps = 10_000
+    lines = ["fluent(at(0..10000)). initially(at(0),true).", '#include "rules/closed_world.lp".']
+    lines += [
+        f"action(go({b})). precondition(go({b}),at({a}),true). postcondition(go({b}),at({b}),true)."
+        for a, b in pairwise(range(steps + 1))
+    ]
+    assert unreached("\n".join(lines)) == []
+    assert len(unreached("\n".join(lines).replace("(go(2),at(1),", f"(go(2),at({steps}),"))) == steps - 1
+
+
+def test_the_lines_that_keep_an_action_from_being_reached_are_named() -> None:
+    text = """
+    fluent(chicken; egg). initially((chicken;egg),false). action(lay; hatch; wait).
+    precondition(lay,chicken,true). precondition(hatch,egg,true).
+    postcondition(lay,egg,true). postcondition(hatch,chicken,true).
+    """
+    with loaded(text) as domain:
+        assert domain is not None and [str(each) for each in domain.facts.unreached] == ["hatch", "lay"]
+        changes = fewest_changes(TaskSpace(domain, 1), action="lay")
+        assert [line.line for (line,) in changes] == [2, 3]
