@@ -24,7 +24,7 @@ class Exit(IntEnum):
 MEANINGS = {
     Exit.DONE: "done",
     Exit.NOT_FOUND: "found less than asked for: tasks fail validate, sample, generate or suite find few, explain "
-    "gets no plan, verify finds something wrong",
+    "has something to explain, verify finds something wrong",
     Exit.BAD_INPUT: "wrong input: the domain, a file, or what is asked of it",
     Exit.LIMIT: "a limit on time or memory was reached",
     Exit.OUTPUT: "the output could not be written; after a closed pipe, quietly",

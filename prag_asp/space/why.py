@@ -95,7 +95,8 @@ def _occurring(space: TaskSpace, action: str | Atom | None, step: int | None) ->
             raise QueryError(f"step {step} of which action? name the action, too")
         return None
     if step is not None and not 1 <= step <= space.length:
-        raise QueryError(f"a task of length {space.length} has no step {step}; its steps are 1 to {space.length}")
+        known = f"its steps are 1 to {space.length}" if space.length else "it has none"
+        raise QueryError(f"a task of length {space.length} has no step {step}; {known}")
     facts: Facts = space.domain.facts
     text = str(action)
     parse_prefix([text], "plan", facts)

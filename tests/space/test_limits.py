@@ -20,6 +20,9 @@ from tests.space.automaton.test_explore import LAMPS
 
 AT_ONCE = Limits(seconds=0)
 
+TOGETHER = "#program step(t). :- holds(F,true,t) : fluent(F).\n"
+"""A rule that all lamps have part in, so that they cannot be counted apart."""
+
 
 @pytest.mark.parametrize(("engine", "by"), [("automaton", "plan"), ("automaton", "task"), ("automaton", "skeleton")])
 def test_a_time_limit_gives_a_lower_bound_on_the_count(engine: str, by: str) -> None:
@@ -128,7 +131,7 @@ def test_the_command_prints_the_lower_bound_and_exits_with_its_own_code(
 
     folder = tmp_path / "lamps"
     folder.mkdir()
-    (folder / "domain.lp").write_text(LAMPS.replace("K", "17"))
+    (folder / "domain.lp").write_text(LAMPS.replace("K", "17") + TOGETHER)
     assert cli.main(["count", str(folder), "--length", "17", "--by", "plan", "--time", "0.1s"]) == 3
     out, err = capfd.readouterr()
     assert re.fullmatch(r"at least \d+\n", out) and "the time limit of 0.1 s was reached" in err

@@ -264,7 +264,7 @@ def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
             lambda: TaskSpace(load_domain("blocks"), 1).index(["stak(a,b)"]),
             "no action 'stak(a,b)'; did you mean",
         ),
-        (lambda: TaskSpace(load_domain("blocks"), 1).index(["stack"]), "stack is the name of several actions"),
+        (lambda: TaskSpace(load_domain("blocks"), 1).index(["stack"]), "stack is the name of actions"),
         (
             lambda: TaskSpace(load_domain("prag"), 1).index(["drop(panda,can_1)"] * 2),
             "no task of prag of length 1",

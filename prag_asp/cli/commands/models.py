@@ -96,7 +96,7 @@ def sample(*, asked: AskedModels, wanted: int, seed: int) -> None:
     A line has what is shown of one. The same seed gives the same lines.
     """
     with asked.answer_sets() as found:
-        _print(islice(found.sample(wanted, seed), wanted))
+        _say_all(islice(found.sample(wanted, seed), wanted))
 
 
 @models.command(name="list")
@@ -105,7 +105,7 @@ def sample(*, asked: AskedModels, wanted: int, seed: int) -> None:
 def list_(*, asked: AskedModels, wanted: int | None) -> None:
     """Print all answer sets, one a line, in an order that is always the same."""
     with asked.answer_sets() as found:
-        _print(islice(found, wanted))
+        _say_all(islice(found, wanted))
 
 
 @models.command()
@@ -117,7 +117,7 @@ def marginals(*, asked: AskedModels) -> None:
             say(f"{_spelled(share)}  {symbol}")
 
 
-def _print(found: Iterator[AnswerSet]) -> None:
+def _say_all(found: Iterator[AnswerSet]) -> None:
     for each in found:
         say(" ".join(map(str, each)))
 

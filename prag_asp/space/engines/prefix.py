@@ -51,7 +51,7 @@ def parse_plan(items: Sequence[str | Atom], facts: Facts) -> tuple[clingo.Symbol
         text = str(parse_atom(str(item)))
         if text not in actions and text in names:
             example = min(each for each in actions if each.startswith(f"{text}("))
-            raise QueryError(f"{text} is the name of several actions; give one in full, such as {example}")
+            raise QueryError(f"{text} is the name of actions; give one in full, such as {example}")
         if text not in actions:
             raise QueryError(no_action(text, [*names, *actions], facts))
         found.append(actions[text])
