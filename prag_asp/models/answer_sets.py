@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -118,12 +118,7 @@ class AnswerSets:
             yield from self._enumeration.draws(seed, count, total)
             return
         self._require(self._weighed.total)
-        places, always = self._places
-        for literals in islice(self._weighed.draws(seed), count):
-            found = [*always]
-            for literal in literals:
-                found += places.get(literal, ())
-            yield self._printed(found)
+        yield from map(self._printed, islice(self._weighed.draws(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return for each symbol that may be shown the exact share of the answer sets, by weight, that have it.
@@ -146,19 +141,20 @@ class AnswerSets:
             yield from self._enumeration
             return
         stage("searching answer sets")
-        formula, (places, always) = self._formula, self._places
+        formula = self._formula
         order = [literal for _, literal in formula.printed]
         if formula.whole:
             order += [formula.completion.value(atom) for _, atom in self.ground.names]
             order += map(formula.completion.value, formula.completion.values)
-        for literals in listed(formula, order):
-            found = [*always]
-            for literal in literals:
-                found += places.get(literal, ())
-            yield self._printed(found)
+        yield from map(self._printed, listed(formula, order))
 
-    def _printed(self, places: list[int]) -> AnswerSet:
-        return tuple([self._symbols[place] for place in sorted(places)])
+    def _printed(self, literals: Sequence[Literal]) -> AnswerSet:
+        """Return what is shown where some literals are true."""
+        places, always = self._places
+        found = [*always]
+        for literal in literals:
+            found += places.get(literal, ())
+        return tuple([self._symbols[place] for place in sorted(found)])
 
     def _way(self, *, counts: bool = False) -> str:
         """Return which engine answers, and tell where it is not the one that one would expect.

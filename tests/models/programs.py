@@ -78,10 +78,8 @@ def program(draw: st.DrawFn) -> str:
 @st.composite
 def loops(draw: st.DrawFn) -> str:
     """Return a program whose derived atoms depend on each other in every way, under choices of other atoms."""
-    derived, chosen = (
-        st.sampled_from([f"r({k})" for k in range(1, 7)]),
-        st.sampled_from([f"e({k})" for k in range(1, 8)]),
-    )
+    derived = st.sampled_from([f"r({k})" for k in range(1, 7)])
+    chosen = st.sampled_from([f"e({k})" for k in range(1, 8)])
     rules = []
     for _ in range(draw(st.integers(4, 14))):
         head, body = draw(derived), draw(st.lists(derived, max_size=2)) + draw(st.lists(chosen, max_size=2))

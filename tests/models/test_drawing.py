@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from fractions import Fraction
 from itertools import islice
-from math import sqrt
+from math import prod, sqrt
 
 import pytest
 
@@ -47,10 +47,7 @@ def test_draws_follow_the_weights(engine: str, chance: Chance) -> None:
     told: dict[str, Fraction] = {}
     for subset in subsets:
         shown = str(tuple(sorted(subset - {"d"})))
-        own = Fraction(1)
-        for name in subset - {"d"}:
-            own *= weight[name]
-        told[shown] = told.get(shown, Fraction(0)) + own
+        told[shown] = told.get(shown, Fraction(0)) + prod(weight[name] for name in subset - {"d"})
     total = sum(told.values())
     assert found.total() == total
     drawn = Counter(str(tuple(map(str, each))) for each in found.sample(20_000, seed=chance.seed(6)))

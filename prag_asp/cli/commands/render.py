@@ -55,9 +55,7 @@ SMALLEST, LARGEST = 16, 4096
     show_default=True,
     help="All states side by side with captions; one state; an animation of the robot performing the task.",
 )
-@click.option(
-    "--state", type=options.whole(0), metavar="K", help="State to draw with --as state.  [default: last]"
-)
+@click.option("--state", type=options.whole(0), metavar="K", help="State to draw with --as state.  [default: last]")
 @click.option("--size", metavar="WxH", help="Pixels of a frame.  [default: 360x320; state 960x800; animation 400x350]")
 @click.option("--speed", type=float, default=2.0, show_default=True, help="How fast an animation plays.")
 @click.option("--columns", type=options.whole(1), default=6, show_default=True, help="Frames in a row of a strip.")

@@ -17,20 +17,21 @@ set U of atoms that the least model of its reduct lacks. Take a component C that
 does. The body of any rule for an atom of U and C that is true in M needs an atom of U, of C that is, so no stage of C
 reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
 
+The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
+the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
+smaller for large components, and propagates less.
+
 *With copies.* Counting by cases can do with less (Kabir, Chakraborty and Meel 2024): an atom of a component has a copy,
 which implies it, and which follows where a rule for a true atom has its body true among the copies of the component's
 atoms. Unit propagation then makes the copies of all atoms of an answer set true, and leaves some open where an atom is
 true for no reason. So the models are more than the answer sets, but those without open copies are they.
-
-The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
-the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
-smaller for large components, and propagates less.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from prag_asp.logic.formula.clauses import TRUE, Clauses, Literal
 from prag_asp.logic.ground.ground import Rule
@@ -52,8 +53,7 @@ class Completion:
 
     def value(self, literal: int) -> Literal:
         """Return the literal of an atom or its negation; an atom that no rule derives is false."""
-        found = self.values.get(abs(literal), -TRUE)
-        return found if literal > 0 else -found
+        return _value(self.values, literal)
 
 
 def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
@@ -71,10 +71,7 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
         values[atom] = TRUE if any(_is_fact(rule) for rule in own) else clauses.fresh()
     open_rules = {atom: own for atom, own in rules_of.items() if values[atom] != TRUE}
 
-    def value(literal: int) -> Literal:
-        found = values.get(abs(literal), -TRUE)
-        return found if literal > 0 else -found
-
+    value = partial(_value, values)
     for atom, own in open_rules.items():
         _support(clauses, values[atom], own, value)
     for rule in constraints:
@@ -90,9 +87,14 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
     before = clauses.variables
     copies: dict[int, Literal] = {}
     for loop in loops:
-        copies |= (_copy if copied else _found)(clauses, loop, value)
+        copies |= (_by_copies if copied else _by_stages)(clauses, loop, value)
     gates = range(before + 1, clauses.variables + 1) if copied else ()
     return Completion(clauses, values, tuple(loops), {**dict.fromkeys(gates, TRUE), **copies})
+
+
+def _value(values: Mapping[int, Literal], literal: int) -> Literal:
+    found = values.get(abs(literal), -TRUE)
+    return found if literal > 0 else -found
 
 
 def _is_fact(rule: Rule) -> bool:
@@ -124,7 +126,7 @@ def _positive_graph(rules_of: Mapping[int, list[Rule]]) -> dict[int, list[int]]:
     return {atom: [below for rule in own for below in rule.body if below > 0] for atom, own in rules_of.items()}
 
 
-def _copy(
+def _by_copies(
     clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
 ) -> dict[int, Literal]:
     """Give the atoms of a component copies, which its rules derive; return each copy with the literal of its atom."""
@@ -144,7 +146,7 @@ def _copy(
     return {copy: value(atom) for atom, copy in copies.items()}
 
 
-def _found(
+def _by_stages(
     clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
 ) -> dict[int, Literal]:
     """State that each true atom of a component is derived at some stage, without copies."""

@@ -22,8 +22,9 @@ FEWEST_VARIABLES = 12
 Node = tuple[str, int]
 """A variable, an atom that rules define, or an action, by number."""
 
-NOTHING: Node = ("nothing", 0)
-"""What stands for all variables that no action sets or reads, and for all actions without variables."""
+IDLE: Node = ("variables that no action sets or reads", 0)
+FREE: Node = ("actions that set and read no variable", 0)
+"""What stands for all of a kind, which are one part together."""
 
 
 def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
@@ -47,8 +48,8 @@ class _Parts:
         self._variable = {
             before[symbol]: place for place, symbol in enumerate(transition.variables) if symbol in before
         }
-        self._moves = {letter: transition.move(letter) for letter in range(len(transition.actions))}
-        self._moves = {letter: move for letter, move in self._moves.items() if not move.impossible}
+        moves = enumerate(map(transition.move, range(len(transition.actions))))
+        self._moves = {letter: move for letter, move in moves if not move.impossible}
         self._idle_nodes: dict[int, list[Node]] = {}
         self._asking: dict[int, list[Node]] = {}
         self._settled = self._decided()
@@ -133,8 +134,8 @@ class _Parts:
         """Join what no action touches, and the actions without variables; tell whether actions remain apart."""
         acting = {self._root(("action", letter)) for letter in self._moves}
         placed = {self._root(("variable", place)) for place in range(len(self._transition.variables))}
-        self._join([NOTHING, *(placed - acting)])
-        self._join([("nothing", 1), *(acting - placed)])
+        self._join([IDLE, *(placed - acting)])
+        self._join([FREE, *(acting - placed)])
         return len({self._root(("action", letter)) for letter in self._moves}) > 1
 
     def _concerns(self, number: int, root: Node) -> bool:
