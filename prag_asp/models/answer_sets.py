@@ -226,7 +226,8 @@ class AnswerSets:
     @cached_property
     def _enumeration(self) -> Enumeration:
         if self.project and self.stated:
-            left = sorted(set(self.stated) - set(self._symbols))
+            telling = self.ground.telling
+            left = sorted(symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in telling)
             if left:
                 raise QueryError(f"--weighted: {left[0]} has a weight, but is projected away; show it, or leave it out")
         return Enumeration(self.given, self.ground, self.project, self.stated)

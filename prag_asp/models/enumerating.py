@@ -23,7 +23,10 @@ Printed = tuple[clingo.Symbol, ...]
 
 @dataclass(frozen=True)
 class Enumeration:
-    """The answer sets of a program, each found anew by every question; memory does not grow with their number."""
+    """The answer sets of a program, each found anew by every question.
+
+    Memory does not grow with their number, but where clingo takes for several what is one (`_merges`).
+    """
 
     given: GivenProgram
     ground: GroundModels
@@ -35,6 +38,8 @@ class Enumeration:
 
     def count(self) -> int:
         """Return the number of answer sets."""
+        if self._merges:
+            return sum(1 for _ in self._found())
         grounder = self._grounder("--stats")
         with grounder.control.solve(async_=True) as handle:
             try:
@@ -83,6 +88,12 @@ class Enumeration:
             scale *= weight.denominator
         return scale
 
+    @property
+    def _merges(self) -> bool:
+        """Whether a symbol is shown on several grounds, which clingo tells apart where it projects."""
+        by_output = self.project and self.ground.projected is None
+        return by_output and any(len(conditions) > 1 for _, conditions in self.ground.shown)
+
     def _grounder(self, *arguments: str) -> Grounder:
         project = ["--project=auto"] if self.project else []
         grounder = Grounder(self.given.program, *self.given.arguments, *arguments, "0", *project, strict=False)
@@ -94,6 +105,7 @@ class Enumeration:
         grounder = self._grounder()
         by_statement = self.project and self.ground.projected is not None
         projected = {symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ())}
+        seen: set[Printed] | None = set() if self._merges else None
         with grounder.control.solve(yield_=True, async_=True) as handle:
             try:
                 while True:
@@ -105,6 +117,10 @@ class Enumeration:
                         return
                     atoms = model.symbols(atoms=True)
                     found = (each for each in atoms if each in projected) if by_statement else model.symbols(shown=True)
-                    yield tuple(sorted(found)), weight_of(self.stated, iter(atoms))
+                    printed = tuple(sorted(set(found)))  # clingo repeats what is an atom and a term
+                    if seen is None or printed not in seen:
+                        yield printed, weight_of(self.stated, iter(atoms))
+                    if seen is not None:
+                        seen.add(printed)
             finally:
                 handle.cancel()

@@ -32,6 +32,15 @@ class GroundModels:
     acyclic: bool
     notes: tuple[str, ...]
 
+    @property
+    def telling(self) -> frozenset[int]:
+        """The atoms whose values a projection tells, and facts, which have one value anyhow."""
+        facts = {rule.heads[0] for rule in self.rules if not rule.body and not rule.choice and len(rule.heads) == 1}
+        if self.projected is not None:
+            return self.projected | facts
+        shown = {abs(found[0][0]) for _, found in self.shown if len(found) == 1 and len(found[0]) == 1}
+        return frozenset(shown | facts)
+
 
 def ground_models(given: GivenProgram) -> GroundModels:
     """Ground the part `base` of a program, as clingo does where it is run on its files.

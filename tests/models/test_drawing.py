@@ -86,6 +86,7 @@ def test_there_is_nothing_to_draw_from_nothing() -> None:
         ("{a}. weight(a,2). weight(a,3).", "another weight too"),
         ("{a}.", "states no weight"),
         ("{a;b}. weight(a,2). #show b/0.", "projected away"),
+        ("{a;b}. weight(a,2). #show a : b.", "projected away"),
     ],
 )
 def test_a_weight_that_is_none_is_refused(text: str, told: str) -> None:
@@ -99,3 +100,20 @@ def test_ten_to_the_twelve_answer_sets_are_drawn_and_listed_without_finding_them
     assert found.count() == 7 * 2**37
     assert len({str(each) for each in found.sample(50, seed=1)}) == 50
     assert len(list(islice(found, 5))) == 5
+
+
+@pytest.mark.parametrize("engine", ["diagram", "clingo"])
+def test_what_is_shown_as_an_atom_and_as_a_term_is_shown_once(engine: str) -> None:
+    text = "{a;b}. #show a/0. #show a : b."
+    found = answer_sets(text=text, engine=engine)
+    assert sorted(" ".join(map(str, each)) for each in found) == ["", "a", "a", "a"]
+    assert list(found.marginals().values()) == [Fraction(3, 4)]
+    projected = answer_sets(text=text, engine=engine, project=True)
+    assert projected.count() == len(list(projected)) == projected.total() == 2
+    assert list(projected.marginals().values()) == [Fraction(1, 2)]
+
+
+@pytest.mark.parametrize("engine", ["diagram", "clingo"])
+def test_a_weight_that_a_projection_tells_is_not_refused(engine: str) -> None:
+    text = "{a;b}. c. weight(a,2). weight(c,5). weight(none,3). #show. #show t : a."
+    assert answer_sets(text=text, engine=engine, project=True, weighted=True).total() == 15
