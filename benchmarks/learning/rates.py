@@ -92,7 +92,11 @@ def together(processes: int, steps: int) -> float:
         each.stdout.readline()
     begun = time.perf_counter()
     for each in running:
-        each.communicate("go\n")
+        assert each.stdin is not None
+        each.stdin.write("go\n")
+        each.stdin.flush()
+    for each in running:
+        each.communicate()
     return processes * steps / (time.perf_counter() - begun)
 
 
