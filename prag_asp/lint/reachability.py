@@ -11,12 +11,13 @@ from pathlib import Path
 
 import clingo
 
+from prag_asp.lint.occurrence import STATE_PREDICATES
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import REACHABLE, Source, read_sources
 from prag_asp.program.syntax import Statement
 
-MAKING = frozenset([("holds", 3), ("known", 3), ("changed", 2), ("occurs", 2)])
+MAKING = STATE_PREDICATES | {("occurs", 2)}
 """What tells of a state or an action otherwise than preconditions and postconditions do."""
 
 LEFT_OUT = ("left_out", 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import clingo
 
@@ -32,14 +33,19 @@ class GroundModels:
     acyclic: bool
     notes: tuple[str, ...]
 
+    @cached_property
+    def facts(self) -> frozenset[int]:
+        """The atoms that every answer set has, by a rule without a body."""
+        single = (rule for rule in self.rules if not rule.body and not rule.choice and len(rule.heads) == 1)
+        return frozenset(rule.heads[0] for rule in single)
+
     @property
     def telling(self) -> frozenset[int]:
         """The atoms whose values a projection tells, and facts, which have one value anyhow."""
-        facts = {rule.heads[0] for rule in self.rules if not rule.body and not rule.choice and len(rule.heads) == 1}
         if self.projected is not None:
-            return self.projected | facts
+            return self.projected | self.facts
         shown = {abs(found[0][0]) for _, found in self.shown if len(found) == 1 and len(found[0]) == 1}
-        return frozenset(shown | facts)
+        return self.facts | shown
 
 
 def ground_models(given: GivenProgram) -> GroundModels:

@@ -14,7 +14,7 @@ from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.sources import Program, Source, read_sources
-from prag_asp.program.syntax import Statement, below
+from prag_asp.program.syntax import NAME, Statement, below
 from prag_asp.program.tokens import blanked
 from prag_asp.wording import did_you_mean
 
@@ -24,8 +24,6 @@ REFUSED: Mapping[ASTType, tuple[str, str]] = {
     ASTType.Script: ("a script is not run", "state by rules or facts what it computes"),
 }
 """Statements that are refused: what is wrong with them, and what to do."""
-
-NAME = re.compile(r"(?<![\w'@#])_*[a-z][\w']*")
 
 
 @dataclass(frozen=True)

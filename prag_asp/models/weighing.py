@@ -16,7 +16,7 @@ from prag_asp.models.formula import ModelFormula
 from prag_asp.models.ground import GroundModels
 
 FRACTION = re.compile(r"\d{1,100}(/\d{1,100}|\.\d{1,100})?")
-TODO = 'write a whole number such as 2, or a fraction such as (1,3) or "0.25"'
+ADVICE = 'write a whole number such as 2, or a fraction such as (1,3) or "0.25"'
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,16 @@ def stated_weights(ground: GroundModels) -> dict[clingo.Symbol, Fraction]:
         DomainError: one depends on a choice, is no number or negative, or an atom has two.
         QueryError: there is none.
     """
-    facts = {rule.heads[0] for rule in ground.rules if not rule.body and not rule.choice and len(rule.heads) == 1}
     found: dict[clingo.Symbol, Fraction] = {}
     for symbol, atom in ground.names:
         if not symbol.match("weight", 2) or symbol.negative:
             continue
         weighed, given = symbol.arguments
-        if atom not in facts:
+        if atom not in ground.facts:
             raise DomainError(f"{symbol}: it depends on other atoms; a weight has to be a fact")
         weight = _fraction(given)
         if weight is None:
-            raise DomainError(f"{symbol}: {given} is no weight; {TODO}")
+            raise DomainError(f"{symbol}: {given} is no weight; {ADVICE}")
         if found.setdefault(weighed, weight) != weight:
             raise DomainError(f"{symbol}: {weighed} has another weight too; state one")
     if not found:

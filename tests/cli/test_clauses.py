@@ -47,6 +47,32 @@ def test_explain_names_the_lines_that_leave_no_task_of_a_length(tmp_path: Path) 
     assert words == "there are tasks of prag of length 2 with grasp as step 2\n"
 
 
+LAMPS = """\
+fluent(lit(1..2)). action(on(1..2)). postcondition(on(L),lit(L),true) :- action(on(L)).
+initially(lit(1),false).
+initially(lit(2),false).
+goal(lit(1),true).
+goal(lit(2),true).
+"""
+
+
+def test_explain_names_a_smallest_set_of_changes_or_says_that_there_is_none(tmp_path: Path) -> None:
+    lamps, pairs = tmp_path / "lamps.lp", tmp_path / "pairs.lp"
+    lamps.write_text(LAMPS)
+    done = run("explain", str(lamps), "--length", "0", "--fewest-changes")
+    together, *lines = done.stdout.splitlines()[1:]
+    assert (done.returncode, together) == (1, "there is one without all of these lines, and no fewer will do:")
+    numbers = [int(line.split(":")[1]) for line in lines]
+    assert len(numbers) == 2 and sum(number in (2, 4) for number in numbers) == 1
+    pairs.write_text("fluent(f). action(a). postcondition(a,f,true). composite(c). stage(c,(1;2),a).\n")
+    for option, told in (
+        ([], "no line forbids it: what the domain declares leaves none, whatever its lines say of it"),
+        (["--fewest-changes"], "there is none even without all the lines that restrict plans"),
+    ):
+        done = run("explain", str(pairs), "--length", "3", *option)
+        assert (done.returncode, done.stdout.splitlines()[1:]) == (1, [told])
+
+
 def test_explain_refuses_what_does_not_go_together() -> None:
     for words, told in (
         (["prag", "--where", "uses can_1"], "--where asks about all tasks of a length; give --length"),

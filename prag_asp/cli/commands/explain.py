@@ -113,12 +113,12 @@ def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator
         return
     yield f"there is no task of {_asked_for(space, action, step)}"
     if not found:
-        yield "there is none without all lines that restrict plans either"
+        yield "there is none even without all the lines that restrict plans"
     elif len(found[0]) == 1:
         yield "there is one without any one of these lines:"
         yield from (f"  {line}" for (line,) in found)
     else:
-        yield "there is one without these lines together, and without no fewer:"
+        yield "there is one without all of these lines, and no fewer will do:"
         yield from (f"  {line}" for line in found[0])
 
 

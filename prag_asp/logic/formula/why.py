@@ -12,6 +12,7 @@ from prag_asp.logic.formula.cnf import plan_cnf
 from prag_asp.logic.formula.liftable import KEPT, LOOSE, Line, liftable
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.ground.ground import unrolled
+from prag_asp.processes.children import uninterrupted
 from prag_asp.processes.stage import stage
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
@@ -40,7 +41,8 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
                     backend.add_rule([some], [atom.literal])
         asked = [some]
     stage("looking for a plan")
-    return bool(control.solve(assumptions=asked).satisfiable)
+    with uninterrupted():  # for an error in what it calls at the end, clingo ends the process
+        return bool(control.solve(assumptions=asked).satisfiable)
 
 
 class Lines:
