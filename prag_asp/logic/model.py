@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,12 +11,13 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground import GroundStep, ground_plan, ground_step
-from prag_asp.logic.ground.program import canonical_program, whole_program, with_facts
+from prag_asp.logic.ground.program import canonical_program, closed_program, whole_program, with_facts
 from prag_asp.logic.ground.stationary import StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
 from prag_asp.logic.symmetry.symmetry import interchangeable, may_interchange
+from prag_asp.logic.symmetry.uneven import stated_unevenly
 from prag_asp.processes.stage import stage
 from prag_asp.program.sources import ADDED, Program, read_sources
 
@@ -82,15 +83,25 @@ class Model:
             return self.whole.groups(length) if may_interchange(self.domain.facts) else ()
         if not self._without_loops.obstacles:
             return self._without_loops._groups
-        unrolled = ground_plan(self.program, length, self.reads)
-        stage(INTERCHANGEABLE)
-        return tuple(interchangeable(self.domain.facts, unrolled))
+        return self._found(lambda model: ground_plan(model.program, length, model.reads))
 
     @cached_property
     def _groups(self) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        ground = self.ground
+        return self._found(lambda model: model.ground)
+
+    def _found(self, ground: Callable[[Model], GroundStep]) -> tuple[tuple[clingo.Symbol, ...], ...]:
+        """Return the groups of interchangeable entities, as they are found on a part of the ground program.
+
+        Where the invariants may say of single entities what follows anyway, all that follows is stated first.
+        """
+        facts, program = self.domain.facts, ground(self)
         stage(INTERCHANGEABLE)
-        return tuple(interchangeable(self.domain.facts, ground))
+        groups = tuple(interchangeable(facts, program))
+        if not stated_unevenly(facts, groups) or (closed := closed_program(self.domain)) is None:
+            return groups
+        program = ground(Model(replace(self.domain, program=closed)))
+        stage(INTERCHANGEABLE)
+        return tuple(interchangeable(facts, program))
 
     @cached_property
     def _without_loops(self) -> Model:

@@ -19,7 +19,7 @@ from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program, owned
 
-NOT_OVER_TIME = ("closed_world", "canonical_names", "weights")
+NOT_OVER_TIME = ("closed_world", "canonical_names", "closed_invariants", "weights")
 """Rules of the encodings that say nothing about which plans there are."""
 
 

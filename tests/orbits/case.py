@@ -8,8 +8,9 @@ allows, and a condition by what satisfies it, so that another way to say the sam
 from __future__ import annotations
 
 import itertools
+import random
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from operator import itemgetter
@@ -44,7 +45,8 @@ class Case:
     """A ground domain over named entities, with conditions.
 
     The fluents and actions of `toy` have the names `fluents` and `actions`. `never_after` and `ending` are rules of the
-    author: pairs of actions, the second of which never follows the first, and what the last state satisfies.
+    author: pairs of actions, the second of which never follows the first, and what the last state satisfies. `order`
+    is the seed of an order of its facts; without one, they stand by their predicates.
     """
 
     toy: Toy
@@ -54,6 +56,7 @@ class Case:
     clauses: tuple[Clause, ...] = ()
     ending_text: str = ""
     ending: Callable[[dict[str, bool]], bool] = field(default=lambda state: True)
+    order: int | None = None
 
     def text(self) -> str:
         f, a, toy = self.fluents, self.actions, self.toy
@@ -67,6 +70,8 @@ class Case:
         lines += [f"goal({f[i]},{spelled(v)})." for i, v in toy.goal.items()]
         for predicate in ("exclusive", "implies", "impossible"):
             lines += [f"{predicate}({f[i]},{f[j]})." for i, j in getattr(toy, predicate)]
+        if self.order is not None:
+            random.Random(self.order).shuffle(lines)
         lines.append("#program step(t).")
         lines += [f":- occurs({a[i]},t-1), occurs({a[j]},t)." for i, j in toy.never_after]
         lines += ["#program check(t).", self.ending_text]
@@ -235,10 +240,10 @@ class Case:
     def _sequences(self) -> list[Plan]:
         return [words for n in range(LONGEST + 1) for words in itertools.product(self.actions, repeat=n)]
 
-    def orbits(self, plans: Iterable[Plan]) -> set[frozenset[Plan]]:
-        """Return plans up to renaming of interchangeable entities."""
+    def orbits(self, plans: Iterable[Plan], groups: Iterable[Sequence[str]] | None = None) -> set[frozenset[Plan]]:
+        """Return plans up to renaming of entities that are interchangeable, or that are in a group with each other."""
         names: list[Names] = [{}]
-        for group in self.groups:
+        for group in self.groups if groups is None else groups:
             orders = [dict(zip(group, order, strict=True)) for order in itertools.permutations(group)]
             names = [{**one, **other} for one in names for other in orders]
         actions = [{action: rename(action, each) for action in self.actions} for each in names]

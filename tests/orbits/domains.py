@@ -91,7 +91,21 @@ def draw_case(chance: random.Random) -> Case:
             return case
 
 
-def draw_any(chance: random.Random) -> Case:
+def draw_redundant(chance: random.Random) -> Case:
+    """Draw a domain that says again, in other words and of single entities, much of what its invariants entail."""
+    while True:
+        case = draw_any(chance, invariants=chance.randint(2, 5), disturbances=chance.choice([0, 0, 0, 1]))
+        if not case.sensible:
+            continue
+        toy = with_chains(case.toy, chance) if chance.random() < 0.5 else case.toy
+        for _ in range(chance.randint(1, 4)):
+            toy = said_again(toy, chance)
+        case = replace(case, toy=toy, order=chance.randrange(2**16))
+        if case.sensible:
+            return case
+
+
+def draw_any(chance: random.Random, invariants: int | None = None, disturbances: int | None = None) -> Case:
     numbers = chance.choice([(2, 0), (2, 1), (3, 0), (2, 2), (3, 1)])
     names_of = zip(CLASSES, numbers, strict=True)
     entities = {f"{letter}{i}": CLASSES[letter] for letter, n in names_of for i in range(1, n + 1)}
@@ -109,23 +123,23 @@ def draw_any(chance: random.Random) -> Case:
             names.append(put(lifted_name, each))
             sides = ({put(fluent, each): value for fluent, value in side.items()} for side in (before, after))
             actions.append(Action(scheme, *({place[f]: v for f, v in side.items() if f in place} for side in sides)))
-    invariants = {"implies": [], "exclusive": [], "impossible": []}
-    for predicate, one, other in chance.sample(INVARIANTS, chance.randint(0, 4)):
+    said = {"implies": [], "exclusive": [], "impossible": []}
+    for predicate, one, other in chance.sample(INVARIANTS, chance.randint(0, 4) if invariants is None else invariants):
         for each in ground(f"{one} {other}", entities):
             pair = (put(one, each), put(other, each))
             if all(fluent in place for fluent in pair):
-                invariants[predicate].append((place[pair[0]], place[pair[1]]))
+                said[predicate].append((place[pair[0]], place[pair[1]]))
     initially: Values = dict.fromkeys(range(len(fluents)), False) if closed else {}
     for lifted_fluent, value in draw_values(chance, lifted).items():
         initially |= {place[put(lifted_fluent, each)]: bool(value) for each in ground(lifted_fluent, entities)}
     goal: Values = {}
     if chance.random() < 0.3:
         goal = {place[put("p(X)", each)]: True for each in ground("p(X)", entities)}
-    toy = Toy(len(fluents), tuple(actions), initially, goal=goal, **{k: tuple(v) for k, v in invariants.items()})
+    toy = Toy(len(fluents), tuple(actions), initially, goal=goal, **{k: tuple(v) for k, v in said.items()})
     ending_text, ending = chance.choice(ENDINGS) if closed and chance.random() < 0.6 else ENDINGS[0]
     if "l(X,Z)" in ending_text and not relation:
         ending_text, ending = ENDINGS[2]
-    for _ in range(chance.choice([0, 0, 1, 1, 2])):
+    for _ in range(chance.choice([0, 0, 1, 1, 2]) if disturbances is None else disturbances):
         toy = disturbed(toy, chance)
     clauses = draw_clauses(chance, tuple(names), fluents, entities)
     return Case(toy, entities, fluents, tuple(names), clauses, ending_text, lambda state: ending(entities, state))
@@ -145,11 +159,7 @@ def disturbed(toy: Toy, chance: random.Random) -> Toy:
     i, j = (chance.randrange(toy.fluents) for _ in range(2))
     number = chance.randrange(len(toy.actions))
     if kind == "entailed":
-        known = replace(toy, impossible=())
-        states = [s for s in itertools.product((False, True), repeat=toy.fluents) if known.allowed(s)]
-        pairs = [(a, b) for a in range(toy.fluents) for b in range(toy.fluents) if a != b]
-        implied = [("implies", a, b) for a, b in pairs if all(s[b] for s in states if s[a])]
-        implied += [("exclusive", a, b) for a, b in pairs if not any(s[a] and s[b] for s in states)]
+        implied = entailed(replace(toy, impossible=()))
         kind, i, j = chance.choice(implied or [("self", i, i)])
         if implied:
             return replace(toy, **{kind: (*getattr(toy, kind), (i, j))})
@@ -166,3 +176,51 @@ def disturbed(toy: Toy, chance: random.Random) -> Toy:
     values = {**getattr(action, kind), i: chance.random() < 0.5}
     changed = replace(action, **{kind: values})
     return replace(toy, actions=(*toy.actions[:number], changed, *toy.actions[number + 1 :]))
+
+
+def entailed(toy: Toy, *, alone: bool = False) -> list[tuple[str, int, int]]:
+    """Return the invariants of two fluents, or of a fluent alone as well, that all states satisfy which are allowed."""
+    states = [state for state in itertools.product((False, True), repeat=toy.fluents) if toy.allowed(state)]
+    pairs = [(a, b) for a in range(toy.fluents) for b in range(toy.fluents) if a != b or alone]
+    implied = [("implies", a, b) for a, b in pairs if all(s[b] for s in states if s[a])]
+    return implied + [("exclusive", a, b) for a, b in pairs if not any(s[a] and s[b] for s in states)]
+
+
+def said_again(toy: Toy, chance: random.Random) -> Toy:
+    """Return a domain with more that its invariants entail: of states, of the goal, or of what an action needs."""
+    known = entailed(replace(toy, impossible=()))
+    kind = chance.choice(["invariant", "invariant", "invariant", "impossible", "self", "goal", "before"])
+    if kind == "invariant" and known:
+        kind, i, j = chance.choice(known)
+        return replace(toy, **{kind: (*getattr(toy, kind), (i, j))})
+    if kind == "impossible":
+        pairs = [(i, j) for predicate, i, j in entailed(toy, alone=True) if predicate == "exclusive"]
+        return replace(toy, impossible=(*toy.impossible, chance.choice(pairs))) if pairs else toy
+    if kind == "goal":
+        return replace(toy, goal=with_entailed(toy.goal, known, chance))
+    number = chance.randrange(len(toy.actions))
+    if kind == "before":
+        action = toy.actions[number]
+        changed = replace(action, before=with_entailed(action.before, known, chance))
+        return replace(toy, actions=(*toy.actions[:number], changed, *toy.actions[number + 1 :]))
+    i = chance.randrange(toy.fluents)
+    return replace(toy, implies=(*toy.implies, (i, i)))
+
+
+def with_entailed(values: Values, known: Iterable[tuple[str, int, int]], chance: random.Random) -> Values:
+    """Return values of some fluents with one more that follows from them."""
+    more = [(j, kind == "implies") for kind, i, j in known if values.get(i) is True]
+    more += [(i, False) for kind, i, j in known if kind == "implies" and values.get(j) is False]
+    return {**dict([chance.choice(more)]), **values} if more else values
+
+
+def with_chains(toy: Toy, chance: random.Random) -> Toy:
+    """Return a domain whose implications are joined by some of their shortcuts, and exclusions turned around."""
+    shortcuts = [(a, d) for a, b in toy.implies for c, d in toy.implies if b == c]
+    further = [pair for a, b in toy.implies for c, d in toy.exclusive for pair in ((a, d), (d, a)) if b == c]
+    turned = [(b, a) for a, b in toy.exclusive]
+    return replace(
+        toy,
+        implies=(*toy.implies, *(each for each in shortcuts if chance.random() < 0.3)),
+        exclusive=(*(each for each in (*toy.exclusive, *turned, *further) if chance.random() < 0.7), *toy.exclusive),
+    )

@@ -12,14 +12,14 @@ from prag_asp.space.engines.automaton import AutomatonEngine
 from tests.chance import Chance
 from tests.domains import domain_of
 from tests.orbits.case import Case
-from tests.orbits.domains import draw_case
+from tests.orbits.domains import draw_case, draw_redundant
 
 LENGTHS, LONGER = (0, 1, 2), (0, 1, 2, 3)
 LONGER_EACH = 5
 """Plans of three actions are many, so one domain of so many has them."""
 
-DOMAINS, PARTS = 300, 10
-"""How many domains are drawn; with `pytest --fresh`, ten times as many."""
+DOMAINS, REDUNDANT, PARTS = 300, 60, 10
+"""How many domains are drawn, and how many that say much again; with `pytest --fresh`, ten times as many."""
 
 SHARP_EACH = 10
 """The counter runs in a process of its own, so it counts one of so many."""
@@ -34,6 +34,25 @@ def engines_of(case: Case, sharp: bool) -> Iterator[tuple[str, TaskSpace, Engine
     if not model.obstacles:
         yield "automaton", space, AutomatonEngine(model, "task", merge=False)
         yield "merged", space, AutomatonEngine(model, "task", merge=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(PARTS))
+def test_what_follows_anyway_tells_no_entities_apart(part: int, chance: Chance) -> None:
+    """Engines share the groups of entities, so that one of them tells enough, the one that merges by them."""
+    number = chance.examples(REDUNDANT) // PARTS
+    for seed in range(part * number, (part + 1) * number):
+        case = draw_redundant(chance.generator(seed))
+        space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
+        model = space._shared.model
+        groups = [[*map(str, group)] for group in model.groups(0)]
+        engine = select("clingo", model, "task") if model.obstacles else AutomatonEngine(model, "task", merge=True)
+        for length in LENGTHS:
+            plans = case.plans(length)
+            orbits = case.orbits(plans)
+            found = f"seed {seed}, length {length}, {space.condition!s}, groups {groups}: {case.text()}"
+            assert case.orbits(plans, groups) == orbits, found
+            assert engine.count(length) == len(orbits), found
 
 
 @pytest.mark.slow

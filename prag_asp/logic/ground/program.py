@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 
@@ -9,7 +10,11 @@ import clingo
 
 from prag_asp.domain.load import Domain
 from prag_asp.program.facts import Facts
-from prag_asp.program.sources import ADDED, Program, Source, read_sources
+from prag_asp.program.sources import ADDED, Program, Source, owned, read_sources
+from prag_asp.program.tokens import blanked
+
+DEPENDING = re.compile(r"\b(propagates|impossible_with|ruled_out|barred)\b")
+"""Predicates that depend on how invariants are stated."""
 
 
 def whole_program(domain: Domain) -> Program:
@@ -17,16 +22,31 @@ def whole_program(domain: Domain) -> Program:
     return with_facts(domain.program, _added_facts(domain.facts))
 
 
+def closed_program(domain: Domain) -> Program | None:
+    """Return the program of a domain with all that its invariants entail of two fluents, which has the same plans.
+
+    None where a rule of the author reads how they are stated.
+    """
+    if any(own and DEPENDING.search(blanked(source.text)) for source, own in owned(domain.program)):
+        return None
+    return Program((*domain.program.sources, *_rules(domain, "closed_invariants")))
+
+
 def canonical_program(domain: Domain, groups: Iterable[tuple[clingo.Symbol, ...]]) -> Program:
     """Return the program whose plans introduce the entities of each group in the group's order.
 
     With groups of interchangeable entities, it has one plan for each task.
     """
-    rules = read_sources(domain.encodings / "rules" / "canonical_names.lp", domain.encodings)
-    known = {source.path.resolve() for source in domain.program.sources}
-    program = Program((*domain.program.sources, *(rule for rule in rules if rule.path.resolve() not in known)))
+    program = Program((*domain.program.sources, *_rules(domain, "canonical_names")))
     pairs = [f"successor({d},{e})." for group in groups for d, e in pairwise(group)]
     return with_facts(program, [*_added_facts(domain.facts), *pairs])
+
+
+def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
+    """Return a file of rules of the encodings, if the domain does not have it."""
+    known = {source.path.resolve() for source in domain.program.sources}
+    rules = read_sources(domain.encodings / "rules" / f"{name}.lp", domain.encodings)
+    return tuple(rule for rule in rules if rule.path.resolve() not in known)
 
 
 def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:

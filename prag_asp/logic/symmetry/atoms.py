@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground import GroundStep, Rule
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
+from prag_asp.logic.symmetry.settled import settled_rules
 from prag_asp.program.finite.components import components
 
 SpelledLiteral = tuple[int, int, int]
@@ -72,7 +73,9 @@ class Atoms:
             for atom, symbol in ground.names.items()
             if not symbol.match(*CONDITIONS)
         }
-        told = [(rule, part == "check") for part in ("step", "check") for rule in ground.rules.get(part, ())]
+        step, facts = settled_rules(ground.rules.get("step", ()))
+        check, _ = settled_rules(ground.rules.get("check", ()), facts)
+        told = [*((rule, False) for rule in step), *((rule, True) for rule in check)]
         self._defining = definitions = self._definitions(rule for rule, _ in told)
         for component in components(definitions, lambda atom: _below(definitions[atom], definitions)):
             self._number_component(component, definitions)

@@ -64,15 +64,19 @@ class Shelf:
         return write_entry(self.folder, self.key, Entry(texts, arrays))
 
 
+OF_TASKS = ("canonical_names", "closed_invariants")
+"""The rules by which tasks are told from plans."""
+
+
 def shelf_for(folder: Path, domain: Domain, level: str, merge: bool | None) -> Shelf | None:
     """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
     The key covers all that the arrays depend on: the program, what of it is never reached, the rules of tasks, and
     the code that explores.
     """
-    names = domain.encodings / "rules" / "canonical_names.lp"
+    rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []
     try:
-        told = [domain.program.text, names.read_text(encoding="utf-8") if level == "task" else "", _code()]
+        told = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules), _code()]
     except OSError:
         return None
     told += map(str, domain.facts.unreached)

@@ -1,0 +1,78 @@
+"""Whether a domain states its invariants alike of all entities of a class.
+
+Where it does not, what it states of single entities may follow from the rest: then it tells entities apart in words
+alone. `rules/closed_invariants.lp` states all that follows, which is the same however the invariants are stated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import pairwise
+
+import clingo
+
+from prag_asp.logic.symmetry.renaming import Shaped, Shapes
+from prag_asp.program.facts import Facts
+from prag_asp.program.invariants import conflict, entailed, invariant_graph
+
+_Stated = tuple[str, Shaped, Shaped]
+"""An invariant: its predicate, and its fluents; or a goal that says nothing, with its fluent twice."""
+
+
+def stated_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
+    """Return whether a domain says of some entities, and not of others of their class, what may follow from the rest.
+
+    Nothing more can be found where `groups` of interchangeable entities are whole classes.
+    """
+    idle = list(_idle_goals(facts))
+    if not (facts.implies or facts.impossible or idle):
+        return False  # nothing follows from exclusive fluents alone
+    numbers = {entity: number for number, entity in enumerate(facts.entities)}
+    members: dict[clingo.Symbol, list[int]] = {}
+    for entity, name in facts.entities.items():
+        members.setdefault(name, []).append(numbers[entity])
+    whole = {facts.entities[group[0]] for group in groups if len(group) == len(members[facts.entities[group[0]]])}
+    classes = [each for name, each in members.items() if len(each) > 1 and name not in whole]
+    if not classes:
+        return False
+    shapes = Shapes(numbers)
+    stated = {*_stated(facts, shapes), *(("goal", shapes.of(fluent), shapes.of(fluent)) for fluent in idle)}
+    naming: dict[int, list[_Stated]] = {}
+    for each in stated:
+        for number in {*each[1][1], *each[2][1]}:
+            naming.setdefault(number, []).append(each)
+    # Swaps of neighbours make all renamings of a class.
+    return not all(_kept(*pair, stated, naming) for each in classes for pair in pairwise(each))
+
+
+def _idle_goals(facts: Facts) -> Iterator[clingo.Symbol]:
+    """Yield the fluents that the goal wants to be false, and that are false in every state."""
+    wanted = [fluent for fluent, value in facts.goal if value == "false"]
+    graph = invariant_graph(facts) if wanted else {}
+    return (fluent for fluent in wanted if conflict(entailed([(fluent, True)], graph)))
+
+
+def _stated(facts: Facts, shapes: Shapes) -> Iterator[_Stated]:
+    """Yield the invariants, those without a direction in both; one that says nothing of two fluents is left out."""
+    for predicate, pairs in (("exclusive", facts.exclusive), ("impossible", facts.impossible)):
+        for first, second in pairs:
+            yield predicate, shapes.of(first), shapes.of(second)
+            yield predicate, shapes.of(second), shapes.of(first)
+    for first, second in facts.implies:
+        if first != second:
+            yield "implies", shapes.of(first), shapes.of(second)
+
+
+def _kept(first: int, second: int, stated: Collection[_Stated], naming: Mapping[int, Sequence[_Stated]]) -> bool:
+    """Return whether the swap of two entities maps the invariants onto themselves."""
+    names = {first: second, second: first}
+
+    def swapped(fluent: Shaped) -> Shaped:
+        shape, entities = fluent
+        return shape, tuple(names.get(entity, entity) for entity in entities)
+
+    return all(
+        (predicate, swapped(one), swapped(other)) in stated
+        for entity in names
+        for predicate, one, other in naming.get(entity, ())
+    )
