@@ -23,7 +23,7 @@ from prag_asp.models.ground import GroundModels, ground_models
 from prag_asp.models.listing import listed
 from prag_asp.models.reading import GivenProgram, read_program
 from prag_asp.models.shifting import is_disjunctive, is_head_cycle_free
-from prag_asp.models.weighing import PLAIN, LiteralWeights, literal_weights, stated_weights
+from prag_asp.models.weighing import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights
 from prag_asp.processes.stage import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
@@ -59,7 +59,7 @@ def answer_sets(
     given = read_program([*files, *([] if text is None else [text_source("text", text)])], constants or {})
     stage("grounding the program")
     ground = ground_models(given)
-    stated = stated_weights(ground) if weighted else {}
+    stated = stated_weights(ground, given.program) if weighted else {}
     found = AnswerSets(given, ground, project, stated, engine, tell, progress)
     for note in ground.notes:
         found.note(f"{note}; clingo leaves this out")
@@ -194,7 +194,9 @@ class AnswerSets:
 
     @cached_property
     def _weights(self) -> LiteralWeights:
-        return literal_weights(self._formula, self.stated) if self.stated else PLAIN
+        if not self.stated:
+            return PLAIN
+        return literal_weights(self._formula, self.stated, self.ground, self.given.program)
 
     @cached_property
     def _weighed(self) -> Weighed:
@@ -229,7 +231,7 @@ class AnswerSets:
             telling = self.ground.telling
             left = sorted(symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in telling)
             if left:
-                raise QueryError(f"--weighted: {left[0]} has a weight, but is projected away; show it, or leave it out")
+                raise hidden(left[0], self.ground, self.given.program)
         return Enumeration(self.given, self.ground, self.project, self.stated)
 
     def note(self, line: str) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import clingo
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
@@ -14,7 +15,7 @@ from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.sources import Program, Source, read_sources
-from prag_asp.program.syntax import NAME, Statement, below
+from prag_asp.program.syntax import Statement, below
 from prag_asp.program.tokens import blanked
 from prag_asp.wording import did_you_mean
 
@@ -55,19 +56,26 @@ def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, C
     declared = {each.node.name for each in statements if each.kind == ASTType.Definition}
     told = " ".join(str(source.path) for source in sources)
     sources = set_constants(sources, {name: text for name, text in values.items() if name in declared}, told)
-    return GivenProgram(Program(sources), tuple(_undeclared(sources, values, declared)))
+    return GivenProgram(Program(sources), tuple(_undeclared(statements, values, declared)))
 
 
-def _undeclared(sources: Sequence[Source], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
-    """Yield clingo's options for the constants that no statement declares; each has to stand somewhere."""
-    names = {name for source in sources for name in NAME.findall(blanked(source.text))}
+def _undeclared(statements: Sequence[Statement], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
+    """Yield clingo's options for the constants that no statement declares; each has to stand somewhere as a term."""
+    read = _constants(statements) if any(name not in declared for name in values) else set()
     for name, text in values.items():
         if name in declared:
             continue
-        if name not in names:
+        if name not in read:
             hint = did_you_mean(name, declared, "leave it out, or write the name where it is read")
             raise DomainError(f"constant {name}: nothing in the program reads it; {hint}")
         yield f"-c{name}={text}"
+
+
+def _constants(statements: Iterable[Statement]) -> set[str]:
+    """Return the constants in terms; a predicate or a function of the same name is none."""
+    terms = (node for each in statements for node in below(each.node) if node.ast_type == ASTType.SymbolicTerm)
+    symbols = (term.symbol for term in terms)
+    return {each.name for each in symbols if each.type == clingo.SymbolType.Function and not each.arguments}
 
 
 def _refused(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:

@@ -14,6 +14,9 @@ from prag_asp.errors import DomainError, QueryError
 from prag_asp.logic.formula.clauses import TRUE, Literal
 from prag_asp.models.formula import ModelFormula
 from prag_asp.models.ground import GroundModels
+from prag_asp.models.placing import place_of
+from prag_asp.program.sources import Program
+from prag_asp.wording import plural
 
 FRACTION = re.compile(r"\d{1,100}(/\d{1,100}|\.\d{1,100})?")
 ADVICE = 'write a whole number such as 2, or a fraction such as (1,3) or "0.25"'
@@ -31,11 +34,11 @@ PLAIN = LiteralWeights({}, Fraction(1))
 """All models are alike."""
 
 
-def stated_weights(ground: GroundModels) -> dict[clingo.Symbol, Fraction]:
+def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol, Fraction]:
     """Return the weights that a program states.
 
     Raises:
-        DomainError: one depends on a choice, is no number or negative, or an atom has two.
+        DomainError: one depends on a choice, is no number or negative, an atom has two, or all have other arguments.
         QueryError: there is none.
     """
     found: dict[clingo.Symbol, Fraction] = {}
@@ -44,13 +47,17 @@ def stated_weights(ground: GroundModels) -> dict[clingo.Symbol, Fraction]:
             continue
         weighed, given = symbol.arguments
         if atom not in ground.facts:
-            raise DomainError(f"{symbol}: it depends on other atoms; a weight has to be a fact")
+            raise DomainError(f"{place_of(symbol, program)}{symbol} depends on other atoms; a weight has to be a fact")
         weight = _fraction(given)
         if weight is None:
-            raise DomainError(f"{symbol}: {given} is no weight; {ADVICE}")
+            raise DomainError(f"{place_of(symbol, program)}{symbol}: {given} is no weight; {ADVICE}")
         if found.setdefault(weighed, weight) != weight:
-            raise DomainError(f"{symbol}: {weighed} has another weight too; state one")
+            raise DomainError(f"{place_of(symbol, program)}{symbol}: {weighed} has another weight too; state one")
     if not found:
+        for symbol, _ in ground.names:
+            if symbol.type == clingo.SymbolType.Function and symbol.name == "weight":
+                told = f"{symbol} has {plural(len(symbol.arguments), 'argument')}, and a weight has 2"
+                raise DomainError(f"{place_of(symbol, program)}{told}; write weight(Atom,W), such as weight(in(1),2)")
         raise QueryError("--weighted: the program states no weight; add facts such as weight(in(1),2).")
     return found
 
@@ -77,7 +84,16 @@ def _read(text: str) -> Fraction | None:
         return None
 
 
-def literal_weights(formula: ModelFormula, stated: Mapping[clingo.Symbol, Fraction]) -> LiteralWeights:
+def hidden(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
+    """Return the error of a weighted atom whose value a projection does not tell."""
+    weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == atom)
+    place = place_of(next(weights), program)
+    return QueryError(f"{place}--weighted: {atom} has a weight, but is projected away; show it, or leave it out")
+
+
+def literal_weights(
+    formula: ModelFormula, stated: Mapping[clingo.Symbol, Fraction], ground: GroundModels, program: Program
+) -> LiteralWeights:
     """Return the weights of literals; an atom that no answer set can have weighs on none.
 
     Raises:
@@ -92,7 +108,7 @@ def literal_weights(formula: ModelFormula, stated: Mapping[clingo.Symbol, Fracti
             scale *= weight
         elif literal != -TRUE:
             if abs(literal) not in telling:
-                raise QueryError(f"--weighted: {symbol} has a weight, but is projected away; show it, or leave it out")
+                raise hidden(symbol, ground, program)
             weights[literal] = weights.get(literal, 1) * weight.numerator
             weights[-literal] = weights.get(-literal, 1) * weight.denominator
             scale /= weight.denominator

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
+import subprocess
 from pathlib import Path
 
 import pytest
 
-from tests.commands import ok, run, run_apart
+from tests.commands import PRAG, ok, run, run_apart
+from tests.processes import family, gone, interrupt, interruptible, until_it_works
 
 QUEENS = """{ q(I,1..n) } = 1 :- I = 1..n.
 :- q(I,J), q(K,J), I < K.
@@ -63,13 +66,51 @@ def test_a_program_that_cannot_be_answered_gives_one_line(text: str, code: int, 
     assert len(done.stderr.splitlines()) == 1
 
 
+HARD = "{ a(X,Y) } :- X = 1..14, Y = 1..14. " + " ".join(
+    f":- #sum {{ (X*{k}+Y*{k * k}) \\ 97,X,Y : a(X,Y) }} != {900 + k}." for k in range(3, 9)
+)
+MANY = "{ a(1..60) }."
+FOR_EVER = {"sample": ("--count", "1000000000")}
+
+
 def test_a_limit_on_time_ends_what_would_take_for_ever(tmp_path: Path) -> None:
-    (tmp_path / "hard.lp").write_text("{ a(X,Y) } :- X = 1..14, Y = 1..14. " + " ".join(
-        f":- #sum {{ (X*{k}+Y*{k * k}) \\ 97,X,Y : a(X,Y) }} != {900 + k}." for k in range(3, 9)
-    ))  # fmt: skip
+    (tmp_path / "hard.lp").write_text(HARD)
     for question in ("count", "sample"):
         done = run_apart("models", question, str(tmp_path / "hard.lp"), "--time", "4s")
         assert done.returncode == 3 and "the time limit of 4 s was reached" in done.stderr
+
+
+@pytest.mark.parametrize("question", ["count", "sample", "list", "marginals"])
+def test_an_interruption_is_one_line_whatever_is_asked(question: str, tmp_path: Path) -> None:
+    (tmp_path / "hard.lp").write_text(MANY if question == "list" else HARD)
+    with interruptible([*PRAG, "models", question, "hard.lp", *FOR_EVER.get(question, ())], tmp_path) as process:
+        if question == "list":
+            assert process.stdout is not None and process.stdout.readline()
+        else:
+            until_it_works(process, seconds=1)
+        assert interrupt(process).splitlines()[-1] == "interrupted"
+    assert process.returncode == 130 and gone(family(process.pid))
+
+
+@pytest.mark.parametrize("question", ["sample", "list", "marginals"])
+def test_a_pipe_that_is_closed_ends_the_answer_without_a_word(question: str, tmp_path: Path) -> None:
+    (tmp_path / "many.lp").write_text("{ a(1..30000) }." if question == "marginals" else MANY)
+    command = [*PRAG, "models", question, "many.lp", *FOR_EVER.get(question, ())]
+    with interruptible(command, tmp_path) as process:
+        assert process.stdout is not None and process.stderr is not None
+        assert process.stdout.readline().endswith("\n")
+        process.stdout.close()
+        told = process.stderr.read()
+        process.wait(timeout=60)
+    assert not [line for line in told.splitlines() if not line.startswith("note: ")]
+
+
+@pytest.mark.parametrize("question", ["count", "sample", "list", "marginals"])
+def test_standard_output_that_is_closed_takes_nothing_and_breaks_nothing(question: str, tmp_path: Path) -> None:
+    (tmp_path / "few.lp").write_text("{ a }.")
+    shell = f"{shlex.join([*PRAG, 'models', question, 'few.lp'])} >&-"
+    done = subprocess.run(["sh", "-c", shell], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0 and all(line.startswith("note: ") for line in done.stderr.splitlines())
 
 
 def test_help_loads_no_solver() -> None:

@@ -80,13 +80,17 @@ def test_there_is_nothing_to_draw_from_nothing() -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("{a}. weight(a,-1).", "-1 is no weight"),
-        ('{a}. weight(a,"1/0").', "is no weight"),
-        ("{a}. weight(a,2) :- a.", "has to be a fact"),
-        ("{a}. weight(a,2). weight(a,3).", "another weight too"),
+        ("{a}.\nweight(a,-1).", "^<text>:2: .* -1 is no weight"),
+        ('{a(1..2)}. weight(a(1),2).\nweight(a(X),"1/0") :- X = 2..2.', "^<text>:2: .* is no weight"),
+        ("{a;b}. weight(b,2).\nweight(a,2) :- a.", "^<text>:2: .* has to be a fact"),
+        ("{a}. weight(a,2).\nweight(a,3).", "^<text>:2: .* another weight too"),
         ("{a}.", "states no weight"),
-        ("{a;b}. weight(a,2). #show b/0.", "projected away"),
-        ("{a;b}. weight(a,2). #show a : b.", "projected away"),
+        (
+            "{a}.\n\nweight(a,1,2).",
+            r"^<text>:3: weight\(a,1,2\) has 3 arguments, and a weight has 2; write weight\(Atom,W\)",
+        ),
+        ("{a;b}.\nweight(a,2). #show b/0.", "^<text>:2: .*projected away"),
+        ("{a;b}. weight(b,1).\nweight((a;c),2). #show a : b. #show b/0.", "^<text>:2: .*projected away"),
     ],
 )
 def test_a_weight_that_is_none_is_refused(text: str, told: str) -> None:

@@ -40,6 +40,13 @@ def test_constants_are_set_whether_they_are_declared_or_not() -> None:
         answer_sets(text="#const mm=2. {a(1..mm)}.", constants={"m": 5})
 
 
+def test_a_name_that_is_no_constant_of_the_program_is_told() -> None:
+    assert answer_sets(text="#const m=n. {a(1..m)}.", constants={"n": 3}).count() == 8
+    for text in ("{n(1..3)}.", "{n}. #show n/0.", "{a(n(1))}.", '{a("n")}. % n'):
+        with pytest.raises(DomainError, match="constant n: nothing in the program reads it"):
+            answer_sets(text=text, constants={"n": 3})
+
+
 def test_what_has_no_bearing_on_answer_sets_is_ignored_and_an_external_is_false() -> None:
     text = "{a;b}. #heuristic a. [1,true] #external c. :- c. d :- not c. #program step(t). e(t)."
     assert answer_sets(text=text).count() == 4
