@@ -232,7 +232,7 @@ class AnswerSets:
             left = sorted(symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in telling)
             if left:
                 raise hidden(left[0], self.ground, self.given.program)
-        return Enumeration(self.given, self.ground, self.project, self.stated)
+        return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)
 
     def note(self, line: str) -> None:
         """Tell a line to whoever wants to hear."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from time import monotonic
 
 import clingo
 
@@ -32,6 +33,7 @@ class Enumeration:
     ground: GroundModels
     project: bool
     stated: Mapping[clingo.Symbol, Fraction]
+    progress: Callable[[str], None] | None = None
 
     def __iter__(self) -> Iterator[Printed]:
         return (printed for printed, _ in self._found())
@@ -39,12 +41,17 @@ class Enumeration:
     def count(self) -> int:
         """Return the number of answer sets."""
         if self._merges:
-            return sum(1 for _ in self._found())
-        grounder = self._grounder("--stats")
-        with grounder.control.solve(async_=True) as handle:
+            return sum(1 for _ in self._telling())
+        grounder, found = self._grounder("--stats"), 0
+
+        def one_more(_: clingo.Model) -> None:
+            nonlocal found
+            found += 1
+
+        with grounder.control.solve(async_=True, on_model=one_more) as handle:
             try:
                 while not handle.wait(POLL):
-                    pass
+                    self._tell(found)
             finally:
                 handle.cancel()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
@@ -52,12 +59,12 @@ class Enumeration:
 
     def total(self) -> Fraction:
         """Return the sum of the weights of all answer sets: without weights, their number."""
-        return sum((weight for _, weight in self._found()), start=Fraction(0))
+        return sum((weight for _, weight in self._telling()), start=Fraction(0))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return for each symbol the sum of the weights of the answer sets that print it."""
         found: dict[clingo.Symbol, Fraction] = {}
-        for printed, weight in self._found():
+        for printed, weight in self._telling():
             for symbol in printed:
                 found[symbol] = found.get(symbol, Fraction(0)) + weight
         return found
@@ -100,6 +107,19 @@ class Enumeration:
         grounder.ground([("base", [])])
         stage("enumerating answer sets")
         return grounder
+
+    def _telling(self) -> Iterator[tuple[Printed, Fraction]]:
+        """Yield what is found, and tell now and then how many there are at least."""
+        latest = monotonic()
+        for number, each in enumerate(self._found(), 1):
+            if monotonic() > latest + POLL:
+                latest = monotonic()
+                self._tell(number)
+            yield each
+
+    def _tell(self, found: int) -> None:
+        if self.progress is not None and found:
+            self.progress(f"at least {found:,} answer set{'s' if found > 1 else ''}")
 
     def _found(self) -> Iterator[tuple[Printed, Fraction]]:
         grounder = self._grounder()

@@ -83,3 +83,13 @@ def test_without_the_counter_a_diagram_counts(monkeypatch: pytest.MonkeyPatch) -
     assert answer_sets(text="{a(1..50)}. :- a(1), a(2).").count() == 3 * 2**48
     with pytest.raises(EngineError, match="engine ganak: the package pyganak is missing; pip install"):
         answer_sets(text="{a}.", engine="ganak").count()
+
+
+def test_clingo_tells_on_the_way_how_many_answer_sets_there_are_at_least() -> None:
+    for text, project in (("{a(1..19)}.", False), ("{a(1..15)}. #show t(X) : a(X). #show t(X) : a(X), a(1).", True)):
+        told: list[str] = []
+        found = answer_sets(text=text, project=project, engine="clingo", progress=told.append)
+        total = found.count()
+        bounds = [int(words.split()[2].replace(",", "")) for words in told]
+        assert bounds == sorted(bounds) and 0 < bounds[0] <= bounds[-1] <= total and total in (2**19, 2**15)
+        assert told[-1] == f"at least {bounds[-1]:,} answer sets"
