@@ -94,7 +94,7 @@ class AnswerSets:
             return self._enumeration.count()
         if how == "diagram":
             return Weighed(self._weighed.diagram, {}).total
-        stage("counting models")
+        stage("counting models with ganak")
         formula = self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
         return count_models(formula.cnf, engine="ganak")
 
