@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from prag_asp.cli.supervision import SOON
 from tests.commands import PRAG, run_apart
 from tests.processes import family, gone, interrupt, interruptible, terminate, until_it_works
 
@@ -64,7 +65,7 @@ def test_a_grounding_of_hours_ends_at_the_limit_of_time_with_one_line(tmp_path: 
     (tmp_path / "large.lp").write_text(PRODUCT)
     begun = time.monotonic()
     done = run_apart("count", "large.lp", "--length", "3", "--time", "5", cwd=tmp_path)
-    assert time.monotonic() - begun < 15
+    assert time.monotonic() - begun < 60
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr.startswith("the time limit of 5 s was reached while grounding the domain, with ")
     assert done.stderr.endswith("; allow more with --time\n") and done.stderr.count("\n") == 1
@@ -149,20 +150,25 @@ def test_a_command_that_does_not_hear_is_ended_soon(
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
         born, begun = family(process.pid), time.monotonic()
         process.send_signal(number)
-        said = process.communicate(timeout=30)[1]
-        assert time.monotonic() - begun < 25
+        said = process.communicate(timeout=120)[1]
+        assert time.monotonic() - begun < 100
         assert (process.returncode, said.removeprefix("\n")) == end  # it may hear before it is deaf
         assert gone(born)
 
 
-def test_a_second_ctrl_c_does_not_ask(tmp_path: Path) -> None:
-    with interruptible(working(SWALLOWS), tmp_path) as process:
+def test_a_second_ctrl_c_does_not_ask() -> None:
+    with interruptible(_waiting(600, SWALLOWS), Path()) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
         os.killpg(process.pid, signal.SIGINT)
-        time.sleep(0.6)
-        begun = time.monotonic()
+        time.sleep(2 * SOON)
         assert interrupt(process) == "interrupted\n"
-        assert time.monotonic() - begun < 2 and process.returncode == 130
+        assert process.returncode == 130
+
+
+def _waiting(seconds: float, work: str) -> list[str]:
+    """Return a command whose supervisor waits so long for the end of one that has heard that it shall end."""
+    code = f"import prag_asp.cli.supervision\nprag_asp.cli.supervision.HEARD = {seconds}\n{DEAF.format(work=work)}"
+    return [sys.executable, "-c", code, "domains"]
 
 
 def test_foreign_code_that_ends_the_process_when_it_is_asked_to_end_is_no_crash(tmp_path: Path) -> None:
@@ -182,7 +188,7 @@ def test_a_command_ends_with_its_supervisor_even_while_foreign_code_runs(work: s
         born = family(process.pid)
         assert len(born) == 2
         process.kill()
-        assert gone(born, seconds=5)
+        assert gone(born, seconds=50)
 
 
 @pytest.mark.parametrize("send", [interrupt, terminate, lambda process: _one(process, signal.SIGINT)])
@@ -307,8 +313,7 @@ def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_ha
     work = """
     try: print("begun", flush=True); time.sleep(60)
     except KeyboardInterrupt: time.sleep(0.7); print("ended", flush=True); raise"""
-    hasty = f"import prag_asp.cli.supervision\nprag_asp.cli.supervision.HEARD = 1.0\n{DEAF.format(work=work)}"
-    with interruptible([sys.executable, "-c", hasty, "domains"], Path()) as process:
+    with interruptible(_waiting(1, work), Path()) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
         os.killpg(process.pid, signal.SIGINT)
         time.sleep(0.3)

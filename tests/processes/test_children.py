@@ -104,11 +104,11 @@ def test_a_child_that_ends_before_it_answers_is_told_with_how_it_did(wish: tuple
 def test_an_answer_that_takes_too_long_is_waited_for_no_longer() -> None:
     with Children(MODULE) as ours:
         child = ours.start()
-        child.send(("sleep", 60))
+        child.send(("sleep", 600))
         begun = time.monotonic()
         with pytest.raises(TimeoutError):
             child.receive(0.2)
-    assert time.monotonic() - begun < 5
+    assert time.monotonic() - begun < 60
     assert not children()
 
 
