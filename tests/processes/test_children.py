@@ -200,7 +200,7 @@ def test_children_of_a_process_that_ends_at_whatever_moment_end_and_say_nothing(
         time.sleep(delay)
         born = children(parent.pid)
         parent.send_signal(number)
-        said = parent.communicate(timeout=30)[1]
+        said = parent.communicate(timeout=300)[1]
         assert len(born) == 2
         assert gone(born)
     told = said.strip().splitlines()

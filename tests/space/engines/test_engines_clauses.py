@@ -247,7 +247,7 @@ def test_an_interrupt_ends_a_count_at_once_and_leaves_no_process(engine: str, tm
     command += ["count", "tabletop", "--length", "30", "--engine", engine]
     with interruptible(command, tmp_path) as process:
         until_it_works(process)
-        until = time.monotonic() + 60
+        until = time.monotonic() + 300
         while engine == "sharp" and not workers(process.pid) and time.monotonic() < until:
             time.sleep(0.05)
         mates = workers(process.pid)
