@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp.cli.supervision import SOON
+from prag_asp.cli.supervision import POLL, SOON
 from tests.commands import PRAG, run_apart
 from tests.processes import family, gone, interrupt, interruptible, terminate, until_it_works
 
@@ -311,7 +311,7 @@ def test_a_limit_that_strikes_while_a_command_is_ending_already_adds_no_line(rai
 
 def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_has_to_end() -> None:
     work = """
-    try: print("begun", flush=True); time.sleep(600)
+    try: print("begun", flush=True); time.sleep(60)
     except KeyboardInterrupt: time.sleep(0.7); print("ended", flush=True); raise"""
     with interruptible(_waiting(1, work), Path()) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
@@ -322,6 +322,18 @@ def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_ha
         os.killpg(process.pid, signal.SIGCONT)
         out, err = process.communicate(timeout=300)
         assert (out, err.lstrip()) == ("ended\n", "interrupted\n")
+
+
+def test_a_supervisor_that_is_stopped_and_goes_on_asks_for_nothing() -> None:
+    with interruptible(working(LISTENS), Path()) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        for _ in range(20):
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(2 * POLL)
+            process.send_signal(signal.SIGCONT)
+            time.sleep(POLL / 2)
+        assert process.poll() is None
+        assert interrupt(process).lstrip() == "interrupted\n"
 
 
 def test_half_a_value_that_an_interruption_leaves_says_nothing_as_it_is_freed() -> None:
@@ -356,7 +368,8 @@ def test_codes_and_streams_are_those_of_the_command(code: int) -> None:
 
 def test_a_reader_that_goes_away_ends_the_command_without_a_word(tmp_path: Path) -> None:
     command = " ".join(["'" + part.replace("'", "'\\''") + "'" for part in [*PRAG, "enumerate", "prag", "-n", "9"]])
-    done = subprocess.run(f"{command} | head -n 2", shell=True, capture_output=True, text=True, timeout=300, check=False)
+    piped = f"{command} | head -n 2"
+    done = subprocess.run(piped, shell=True, capture_output=True, text=True, timeout=300, check=False)
     assert len(done.stdout.splitlines()) == 2 and not done.stderr
 
 
