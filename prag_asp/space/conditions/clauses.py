@@ -101,7 +101,9 @@ class Has:
             yield from _counted(str(number), self.times, [f"{first},{second}"])
         else:
             actions = Pattern.parse(self.pattern).matches(facts)
-            which = _named_by_all(actions, facts) or _told_of(self.pattern, number)
+            # Several patterns may fit one action alone, and say the same then.
+            pattern = str(actions[0]) if len(actions) == 1 else self.pattern
+            which = _named_by_all(actions, facts) or _told_of(pattern, number)
             yield from _counted(which, self.times, actions)
 
 

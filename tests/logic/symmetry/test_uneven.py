@@ -57,6 +57,15 @@ def test_what_follows_anyway_is_no_difference(said: str) -> None:
     assert named == {"x1", "x2", "x3"}
 
 
+def test_two_patterns_of_one_action_are_one() -> None:
+    pairs = (
+        "action(t(X,Y)) :- entity(X,c), entity(Y,c), X != Y. fluent(g). postcondition(t(X,Y),g,true) :- action(t(X,Y))."
+    )
+    space = TaskSpace(domain_of(f"class(c). entity((x1;x2),c). initially(g,false). {pairs}"), 2)
+    assert space.where("lacks t(_,x2)", "lacks t(x2,x1)")._shared.model.groups(2)
+    assert not space.where("lacks t(_,x2)")._shared.model.groups(2)
+
+
 def test_tasks_under_an_exclusion_that_is_said_again() -> None:
     invariants, condition = SAID_AGAIN["an exclusion below implications"]
     again, once = (TaskSpace(domain_of(THINGS + said), 3).where(condition) for said in (invariants, ONE_AT_A_TIME))
