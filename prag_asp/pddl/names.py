@@ -18,7 +18,7 @@ RESERVED = frozenset([
     "named", "adds", "deletes", "mentioned", "introduces_late", "times", "requires", "reverts", "differs", "undoes",
     "barred", "hierarchical", "ahead", "last_stage", "worded_before", "wording", "unit", "unit_end", "splits",
     "concatenation", "covers", "expected", "goes_on", "spared", "other", "forces", "supposed",
-    "may_hold", "may_stand", "may_occur",
+    "may_hold", "may_stand", "may_occur", "never_without", "some_impossible", "never_possible", "impossible_matters",
 ])  # fmt: skip
 """What means something to clingo or to the encodings, whatever the number of arguments."""
 

@@ -13,8 +13,11 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.sources import ADDED, Program, Source, owned, read_sources
 from prag_asp.program.tokens import blanked
 
-DEPENDING = re.compile(r"\b(propagates|impossible_with|ruled_out|barred)\b")
-"""Predicates that depend on how invariants are stated."""
+DEPENDING = re.compile(
+    r"\b(propagates|impossible_with|ruled_out|barred|sought|forces|never_without|some_impossible|never_possible"
+    r"|impossible_matters)\b"
+)
+"""Predicates that depend on how invariants are stated, and those of `closed_invariants.lp` alone."""
 
 
 def whole_program(domain: Domain) -> Program:
@@ -25,7 +28,7 @@ def whole_program(domain: Domain) -> Program:
 def closed_program(domain: Domain) -> Program | None:
     """Return the program of a domain with all that its invariants entail of two fluents, which has the same plans.
 
-    None where a rule of the author reads how they are stated.
+    None where the author's own rules have a predicate that depends on how they are stated.
     """
     if any(own and DEPENDING.search(blanked(source.text)) for source, own in owned(domain.program)):
         return None
