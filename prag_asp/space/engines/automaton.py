@@ -42,7 +42,7 @@ class AutomatonEngine:
     """Answers for one domain at one level; what was explored is kept for the next question.
 
     `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
-    No answer depends on it.
+    No answer depends on it. `explorer` is how states are found, where it is not by listing them.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -56,14 +56,15 @@ class AutomatonEngine:
         limits: Limits = UNLIMITED,
         *,
         merge: bool | None = None,
+        explorer: Explorer | None = None,
     ) -> None:
         self._model = model
         self._level = level
         self._limits = limits
         self._tell = progress or (lambda words: None)
-        self._explorer = Explorer(model, level, progress, merge)
+        self._explorer: Explorer = explorer or Explorer(model, level, progress, merge)
         self._plain = Explorer(model, level, progress, merge=False)
-        self._shelf = _shelf_for(model, level, merge) if limits.cached else None
+        self._shelf = _shelf_for(model, level, merge) if limits.cached and explorer is None else None
         self._reached: Reach | None = self._shelf.read() if self._shelf else None
         self._ranked: dict[int, Ranking | MergedRanking] = {}
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
