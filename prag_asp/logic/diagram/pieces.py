@@ -209,7 +209,7 @@ class _Values:
                     self._columns[atom] = found
 
     def _sum(self, body: Body) -> Node:
-        """Return where the weights of true literals reach the bound; a state whose sum is 0 is in no diagram of them."""
+        """Return where the weights of true literals reach the bound; a state whose sum is 0 is in no diagram."""
         terms, bound = [], body.bound
         for literal, weight in zip(body.literals, body.weights, strict=True):
             if literal < 0:  # a weight that is due unless the atom is true

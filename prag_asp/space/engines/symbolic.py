@@ -28,8 +28,8 @@ NO_PATHS = Completions(NOTHING)
 """Of what is never listed."""
 
 
-def symbolic_engine(model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED) -> Engine:
-    """Return the engine for one domain at one level.
+class SymbolicEngine:
+    """Answers for one domain at one level; what was computed is kept for the next question.
 
     Skeletons are the words of an automaton whose states are sets of the domain's: each set is a diagram, and few of
     them are reached as a rule.
@@ -37,17 +37,57 @@ def symbolic_engine(model: Model, level: Level, progress: Progress | None = None
     Raises:
         EngineError: the step is not a function of the state and the action.
     """
-    if level == "skeleton":
-        return AutomatonEngine(model, level, progress, limits, explorer=SetExplorer(model, level, progress))
-    return SymbolicEngine(model, level, progress, limits)
+
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
+        self._answers: Engine
+        if level == "skeleton":
+            self._answers = AutomatonEngine(
+                model, level, progress, limits, explorer=SetExplorer(model, level, progress)
+            )  # fmt: skip
+        else:
+            self._answers = _Paths(model, level, progress, limits)
+
+    @property
+    def letters(self) -> Letters:
+        """The texts of the letters, in their order."""
+        return self._answers.letters
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length.
+
+        Raises:
+            LimitReached: a limit ended the count; nothing is known then.
+        """
+        return self._answers.count(length, prefix)
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily."""
+        return self._answers.words(length, prefix)
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        return self._answers.contains(word)
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        return self._answers.unrank(length, rank)
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        return self._answers.rank(word)
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, and keep the last ones made.
+
+        With `goals` or `plain`, paths are asked for: then states are listed after all, within the same limits.
+        """
+        return self._answers.weighed(length, weights, goals=goals, plain=plain)
 
 
-class SymbolicEngine:
-    """Answers for plans or tasks of one domain; what was computed is kept for the next question.
-
-    Raises:
-        EngineError: the step is not a function of the state and the action.
-    """
+class _Paths:
+    """Answers for plans or tasks, each of which is one path of states."""
 
     def __init__(
         self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED

@@ -12,7 +12,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import LimitReached, Limits, TaskSpace
+from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.engines import LEVELS, Level
+from prag_asp.space.engines.auto import Growth
+from prag_asp.space.engines.symbolic import SymbolicEngine
+from prag_asp.space.limits import stopped_at
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.conditions import clauses, entities, satisfied
@@ -21,6 +25,7 @@ from tests.spaces import with_engine
 from tests.strategies import hierarchies, symmetric_texts, toys
 
 LENGTH = 3
+UNCACHED = Limits(cached=False)
 
 CARRIED = """
 initially(F,false) :- fluent(F), not initially(F,true).
@@ -221,3 +226,51 @@ def test_a_limit_ends_it_with_one_line(by: Level) -> None:
     space = TaskSpace(domain_of(text), 325, engine="symbolic", limits=Limits(seconds=0.5, cached=False))
     with pytest.raises(LimitReached, match=r"^the time limit of 0.5 s was reached"):
         space.count(by)
+
+
+def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a machine with so little memory that small spaces do not fit, however they are merged."""
+    monkeypatch.setattr("prag_asp.space.engines.auto.usual_memory", lambda: 1_000_000)
+    for name in ("PATIENCE", "MORE_PATIENCE"):
+        monkeypatch.setattr(f"prag_asp.space.engines.reach.{name}", 1000)
+
+
+def test_auto_goes_over_to_diagrams_where_states_will_not_fit_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    narrow(monkeypatch)
+    told: list[str] = []
+    space = TaskSpace(domain_of(CARRIED.format(things=4, places=6)), 12, limits=UNCACHED, progress=told.append)
+    assert space.count("plan") == carried(4, 6, 12)
+    assert sum("engine symbolic, because" in line for line in told) == 1
+    word = next(iter(space.words("plan")))
+    assert space._engine("plan").rank(word) == 0
+    assert space._engine("plan").unrank(12, 0) == word
+    assert word in space
+    assert space.at(4).count("plan") == 0
+    drawn = [str(task) for task in space.sample(3, seed=1, by="plan")]
+    assert drawn == [str(task) for task in with_engine(space, "symbolic").sample(3, seed=1, by="plan")]
+
+
+def test_auto_tells_how_many_were_found_where_diagrams_reach_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was listed has words, which the end of the listing and of the diagrams does not take away."""
+    narrow(monkeypatch)
+
+    def refuse(self: SymbolicEngine, length: int, prefix: tuple[str, ...] = ()) -> int:
+        raise stopped_at("the time limit of 9 s", 0, "plan", length)
+
+    monkeypatch.setattr(SymbolicEngine, "count", refuse)
+    text = CARRIED.format(things=5, places=8).replace("goal(at(thing(I),place(I+1)), true)", "seen(I)")
+    with pytest.raises(LimitReached, match=r"^the time limit of 9 s was reached: there are at least \d{3,} pl") as told:
+        TaskSpace(domain_of(text), 12, limits=UNCACHED).count("plan")
+    assert 0 < told.value.at_least < (5 * 8) ** 6
+
+
+def test_spaces_that_fill_up_are_told_from_those_that_grow_on() -> None:
+    growing, filling = Growth(10**9), Growth(10**9)
+    for depth in range(1, 9):
+        growing.hopeless(Extent(depth, 8**depth, 0, 0), 30)
+        filling.hopeless(Extent(depth, sum(comb(12, k) for k in range(depth + 1)), 0, 0), 30)
+    extent = Extent(9, 8**8, 0, 10**8)
+    assert growing.forecast(extent, 30) > 10**12
+    assert 10**8 <= filling.forecast(Extent(9, 4000, 0, 10**8), 30) < 2 * 10**8
+    assert growing.hopeless(extent, 30)
+    assert not growing.hopeless(Extent(10, 8**8, 0, 10**6), 30)
