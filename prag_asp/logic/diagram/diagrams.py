@@ -179,16 +179,18 @@ class Diagrams:
         self._known.clear()
         self._crowded = max(CROWDED, 2 * len(kept))
 
-    def _node(self, level: int, below: Mapping[int, Node]) -> Node:
-        items = frozenset(item for item in below.items() if item[1])
-        if not items:
+    def _node(self, level: int, below: dict[int, Node]) -> Node:
+        """Return the node of a mapping, which is kept and no longer changed."""
+        if EMPTY in below.values():
+            below = {digit: each for digit, each in below.items() if each}
+        if not below:
             return EMPTY
-        key = (level, items)
+        key = (level, frozenset(below.items()))
         found = self._made.get(key)
         if found is None:
             self._highest = found = self._highest + 1
             self._made[key] = found
-            self._children[found] = dict(items)
+            self._children[found] = below
             if found % LOOK == 0:
                 self._look()
         return found

@@ -19,8 +19,8 @@ from prag_asp.space.engines.reach import Reach, Unfit
 from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights
 
-EARLY = 16
-"""No forecast is made before the states listed take this share of the memory: what ends sooner is listed."""
+EARLY, SURE = 64, 4
+"""No forecast counts before the states listed take this share of the memory, nor one of less than so many times it."""
 
 FAR = 1e18
 """States beyond which nobody lists them."""
@@ -44,7 +44,7 @@ class Growth:
         self.states[extent.depth] = extent.states
         if extent.nbytes * EARLY < self.memory:
             return False
-        return self.forecast(extent, length) > self.memory
+        return self.forecast(extent, length) > SURE * self.memory
 
     def forecast(self, extent: Extent, length: int) -> int:
         """Return the bytes that exploring will have taken after `length` steps, at a guess."""

@@ -230,7 +230,7 @@ def test_a_limit_ends_it_with_one_line(by: Level) -> None:
 
 def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have a machine with so little memory that small spaces do not fit, however they are merged."""
-    monkeypatch.setattr("prag_asp.space.engines.auto.usual_memory", lambda: 200_000)
+    monkeypatch.setattr("prag_asp.space.engines.auto.usual_memory", lambda: 40_000)
     for name in ("PATIENCE", "MORE_PATIENCE"):
         monkeypatch.setattr(f"prag_asp.space.engines.reach.{name}", 1000)
 
