@@ -22,6 +22,9 @@ LOOK = 2048
 CROWDED = 200_000
 """Nodes up to which nothing is thrown away."""
 
+REMEMBERED = 2_000_000
+"""Results that are remembered, at most, when an operation begins."""
+
 Changes = Mapping[int, tuple[int, int]]
 """For some levels, which bits of a digit are kept, and which are then set."""
 
@@ -166,6 +169,8 @@ class Diagrams:
 
     def clean(self, roots: Iterable[Node]) -> None:
         """Throw all nodes away that no root leads to, once they are many; what was computed is forgotten with them."""
+        if sum(map(len, self._known.values())) > REMEMBERED:
+            self._known.clear()
         if len(self._children) < self._crowded:
             return
         kept: set[Node] = set()

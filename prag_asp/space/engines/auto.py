@@ -5,8 +5,9 @@ Whether it will is estimated by what was measured: how many states each step has
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from prag_asp.errors import LimitReached
 from prag_asp.logic.model import Model
@@ -24,6 +25,9 @@ EARLY, SURE = 64, 4
 
 FAR = 1e18
 """States beyond which nobody lists them."""
+
+
+Answer = TypeVar("Answer")
 
 
 @dataclass
@@ -92,52 +96,48 @@ class AutoEngine:
         Raises:
             LimitReached: a limit ended the count; the error has the number of words that were found.
         """
-        if not self._too_long(length):
-            try:
-                return self._listing.count(length, prefix)
-            except Unfit as unfit:
-                self._give_up(length, unfit)
         try:
-            return self._by_diagrams().count(length, prefix)
+            return self._asking(length, lambda engine: engine.count(length, prefix))
         except LimitReached as reached:
+            if not self._too_long(length):
+                raise
             found = 0 if prefix else self._found(length)
             raise stopped_at(str(reached).partition(" was reached")[0], found, self._asked[1], length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        yield from self._fit(length).words(length, prefix)
+        engine = self._asking(length, lambda engine: self._explored(engine, length))
+        yield from engine.words(length, prefix)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
-        return self._fit(len(word)).contains(word)
+        return self._asking(len(word), lambda engine: engine.contains(word))
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
-        return self._fit(length).unrank(length, rank)
+        return self._asking(length, lambda engine: engine.unrank(length, rank))
 
     def rank(self, word: Letters) -> int | None:
         """Return the rank of a word among those of its length, or None where it is no word."""
-        return self._fit(len(word)).rank(word)
+        return self._asking(len(word), lambda engine: engine.rank(word))
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights."""
-        if not self._too_long(length):
-            try:
-                return self._listing.weighed(length, weights, goals=goals, plain=plain)
-            except Unfit as unfit:
-                self._give_up(length, unfit)
-        return self._by_diagrams().weighed(length, weights, goals=goals, plain=plain)
+        return self._asking(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
-    def _fit(self, length: int) -> Engine:
-        """Return the engine that answers for a length."""
+    def _asking(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
+        """Return what the engine answers that is fit for a length."""
         if not self._too_long(length):
             try:
-                self._listing.explored(length)
+                return ask(self._listing)
             except Unfit as unfit:
                 self._give_up(length, unfit)
-            else:
-                return self._listing
-        return self._by_diagrams()
+        return ask(self._by_diagrams())
+
+    def _explored(self, engine: Engine, length: int) -> Engine:
+        if engine is self._listing:
+            self._listing.explored(length)
+        return engine
 
     def _too_long(self, length: int) -> bool:
         return self._unfit is not None and length >= self._unfit[0]
