@@ -24,7 +24,7 @@ from rich.table import Table
 from prag_asp import TaskSpace, load_domain
 
 THINGS, PLACES = 8, 10
-LENGTHS = (20, 30)
+LENGTHS = (20,)
 
 
 def formula(steps: int) -> int:
