@@ -17,7 +17,7 @@ from tests.spaces import with_engine
 ENUMERABLE, FOUND_ONE_BY_ONE = 10_000, 3000
 """Above it, counting by enumeration, or by finding words one by one, takes too long for a test."""
 
-DIAGRAMS = 4
+DIAGRAMS = 3
 """Lengths up to which diagrams are made of the states: they are for regular worlds, and these are many."""
 
 

@@ -73,7 +73,7 @@ def compare(symbolic: TaskSpace, other: TaskSpace, by: Level) -> list[tuple[str,
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(80), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(50), suppress_health_check=list(HealthCheck))
 @given(st.one_of(toys(closed=True), toys(closed=False), hierarchies(closed=True)), st.data())
 def test_it_agrees_with_brute_force_at_every_level_under_conditions(toy: Toy, data: st.DataObject) -> None:
     asked = data.draw(st.lists(clauses(toy), max_size=2)) if not toy.composites else []
