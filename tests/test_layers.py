@@ -69,7 +69,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "vocabulary", "boxes", "cameras", "colours", "forms", "kinds", "model", "geometry", "footprint", "furniture",
         "solids", "variation", "robots", "read", "load",
     ),
-    "logic": ("ground", "step", "symmetry", "model", "formula"),
+    "logic": ("ground", "step", "diagram", "symmetry", "model", "formula"),
     "space": (
         "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "explain", "drawing", "shared",
         "task_space", "task_spaces", "ordered", "why",

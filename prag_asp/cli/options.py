@@ -95,7 +95,7 @@ ANSWERED = (
     WHERE,
     click.option(
         "--engine", default="auto", show_default=True, metavar="ENGINE", shell_complete=complete.engines,
-        help="auto, automaton, clingo, sat or sharp.",
+        help="auto, automaton, clingo, sat, sharp or symbolic.",
     ),
     click.option(
         "--cache/--no-cache", "cached", default=True, help="Keep what took long for the next run.  [default: cache]"

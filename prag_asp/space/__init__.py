@@ -9,6 +9,7 @@ ENGINES: Mapping[str, str] = {
     "clingo": "prag_asp.space.engines.clingo.ClingoEngine",
     "sat": "prag_asp.space.engines.sat.SatEngine",
     "sharp": "prag_asp.space.engines.sharp.SharpEngine",
+    "symbolic": "prag_asp.space.engines.symbolic.SymbolicEngine",
 }
 """Every engine by its name: the class that answers as `prag_asp.space.engines.protocol.Engine` says.
 

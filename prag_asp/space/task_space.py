@@ -50,7 +50,8 @@ Prefix = Sequence[str | Atom]
 class TaskSpace:
     """All tasks of a domain with a given number of actions: counted, enumerated, tested and drawn exactly.
 
-    `engine` is ``automaton``, ``clingo``, ``sat``, ``sharp`` or ``auto``; `limits` say what each question may take.
+    `engine` is ``automaton``, ``clingo``, ``sat``, ``sharp``, ``symbolic`` or ``auto``; `limits` say what each question
+    may take.
     There is no ``len()``: counts outgrow it.
 
     Raises:

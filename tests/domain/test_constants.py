@@ -35,7 +35,7 @@ def edited(discs: int) -> str:
     return HANOI.replace("#const discs = 3.", f"#const discs = {discs}.")
 
 
-@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat", "sharp"])
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat", "sharp", "symbolic"])
 def test_every_engine_counts_what_the_edited_text_has(engine: str) -> None:
     for discs in (1, 2, 4):
         given = TaskSpace(load_domain("hanoi", constants={"discs": discs}), 3, engine=engine)

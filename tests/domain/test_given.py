@@ -70,7 +70,7 @@ def test_a_file_given_and_included_counts_once(folder: Path) -> None:
     assert load_domain("all.lp", "lamps.lp", "lamps.lp").facts == load_domain("lamps.lp", "actions.lp").facts
 
 
-@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat", "sharp"])
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat", "sharp", "symbolic"])
 def test_a_step_rule_counts_wherever_it_stands(folder: Path, engine: str) -> None:
     rule = "#program step(t).\n:- occurs(A,t), occurs(A,t-1).\n"
     (folder / "rule.lp").write_text(rule, encoding="utf-8")

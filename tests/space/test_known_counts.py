@@ -17,6 +17,9 @@ from tests.spaces import with_engine
 ENUMERABLE, FOUND_ONE_BY_ONE = 10_000, 3000
 """Above it, counting by enumeration, or by finding words one by one, takes too long for a test."""
 
+DIAGRAMS = 3
+"""Lengths up to which diagrams are made of the states: they are for regular worlds, and these are many."""
+
 
 Row = tuple[str, str, int, tuple[str, ...], int]
 """A domain, a level such as ``task`` or ``flat.task``, a length, a prefix, and the count."""
@@ -44,7 +47,7 @@ def spaces() -> Spaces:
     return {
         (*key, engine): with_engine(space, engine)
         for key, space in loaded.items()
-        for engine in ("automaton", "clingo", "sat")
+        for engine in ("automaton", "clingo", "sat", "symbolic")
     }
 
 
@@ -67,6 +70,11 @@ def test_clingo_meets_the_known_count(spaces: Spaces, row: Row) -> None:
 @pytest.mark.parametrize("row", [row for row in COUNTS if row[4] <= FOUND_ONE_BY_ONE], ids=str)
 def test_sat_meets_the_known_count(spaces: Spaces, row: Row) -> None:
     assert counted(spaces, "sat", row) == row[4]
+
+
+@pytest.mark.parametrize("row", [row for row in COUNTS if row[2] <= DIAGRAMS], ids=str)
+def test_diagrams_meet_the_known_count(spaces: Spaces, row: Row) -> None:
+    assert counted(spaces, "symbolic", row) == row[4]
 
 
 def test_every_shipped_domain_has_known_counts() -> None:

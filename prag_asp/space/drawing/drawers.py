@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from prag_asp.bits import Bits
 from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking, positive
-from prag_asp.space.automaton.merged import MergedRanking
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.drawing.paths import PathDrawer, chunks
 from prag_asp.space.drawing.table import exact_choice
-from prag_asp.space.weighing.weights import Weighed
+from prag_asp.space.weighing.weights import Walks, Weighed
 
 Over = Literal["skeletons", "goals"]
 OVER: tuple[Over, ...] = ("skeletons", "goals")
@@ -59,9 +58,9 @@ class ByWeight:
 
 
 class ByWalk:
-    """Draws as `ByWeight`, the same words, where states were merged and a path stands for several words."""
+    """Draws as `ByWeight`, the same words, one by one: where a path stands for several, or states are never listed."""
 
-    def __init__(self, ranking: MergedRanking, length: int) -> None:
+    def __init__(self, ranking: Walks, length: int) -> None:
         self._ranking = ranking
         self._length = length
 

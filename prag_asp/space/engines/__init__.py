@@ -11,14 +11,17 @@ from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEng
 from prag_asp.space.limits import UNLIMITED, Limits
 
 AUTO = "auto"
-FIRST, OTHERWISE = "automaton", "clingo"
+CHOICE, OTHERWISE = "prag_asp.space.engines.auto.AutoEngine", "clingo"
 """What ``auto`` tries first, and what takes over where a step is no function of the state."""
 
 
 def select(
     name: str, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> Engine:
-    """Return the engine of a name; ``auto`` is the automaton, or clingo where a step is no function of the state.
+    """Return the engine of a name.
+
+    ``auto`` is the automaton, diagrams where its states would be too many, clingo where a step is no function of the
+    state.
 
     Raises:
         QueryError: there is no such engine.
@@ -26,7 +29,7 @@ def select(
     """
     if name == AUTO:
         try:
-            return engine_class(FIRST)(model, level, progress, limits)
+            return _loaded(CHOICE)(model, level, progress, limits)
         except EngineError as error:
             if progress:
                 progress(f"engine {OTHERWISE}, because {error}")
@@ -38,7 +41,11 @@ def select(
 
 def engine_class(name: str) -> MakeEngine:
     """Return the class of an engine that `ENGINES` names."""
-    module, _, own = ENGINES[name].rpartition(".")
+    return _loaded(ENGINES[name])
+
+
+def _loaded(path: str) -> MakeEngine:
+    module, _, own = path.rpartition(".")
     made: MakeEngine = getattr(import_module(module), own)
     return made
 

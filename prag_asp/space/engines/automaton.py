@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -17,7 +18,7 @@ from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reach import HALTED, Explorer, Halt, Reach
+from prag_asp.space.engines.reach import HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more, cache_folder
 from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
 
@@ -42,7 +43,8 @@ class AutomatonEngine:
     """Answers for one domain at one level; what was explored is kept for the next question.
 
     `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
-    No answer depends on it.
+    No answer depends on it. `explorer` is how states are found, where it is not by listing them; where `hopeless` says
+    that listing them will not end, each question raises `Unfit`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -56,14 +58,16 @@ class AutomatonEngine:
         limits: Limits = UNLIMITED,
         *,
         merge: bool | None = None,
+        explorer: Explorer | None = None,
+        hopeless: Forecast | None = None,
     ) -> None:
         self._model = model
         self._level = level
         self._limits = limits
         self._tell = progress or (lambda words: None)
-        self._explorer = Explorer(model, level, progress, merge)
+        self._explorer: Explorer = explorer or Explorer(model, level, progress, merge, hopeless)
         self._plain = Explorer(model, level, progress, merge=False)
-        self._shelf = _shelf_for(model, level, merge) if limits.cached else None
+        self._shelf = _shelf_for(model, level, merge) if limits.cached and explorer is None else None
         self._reached: Reach | None = self._shelf.read() if self._shelf else None
         self._ranked: dict[int, Ranking | MergedRanking] = {}
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
@@ -132,7 +136,7 @@ class AutomatonEngine:
         """
         from prag_asp.space.engines.apart import count_apart
 
-        found = count_apart(self._explorer, self._parts, length, budget)
+        found = count_apart(replace(self._explorer, hopeless=None), self._parts, length, budget)
         if found is None:
             self._parts = ()
             return None
@@ -227,6 +231,8 @@ class AutomatonEngine:
         begun = monotonic()
         stage("exploring")
         found = self._explorer.reach(self._transition, length, budget, halt)
+        if found.stopped == UNFIT:
+            raise Unfit(found)
         if found.covers(length):
             self._reached = found
             if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:
@@ -267,6 +273,8 @@ class AutomatonEngine:
             if not (plain and known.merged):
                 return Weighed(known.completions, ranking=_merged_ranking(known, length))
         reach, unit, marks = explorer.weighed(length, weights, self._limits.begin(), read)
+        if reach.stopped == UNFIT:
+            raise Unfit(reach)
         if not reach.covers(length):
             raise limit_reached(reach.states, reach.stopped, 0, self._level, length)
         ends = numbered_goals(hindsight, marks) if hindsight else None

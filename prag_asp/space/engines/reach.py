@@ -35,11 +35,14 @@ PATIENCE, WORDS, LARGE = 250_000, 4, 100
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
 
-OUTGROWN, HALTED = "outgrown", "halted"
+OUTGROWN, HALTED, UNFIT = "outgrown", "halted", "unfit"
 """Why exploring stopped where no limit ended it."""
 
 Halt = Callable[[Extent], bool]
 """Tells, by how far exploring has come, whether to leave it."""
+
+Forecast = Callable[[Extent, int], bool]
+"""Tells, by how far exploring has come and the length, that it will not come to its end in the memory there is."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
 """Tells of states whether exploring may go on; where one of them forbids it, it is halted."""
@@ -78,14 +81,26 @@ class Reach:
         return not self.stopped and (horizon is None or horizon >= length)
 
 
+class Unfit(Exception):
+    """Exploring was given up, for it would not end in the memory there is; `reach` is what was found until then."""
+
+    def __init__(self, reach: Reach) -> None:
+        super().__init__(UNFIT)
+        self.reach = reach
+
+
 @dataclass(frozen=True)
 class Explorer:
-    """Explores one level of a domain; `merge` says whether states are merged, or is None to let their number decide."""
+    """Explores one level of a domain; `merge` says whether states are merged, or is None to let their number decide.
+
+    Exploring is given up, as unfit, where `hopeless` says so once it is decided whether states are merged.
+    """
 
     model: Model
     level: Level
     tell: Callable[[str], None] | None = None
     merge: bool | None = None
+    hopeless: Forecast | None = None
 
     def transition(self, weights: Weights | None = None, read: Sequence[clingo.Symbol] = ()) -> Transition:
         """Return the step function that is explored; its labels are those of the weights, then the atoms `read`.
@@ -109,7 +124,7 @@ class Explorer:
         """Return what is reached within `length` steps, or until the budget is spent or `halt` or `allow` says so."""
         explored, merging = self._explored(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
-        if self.level == "skeleton" and explored.stopped != HALTED:
+        if self.level == "skeleton" and explored.stopped not in {HALTED, UNFIT}:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
@@ -143,18 +158,20 @@ class Explorer:
     ) -> tuple[Explored, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
-            return explore(transition, length, self._watch(budget), merging=merging), merging
+            return explore(transition, length, self._watch(length, budget), merging=merging), merging
         object_to = partial(_objection, allow) if allow else None
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
-        explored = explore(transition, length, self._watch(budget, patience, halt), object_to=object_to)
+        explored = explore(transition, length, self._watch(length, budget, patience, halt), object_to=object_to)
         if explored.stopped == OUTGROWN:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
-                explored = explore(transition, length, self._watch(budget, MORE_PATIENCE), object_to=object_to)
+                explored = explore(transition, length, self._watch(length, budget, MORE_PATIENCE), object_to=object_to)
                 if explored.stopped != OUTGROWN:
                     return explored, None
-            return explore(transition, length, self._watch(budget), merging=merging, object_to=object_to), merging
+            return explore(
+                transition, length, self._watch(length, budget), merging=merging, object_to=object_to
+            ), merging
         return explored, None
 
     def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
@@ -164,7 +181,7 @@ class Explorer:
         named = groups if self.level == "task" else ()
         return find_merging(transition, _present(equal_groups(groups, weights), transition), named)
 
-    def _watch(self, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
+    def _watch(self, length: int, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
         """Return what tells of progress, and says when to stop: by the budget, `patience` with the edges, or `halt`."""
 
         def watch(extent: Extent) -> str | None:
@@ -173,6 +190,8 @@ class Explorer:
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
             if halt and halt(extent):
                 return HALTED
+            if patience is None and self.hopeless and self.hopeless(extent, length):
+                return UNFIT
             outgrown = patience is not None and extent.edges > patience
             return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
 

@@ -7,13 +7,13 @@ entity that it uses, once; an entity weighs what it and all its classes weigh to
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm, prod
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import clingo
 import numpy as np
@@ -26,11 +26,8 @@ from prag_asp.logic.model import Model
 from prag_asp.program.facts import Facts
 from prag_asp.program.names import refuse_ambiguous, shared_names
 from prag_asp.program.settings import MAX_EXPONENT
-from prag_asp.space.automaton.automaton import Automaton, Completions
+from prag_asp.space.automaton.automaton import Automaton, Completions, Word
 from prag_asp.wording import unknown
-
-if TYPE_CHECKING:
-    from prag_asp.space.automaton.merged import MergedRanking
 
 Number = int | Fraction | Decimal | str
 
@@ -192,18 +189,29 @@ def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
     return [f"asked({each})." for each in (*pairs, *entities)], [clingo.Function("tested", [each]) for each in found]
 
 
+class Walks(Protocol):
+    """Words of one length that are found by choosing letter by letter; `total` is the sum of their weights."""
+
+    total: int
+
+    def walk(self, choose: Callable[[int, Sequence[int]], int]) -> tuple[Word, int]:
+        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        ...
+
+
 @dataclass(frozen=True)
 class Weighed:
     """The words of a level as paths of an automaton: a word weighs the product of its edges, times `unit`.
 
     `goals` numbers what is known after an edge that is the last of a word, shape (edges,); None where nobody asked.
-    `ranking` tells the words apart where a path stands for several, and is None where each path is one word.
+    `ranking` walks along the words where a path stands for several, or where states are never listed, so that the
+    automaton is empty; it is None where each path is one word.
     """
 
     completions: Completions
     unit: Fraction = Fraction(1)
     goals: NDArray[np.int64] | None = None
-    ranking: MergedRanking | None = None
+    ranking: Walks | None = None
 
     @property
     def automaton(self) -> Automaton:
@@ -212,7 +220,16 @@ class Weighed:
 
     def total(self, length: int) -> int:
         """Return the sum of the weights of all words of a length, in units."""
+        if self.ranking is not None:
+            return self.ranking.total
         return int(self.completions.row(length)[0]) if self.automaton.states else 0
+
+
+def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[list[Fraction], list[Fraction]]:
+    """Return what an edge weighs by its letter, and by each of the labels of `weighing_facts` that is true."""
+    by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
+    by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
+    return [weights.of_action(action) for action in actions], by_label
 
 
 def weigh(
@@ -222,9 +239,7 @@ def weigh(
 
     `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
     """
-    by_letter = [weights.of_action(action) for action in actions]
-    by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
-    by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
+    by_letter, by_label = edge_weights(actions, weights)
     rows = np.unique(
         np.concatenate([automaton.letters[:, None], labels.astype(np.int64)], axis=1), axis=0, return_inverse=True
     )

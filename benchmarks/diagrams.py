@@ -1,0 +1,114 @@
+"""Counting through decision diagrams beside CUDD, in one run: python benchmarks/diagrams.py (needs pip install dd).
+
+The domain `carry` has 1.8 * 10^8 states. CUDD is given the actions by hand, and counts as binary digits, one diagram
+each: its own diagrams with numbers hold floats, which are not exact.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from importlib import import_module
+from math import factorial
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from prag_asp import TaskSpace, load_domain
+
+THINGS, PLACES = 8, 10
+LENGTHS = (20,)
+
+
+def formula(steps: int) -> int:
+    """Return the number of plans by exponential generating functions: a thing carried c times, in PLACES^(c-1) ways."""
+    moves = steps // 2
+    one = [Fraction(PLACES ** (c - 1), factorial(c)) if c else Fraction(0) for c in range(moves + 1)]
+    whole = [Fraction(1), *[Fraction(0)] * moves]
+    for _ in range(THINGS):
+        whole = [sum((whole[i] * one[n - i] for i in range(n + 1)), Fraction(0)) for n in range(moves + 1)]
+    return int(whole[moves] * factorial(moves))
+
+
+def own(steps: int) -> int:
+    """Count as `prag-asp count benchmarks/carry --by plan --engine symbolic` does."""
+    return TaskSpace(load_domain(Path(__file__).parent / "carry"), steps, engine="symbolic").count("plan")
+
+
+def cudd(steps: int) -> int:
+    """Count by CUDD: the states reached, then for each step back the sums of binary digits."""
+    bdd = import_module("dd.cudd").BDD()
+    bdd.configure(reordering=False)
+    at = {(t, p): f"at{t}_{p}" for t in range(THINGS) for p in range(PLACES)}
+    held = [f"held{t}" for t in range(THINGS)]
+    bdd.declare(*held, *at.values())
+    free = bdd.true
+    for name in held:
+        free &= ~bdd.var(name)
+    actions = []
+    for (thing, _), place in at.items():
+        actions.append((bdd.var(place) & free, {place: False, held[thing]: True}))
+        actions.append((bdd.var(held[thing]), {place: True, held[thing]: False}))
+    start = dict.fromkeys((*held, *at.values()), False) | {at[t, t]: True for t in range(THINGS)}
+    reached = frontier = bdd.cube(start)
+    while frontier != bdd.false:
+        found = bdd.false
+        for guard, changes in actions:
+            found |= bdd.exist(list(changes), frontier & guard) & bdd.cube(changes)
+        frontier = found & ~reached
+        reached |= found
+    row = [reached & bdd.cube({at[t, t + 1]: True for t in range(THINGS)})]
+    for _ in range(steps):
+        total: list[Any] = []
+        for guard, changes in actions:
+            total = added(bdd, total, [bdd.let(changes, digit) & guard & reached for digit in row])
+        row = total
+    return sum((bdd.let(start, digit) == bdd.true) << place for place, digit in enumerate(row))
+
+
+def added(bdd: Any, first: list[Any], second: list[Any]) -> list[Any]:
+    """Return the sum of two numbers given by their binary digits, the lowest first."""
+    carry, digits = bdd.false, []
+    for place in range(max(len(first), len(second))):
+        one, other = (each[place] if place < len(each) else bdd.false for each in (first, second))
+        either = bdd.apply("xor", one, other)
+        digits.append(bdd.apply("xor", either, carry))
+        carry = (one & other) | (carry & either)
+    return digits if carry == bdd.false else [*digits, carry]
+
+
+WAYS: Mapping[str, Callable[[int], int]] = {"own": own, "cudd": cudd}
+
+
+def main() -> None:
+    """Print the table, each count from a process of its own; or, with a way and a length, count so."""
+    if len(sys.argv) > 1:
+        begun = process_time()
+        count = WAYS[sys.argv[1]](int(sys.argv[2]))
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
+        sys.stdout.write(json.dumps([str(count), process_time() - begun, memory]))
+        return
+    table = Table("length", "way", "plans", "as the formula", "CPU, s", "memory, MB")
+    for length in LENGTHS:
+        for way in WAYS:
+            done = subprocess.run(
+                [sys.executable, __file__, way, str(length)], capture_output=True, text=True, check=False
+            )
+            if done.returncode:
+                table.add_row(str(length), way, f"failed: {done.stderr.splitlines()[-1]}")
+                continue
+            count, seconds, memory = json.loads(done.stdout)
+            same = "yes" if int(count) == formula(length) else "NO"
+            table.add_row(str(length), way, f"{int(count):,}", same, f"{seconds:.1f}", f"{memory:.0f}")
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Sets of states, and functions of states, as decision diagrams; the step of a domain on them."""

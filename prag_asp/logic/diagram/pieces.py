@@ -1,0 +1,221 @@
+"""The step of a domain on sets of states: where each action is valid, and what it changes there.
+
+The rules are evaluated as `Transition` evaluates them, with sets of states in place of columns: a conjunction is an
+intersection, a negation what is left of all states asked about.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.logic.diagram.diagrams import EMPTY, Changes, Diagrams, Node
+from prag_asp.logic.diagram.digits import Digits
+from prag_asp.logic.step.moves import Move
+from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.packed import unpack
+from prag_asp.logic.step.strata import Stratum
+from prag_asp.logic.step.transition import Transition
+
+Read = Callable[[int], Node]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """States in which an action, given by number, is valid and changes the same; `labels` are the true ones then."""
+
+    letter: int
+    states: Node
+    changes: Changes
+    labels: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class SetStep:
+    """A step function on sets of states."""
+
+    transition: Transition
+    digits: Digits
+    diagrams: Diagrams
+
+    def initial(self) -> Node:
+        """Return the set of the initial state, which is empty where the domain's start contradicts itself."""
+        rows = self.transition.initial
+        return self.diagrams.word(self.digits.word(rows, len(self.transition.variables))) if len(rows) else EMPTY
+
+    def accepted(self, states: Node) -> Node:
+        """Return the states in which a plan may end."""
+        step = self.transition.step
+        if not step.final:
+            return states
+        columns = self._columns(states, step.ground.now)
+        values = _Values(self.diagrams, states, columns)
+        values.evaluate(self.transition.final_strata, step.final_bodies.__getitem__)
+        return self.diagrams.minus(states, self.diagrams.union(map(values.body, step.final)))
+
+    def pieces(self, states: Node) -> Iterator[Piece]:
+        """Yield what each action makes of a set of states, in order of the actions.
+
+        The pieces of one action have no state in common.
+        """
+        rules = self.transition.rules
+        before = _Values(self.diagrams, states, self._columns(states, self.transition.step.ground.before))
+        before.evaluate(rules.strata, rules.idle.__getitem__)
+        broken = {number: before.body(body) for number, body in rules.idle_constraints}
+        broken = {number: where for number, where in broken.items() if where}
+        everywhere = self.diagrams.union(broken.values())
+        own = [self.diagrams.having(states, *self.digits.at[place]) for place in range(len(rules.written))]
+        for letter in range(len(self.transition.actions)):
+            move = self.transition.move(letter)
+            if move.impossible:
+                continue
+            forbidden = everywhere
+            if move.touched & broken.keys():
+                forbidden = self.diagrams.union(where for number, where in broken.items() if number not in move.touched)
+            valid = self.diagrams.minus(states, forbidden)
+            for guard in move.guards:
+                if not valid:
+                    break
+                valid = before.left(valid, guard)
+            if valid:
+                yield from self._moved(move, letter, before, valid, own)
+
+    def _moved(self, move: Move, letter: int, before: _Values, valid: Node, own: list[Node]) -> Iterator[Piece]:
+        after = before.with_action(move)
+        for body in move.constraints:
+            valid = after.left(valid, body)
+            if not valid:
+                return
+        rules, size = self.transition.rules, len(own)
+        kept = unpack(move.keep[None], size)[:, 0].tolist()
+        put = unpack(move.put[None], size)[:, 0].tolist()
+        decided = dict(move.changed)
+        columns: dict[int, Node | bool] = {}
+        for place in range(size):
+            if place in decided:
+                columns[place] = after.read(decided[place])
+            elif not kept[place]:
+                columns[place] = bool(put[place])
+            elif before.read(rules.written[place]) != own[place]:
+                columns[place] = before.read(rules.written[place])
+        fixed, told = dict(move.fixed_labels), dict(move.labels)
+        labels: list[Node | bool] = [
+            fixed[place] if place in fixed else after.read(told[place]) if place in told else before.read(atom)
+            for place, atom in enumerate(rules.labels)
+        ]
+        for states, values, true in self._split(valid, columns, labels, own):
+            yield Piece(letter, states, self._changes(values), true)
+
+    def _split(
+        self, valid: Node, columns: Mapping[int, Node | bool], labels: Iterable[Node | bool], own: list[Node]
+    ) -> Iterator[tuple[Node, dict[int, bool], tuple[int, ...]]]:
+        """Yield the parts of a set in which each of some variables is left as it is, set or unset, and the labels."""
+        parts: list[tuple[Node, dict[int, bool], tuple[int, ...]]] = [(valid, {}, ())]
+        within, minus = self.diagrams.within, self.diagrams.minus
+        for place, column in columns.items():
+            found = []
+            for states, values, true in parts:
+                if isinstance(column, bool):
+                    found.append((states, {**values, place: column}, true))
+                    continue
+                yes = within(states, column)
+                if yes == within(states, own[place]):
+                    found.append((states, values, true))
+                    continue
+                no = minus(states, yes)
+                found += [(part, {**values, place: part == yes}, true) for part in (yes, no) if part]
+            parts = found
+        for number, column in enumerate(labels):
+            found = []
+            for states, values, true in parts:
+                yes = (states if column else EMPTY) if isinstance(column, bool) else within(states, column)
+                no = minus(states, yes)
+                found += [(yes, values, (*true, number))] if yes else []
+                found += [(no, values, true)] if no else []
+            parts = found
+        yield from parts
+
+    def _changes(self, values: Mapping[int, bool]) -> Changes:
+        changes: dict[int, tuple[int, int]] = {}
+        for place, value in values.items():
+            level, mask = self.digits.at[place]
+            keep, put = changes.get(level, (-1, 0))
+            changes[level] = (keep & ~mask, put | (mask if value else 0))
+        return changes
+
+    def _columns(self, states: Node, atoms: Mapping[clingo.Symbol, int]) -> dict[int, Node]:
+        """Return the states in which each variable among `atoms` is true."""
+        return {
+            atoms[symbol]: self.diagrams.having(states, *self.digits.at[place])
+            for place, symbol in enumerate(self.transition.variables)
+            if symbol in atoms
+        }
+
+
+class _Values:
+    """In which of some states each atom is true; one that nothing derives is false."""
+
+    def __init__(self, diagrams: Diagrams, states: Node, columns: dict[int, Node], under: Read | None = None) -> None:
+        self._diagrams = diagrams
+        self._states = states
+        self._columns = columns
+        self._under = under or (lambda atom: EMPTY)
+
+    def with_action(self, move: Move) -> _Values:
+        """Return the values once an action is known."""
+        constants = {atom: self._states if value else EMPTY for atom, value in move.constants.items()}
+        values = _Values(self._diagrams, self._states, constants, self.read)
+        values.evaluate(move.strata, move.bodies.__getitem__)
+        return values
+
+    def read(self, atom: int) -> Node:
+        """Return where an atom is true."""
+        found = self._columns.get(atom)
+        return self._under(atom) if found is None else found
+
+    def body(self, body: Body) -> Node:
+        """Return where a body is true."""
+        if body.weights:
+            return self._sum(body)
+        found = self._states
+        for literal in body.literals:
+            if not found:
+                break
+            where = self.read(abs(literal))
+            found = self._diagrams.within(found, where) if literal > 0 else self._diagrams.minus(found, where)
+        return found
+
+    def left(self, states: Node, body: Body) -> Node:
+        """Return those of some states in which a body is false."""
+        if len(body.literals) == 1 and not body.weights:
+            (literal,) = body.literals
+            where = self.read(abs(literal))
+            return self._diagrams.minus(states, where) if literal > 0 else self._diagrams.within(states, where)
+        return self._diagrams.minus(states, self.body(body))
+
+    def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[Body, ...]]) -> None:
+        """Evaluate atoms in order of their dependencies; those that derive each other, until none changes."""
+        for stratum in strata:
+            if stratum.recursive:
+                self._columns.update(dict.fromkeys(stratum.atoms, EMPTY))
+            changed = True
+            while changed:
+                changed = False
+                for atom in stratum.atoms:
+                    found = self._diagrams.union(map(self.body, bodies(atom)))
+                    changed |= stratum.recursive and found != self._columns[atom]
+                    self._columns[atom] = found
+
+    def _sum(self, body: Body) -> Node:
+        """Return where the weights of true literals reach the bound; a state whose sum is 0 is in no diagram."""
+        terms, bound = [], body.bound
+        for literal, weight in zip(body.literals, body.weights, strict=True):
+            if literal < 0:  # a weight that is due unless the atom is true
+                bound, weight = bound - weight, -weight  # noqa: PLW2901
+            terms.append(self._diagrams.everywhere(self.read(abs(literal)), weight))
+        total = self._diagrams.sum(terms)
+        if bound > 0:
+            return self._diagrams.mapped(total, lambda number: int(number >= bound))
+        return self._diagrams.minus(self._states, self._diagrams.mapped(total, lambda number: int(number < bound)))

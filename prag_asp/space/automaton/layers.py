@@ -1,0 +1,246 @@
+"""The words of a step function whose states are never listed: how many complete a path, as diagrams over the states.
+
+Forward, the states that are reached within n - 1 steps are gathered, and where each action is valid among them. Then
+backward: with k letters left, a state has the sum, over the actions valid in it, of what the state after it has with
+k - 1 left. Each of these functions is one diagram. All numbers are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+from sys import maxsize
+from weakref import WeakSet
+
+from prag_asp.logic.diagram.diagrams import EMPTY, Diagrams, Node
+from prag_asp.logic.diagram.diagrams import Word as State
+from prag_asp.logic.diagram.digits import find_digits
+from prag_asp.logic.diagram.pieces import Piece, SetStep
+from prag_asp.logic.step.transition import Transition
+from prag_asp.space.automaton.automaton import Word
+
+Look = Callable[[], None]
+"""Called now and then; raises an error where a limit is reached."""
+
+Key = tuple[int, tuple[tuple[int, tuple[int, int]], ...], tuple[int, ...]]
+"""What all states of a piece have in common: the letter, the changes, the labels."""
+
+REMEMBERED = 1 << 14
+"""States whose successors are remembered."""
+
+
+@dataclass(frozen=True)
+class Onward:
+    """One edge of a state: its letter, what it weighs, and the state after it."""
+
+    letter: int
+    weight: int
+    state: State
+
+
+class Layers:
+    """The words of a step function, by their length; what was computed is kept for the next question.
+
+    `weigh` gives the weight of an edge, a whole number, by its letter and the numbers of its true labels.
+    """
+
+    def __init__(
+        self,
+        transition: Transition,
+        look: Look,
+        tell: Callable[[str], None],
+        weigh: Callable[[int, tuple[int, ...]], int] = lambda letter, labels: 1,
+    ) -> None:
+        self._tell = tell
+        self._weigh = weigh
+        self._look = look
+        digits = find_digits(transition, look) if len(transition.initial) else None
+        self.inhabited = digits is not None
+        self.used: WeakSet[LayeredWords] = WeakSet()
+        if digits is None:
+            return
+        self.diagrams = Diagrams(len(digits.places), look)
+        self._step = SetStep(transition, digits, self.diagrams)
+        self.start: State = digits.word(transition.initial, len(transition.variables))
+        self.reached: Node = self._step.initial()
+        self._frontier: Node = self.reached
+        self._depth = 0
+        self._pieces: dict[Key, Node] = {}
+        self._rows: list[Node] = []
+        self._covered = -1
+        self._onward: dict[State, list[Onward]] = {}
+
+    @property
+    def closed(self) -> bool:
+        """Whether no further step reaches a new state."""
+        return not self._frontier
+
+    def row(self, length: int, left: int) -> Node:
+        """Return what the states reached within ``length - left`` steps have with `left` letters left."""
+        self.extend(length)
+        if self._covered < length:
+            self._rows = [self._step.accepted(self.reached)]
+            self._covered = maxsize if self.closed else length
+        while len(self._rows) <= left:
+            self._rows.append(self.back(self._rows[-1]))
+            self._tell(f"{len(self._rows) - 1} steps before the end: {len(self.diagrams):,} nodes")
+        return self._rows[left]
+
+    def back(self, row: Node, letters: Collection[int] | None = None) -> Node:
+        """Return what states have by the edges with some letters, or all, if those after them have `row`."""
+        found = []
+        for (letter, changes, labels), states in self._pieces.items():
+            if letters is None or letter in letters:
+                self._look()
+                weighed = self.diagrams.everywhere(states, self._weigh(letter, labels))
+                found.append(self.diagrams.before(weighed, dict(changes), row))
+        summed = self.diagrams.sum(found)
+        self._clean(row, summed)
+        return summed
+
+    def extend(self, length: int) -> None:
+        """Find what is reached within `length` steps."""
+        while self._depth < length and self._frontier:
+            pieces: list[Piece] = []
+            for piece in self._step.pieces(self._frontier):
+                pieces.append(piece)
+                self._look()
+            images = [self.diagrams.image(piece.states, piece.changes) for piece in pieces]
+            new = self.diagrams.minus(self.diagrams.union(images), self.reached)
+            for piece in pieces:
+                key = (piece.letter, tuple(sorted(piece.changes.items())), piece.labels)
+                self._pieces[key] = self.diagrams.join(self._pieces.get(key, EMPTY), piece.states)
+            self.reached, self._frontier = self.diagrams.join(self.reached, new), new
+            self._depth += 1
+            self._onward.clear()
+            self._clean()
+            states = self.diagrams.total(self.reached)
+            self._tell(f"depth {self._depth}: {states:,} states, {len(self.diagrams):,} nodes")
+
+    def images(self, states: Node) -> Iterator[tuple[int, Node]]:
+        """Yield letters with some of the states that they lead to from a set of states reached."""
+        for (letter, changes, _), where in self._pieces.items():
+            found = self.diagrams.image(self.diagrams.within(states, where), dict(changes))
+            if found:
+                yield letter, found
+
+    def only_start(self) -> Node:
+        """Return the set of the state that words start from."""
+        return self.diagrams.word(self.start)
+
+    def accepts(self, states: Node) -> bool:
+        """Return whether a word may end in one of some states."""
+        return bool(self._step.accepted(states))
+
+    def onward(self, state: State) -> list[Onward]:
+        """Return the edges of a state reached, in order of their letters."""
+        if state not in self._onward:
+            while len(self._onward) >= REMEMBERED:
+                del self._onward[next(iter(self._onward))]
+            found = []
+            for (letter, changes, labels), where in self._pieces.items():
+                if self.diagrams.value(where, state):
+                    after = list(state)
+                    for level, (keep, put) in changes:
+                        after[level] = (after[level] & keep) | put
+                    found.append(Onward(letter, self._weigh(letter, labels), tuple(after)))
+            self._onward[state] = sorted(found, key=lambda edge: edge.letter)
+        return self._onward[state]
+
+    def _clean(self, *rows: Node) -> None:
+        used = (row for words in self.used for row in words.early)
+        self.diagrams.clean([self.reached, self._frontier, *self._pieces.values(), *self._rows, *used, *rows])
+
+
+class LayeredWords:
+    """The words of one length whose first letters are among those of `prefix`, in order and with their ranks.
+
+    `total` is the sum of their weights.
+    """
+
+    def __init__(self, layers: Layers, length: int, prefix: Sequence[Collection[int]] = ()) -> None:
+        self._layers = layers
+        self._length = length
+        self._prefix = prefix
+        self.early: list[Node] = []
+        self.total = 0
+        layers.used.add(self)
+        if not layers.inhabited or len(prefix) > length:
+            return
+        row = layers.row(length, length - len(prefix))
+        for letters in reversed(prefix):
+            row = layers.back(row, letters)
+            self.early.append(row)
+        self.total = layers.diagrams.value(row, layers.start)
+
+    def __iter__(self) -> Iterator[Word]:
+        """Yield the words in order, lazily; each once, whatever it weighs above 0."""
+        if not self.total:
+            return
+        if not self._length:
+            yield ()
+            return
+        word: list[int] = []
+        waiting = [self._ways(self._layers.start, 0)]
+        while waiting:
+            edge = next(waiting[-1], None)
+            if edge is None:
+                waiting.pop()
+                word = word[:-1]
+            elif len(waiting) == self._length:
+                yield (*word, edge.letter)
+            else:
+                word.append(edge.letter)
+                waiting.append(self._ways(edge.state, len(word)))
+
+    def unrank(self, rank: int) -> Word:
+        """Return the word that owns a rank from 0 to total - 1, where all weigh 1."""
+        word, state = [], self._layers.start
+        for step in range(self._length):
+            for edge in self._layers.onward(state):
+                behind = self._behind(edge, step)
+                if rank < behind:
+                    word.append(edge.letter)
+                    state = edge.state
+                    break
+                rank -= behind
+        return tuple(word)
+
+    def rank(self, word: Sequence[int]) -> int | None:
+        """Return the rank of a word where all weigh 1, or None where it is no word."""
+        if not self.total or len(word) != self._length:
+            return None
+        rank, state = 0, self._layers.start
+        for step, letter in enumerate(word):
+            edges = self._layers.onward(state)
+            taken = next((edge for edge in edges if edge.letter == letter), None)
+            if taken is None or not self._behind(taken, step):
+                return None
+            rank += sum(self._behind(edge, step) for edge in edges if edge.letter < letter)
+            state = taken.state
+        return rank
+
+    def walk(self, choose: Callable[[int, Sequence[int]], int]) -> tuple[Word, int]:
+        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        word, weight, state = [], 1, self._layers.start
+        for step in range(self._length):
+            edges = self._layers.onward(state)
+            edge = edges[choose(step, list(accumulate(self._behind(each, step) for each in edges)))]
+            word.append(edge.letter)
+            weight *= edge.weight
+            state = edge.state
+        return tuple(word), weight
+
+    def _ways(self, state: State, step: int) -> Iterator[Onward]:
+        allowed = self._prefix[step] if step < len(self._prefix) else None
+        for edge in self._layers.onward(state):
+            if (allowed is None or edge.letter in allowed) and self._behind(edge, step):
+                yield edge
+
+    def _behind(self, edge: Onward, step: int) -> int:
+        """Return the weight of all words that go on over an edge, from it on."""
+        left = self._length - step - 1
+        early = len(self._prefix) - step - 1
+        row = self.early[early - 1] if early > 0 else self._layers.row(self._length, left)
+        return edge.weight * self._layers.diagrams.value(row, edge.state)
