@@ -7,9 +7,10 @@ has the proof, and what it takes is checked here, on the author's statements and
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from math import perm, prod
 
 import clingo
@@ -28,6 +29,9 @@ from prag_asp.program.syntax import Signature, Statement
 FEWEST = 16
 """Entities that are alike from which on it is asked how many are needed."""
 
+MANY = 20_000
+"""Fluents, actions and their conditions and effects below which a whole program is ground: it answers any question."""
+
 FIRST = 3
 """Entities of a group that are ground first, to see what rules and actions name."""
 
@@ -40,8 +44,9 @@ Like = Mapping[clingo.Symbol, clingo.Symbol]
 
 @dataclass(frozen=True)
 class Needs:
-    """How many entities of a group are named together at most: by an action, by an invariant, by a fluent, and by all
-    facts that one rule reads.
+    """How many entities of a group are named together at most.
+
+    By an action, by an invariant or a fluent, by a fluent, and by all facts that one rule reads.
     """
 
     action: int
@@ -102,14 +107,29 @@ class Needed:
         program = self.alike.without(like)
         return program, check(program, self.given, like).facts
 
+    @property
+    def size(self) -> int:
+        """The number of fluents and actions of the whole program, and of their conditions and effects."""
+        facts = self.facts
+        tables = (facts.preconditions, facts.postconditions)
+        pairs = ((action, fluent) for table in tables for action, values in table.items() for fluent, _ in values)
+        return self._total(pairs) + self.total((*facts.fluents, *facts.actions))
+
     def total(self, terms: Iterable[clingo.Symbol]) -> int:
         """Return how many terms the whole program has where the least one has some."""
+        return self._total((term,) for term in terms)
+
+    def _total(self, rows: Iterable[tuple[clingo.Symbol, ...]]) -> int:
         kept = [[entity for entity in group if entity in self.facts.entities] for group in self.groups]
         place = {entity: number for number, group in enumerate(kept) for entity in group}
+        names: dict[clingo.Symbol, set[clingo.Symbol]] = {}
         found: dict[tuple[int, ...], int] = {}
-        for term in terms:
-            named = [place[entity] for entity in named_in(term, place)]
-            key = tuple(map(named.count, range(len(kept))))
+        for row in rows:
+            named: set[clingo.Symbol] = set()
+            for term in row:
+                named |= names.get(term) or names.setdefault(term, named_in(term, place))
+            groups = [place[entity] for entity in named]
+            key = tuple(map(groups.count, range(len(kept))))
             found[key] = found.get(key, 0) + 1
         return sum(
             number * prod(map(perm, map(len, self.groups), key)) // prod(map(perm, map(len, kept), key))
@@ -121,7 +141,7 @@ class Needed:
 
 
 def find_needed(program: Program, given: Source, *, fewest: int = FEWEST) -> Needed | str | None:
-    """Return what is needed of the entities of a program, or why all are, or None where no group has so many.
+    """Return what is needed of the entities of a program, or why all are, or None where nothing of it is large.
 
     The least program has passed every check. So would the whole one: no check sees more than what a few entities name.
 
@@ -132,24 +152,29 @@ def find_needed(program: Program, given: Source, *, fewest: int = FEWEST) -> Nee
     encodings = encodings_folder(program)
     if problems or encodings is None or not _may_have(statements, fewest):
         return None
+    told = objection(statements)
+    if encodings.resolve() != data_folder("encodings").resolve():
+        told = f"{encodings}: these encodings are others than the shipped ones"
     try:
         alike = find_alike(program, statements)
         groups = [group for group in alike.groups if len(group) >= fewest]
-        if not groups:
-            return None
-        told = objection(statements)
-        if told or encodings.resolve() != data_folder("encodings").resolve():
-            return told or f"{encodings}: these encodings are others than the shipped ones"
-        found = _measured(alike, groups, given, statements)
+        found = _measured(alike, groups, given, statements) if groups and not told else {}
     except DomainError:
         return None  # the check of the whole program tells what is wrong
     if not found:
-        return "a few facts name too many of them together"
-    like = _like(list(found), [needs.least for needs in found.values()], given)
+        return (told or "a few facts name too many of them together") if groups else None
+    like = _like(found, [needs.least for needs in found.values()], given)
     checked = check(alike.without(like), given, like)
     if any(action in group for group in groups for action in checked.facts.declared_actions):
         return "an action has the name of one of them"
-    return Needed(program, given, alike, tuple(found), tuple(found.values()), checked)
+    needed = Needed(program, given, alike, tuple(found), tuple(found.values()), checked)
+    return needed if needed.size >= MANY else None
+
+
+def is_large(facts: Facts) -> bool:
+    """Return whether a program states so much that it is worth telling why all of it is ground."""
+    tables = (facts.preconditions, facts.postconditions)
+    return sum(len(values) for table in tables for values in table.values()) >= MANY
 
 
 def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
@@ -213,7 +238,7 @@ def _needs(control: clingo.Control, group: Group, statements: Sequence[Statement
         return max((len(named_in(atom.symbol, members)) for atom in atoms), default=0)
 
     rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in derived(statements)]
-    by_predicate = {each: most(each) for each in {("fluent", 1), ("action", 1), *INVARIANTS, *sum(rules, [])}}
+    by_predicate = {each: most(each) for each in {("fluent", 1), ("action", 1), *INVARIANTS, *chain(*rules)}}
     fluent = by_predicate["fluent", 1]
     return Needs(
         action=by_predicate["action", 1],

@@ -68,10 +68,15 @@ class Shared:
 
     def _tell_all_ground(self) -> None:
         """Tell why all entities of a group are ground, though it is large."""
-        needed = self.model.domain.needed
-        if needed and self.progress:
-            told = needed if isinstance(needed, str) else "this asks for more than a number of all plans or tasks"
-            self.progress(f"all entities are ground: {told}")
+        domain = self.model.domain
+        if not domain.needed or not self.progress:
+            return
+        from prag_asp.domain.needed import is_large
+
+        if not isinstance(domain.needed, str):
+            self.progress("all entities are ground: this asks for more than a number of all plans or tasks")
+        elif is_large(domain.facts):
+            self.progress(f"all entities are ground: {domain.needed}")
 
     def drawer_for(self, by: Level, length: int, weights: Weights, over: Over | None) -> Drawer:
         """Return the way to draw words, and keep the last one made."""

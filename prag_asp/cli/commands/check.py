@@ -61,11 +61,13 @@ def check(*, asked: Asked) -> None:
 
 def _tell_needed(domain: Domain) -> None:
     """Tell which entities are ground as needed, or why all of many are."""
-    if isinstance(domain.needed, str):
+    from prag_asp.domain.needed import is_large
+
+    if isinstance(domain.needed, str) and is_large(domain.facts):
         tell_line(f"all entities are ground, though many are alike: {domain.needed}")
     for group, needs in zip(domain.fewer.groups, domain.fewer.needs, strict=True) if domain.fewer else ():
-        told = f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike"
-        tell_line(f"{told}; counts at length N need {needs.action} N + {needs.invariant} of them, at least {needs.least}")
+        wanted = f"{needs.action} N + {needs.invariant} of them, at least {needs.least}"
+        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {wanted}")
 
 
 def _require_proofs(domain: Domain) -> None:

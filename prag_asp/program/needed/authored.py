@@ -8,7 +8,8 @@ is written, and no predicate of the encodings beside those of the contract. All 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 
 from clingo.ast import AST, ASTType, ComparisonOperator, Sign
 
@@ -36,6 +37,9 @@ PASSED_OVER = frozenset([
     ASTType.Program, ASTType.Definition, ASTType.Defined, ASTType.ShowSignature, ASTType.ShowTerm, ASTType.Comment,
 ])  # fmt: skip
 """Statements that say nothing of plans."""
+
+PLAIN = frozenset([ASTType.SymbolicAtom, ASTType.BooleanConstant, ASTType.Comparison])
+"""What a literal may say."""
 
 ORDERED = frozenset([
     ComparisonOperator.LessThan, ComparisonOperator.LessEqual,
@@ -77,35 +81,47 @@ def derived(statements: Iterable[Statement]) -> list[Statement]:
 
 def is_stated(statement: Statement) -> bool:
     """Tell whether a statement is an own fact of the base part."""
-    return statement.own and statement.is_rule and not statement.timed and not statement.literals
+    plain = statement.own and statement.is_rule and not statement.timed and not statement.literals
+    return plain and statement.node.head.ast_type == ASTType.Literal
 
 
 def _in_base(statement: Statement) -> bool:
     return statement.part == "base" and (statement.own or statement.path.name in {*RULES, "classes.lp"})
 
 
-def _objection_to(statement: Statement, reserved: Collection[Signature]) -> str | None:
+def _objection_to(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
     if statement.kind in PASSED_OVER:
         return None
     if not statement.is_rule:
         return "this statement may see every entity"
     if statement.part != "base":
         return "a rule of a step may see every entity"
+    return _objection_to_form(statement) or _objection_to_atoms(statement, reserved) or _objection_to_order(statement)
+
+
+def _objection_to_form(statement: Statement) -> str | None:
+    """Return a reason where a rule is more than a plain atom that follows from plain literals."""
     head = statement.node.head
-    if head.ast_type != ASTType.Literal or head.sign != Sign.NoSign:
+    if head.ast_type != ASTType.Literal or head.atom.ast_type not in PLAIN or head.sign != Sign.NoSign:
         return "a choice or an aggregate in a head may see every entity"
     for literal, _ in statement.literals:
-        if literal.ast_type != ASTType.Literal or literal.sign == Sign.DoubleNegation:
+        plain = literal.ast_type == ASTType.Literal and literal.atom.ast_type in PLAIN
+        if not plain or literal.sign == Sign.DoubleNegation:
             return "an aggregate or a condition may see every entity"
     if any(node.ast_type == ASTType.Function and node.external for node in below(statement.node)):
         return "a function of a script may see every entity"
+    return None
+
+
+def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
+    """Return a reason where a rule reads or derives what is not stated by plain facts."""
     for atom in statement.heads:
         if atom.name.startswith("-") or atom.signature in reserved:
             return f"{spelled(atom.signature)} is not stated by plain facts"
     for atom in statement.body:
         if atom.name.startswith("-") or atom.signature in reserved - READ or atom.signature in MIRRORED:
             return f"{spelled(atom.signature)} may tell of every entity"
-    return _objection_to_order(statement)
+    return None
 
 
 def _objection_to_order(statement: Statement) -> str | None:
@@ -192,7 +208,7 @@ def _through_negation(rules: Sequence[Statement]) -> Statement | None:
 
 
 def _nodes(atom: AtomNode) -> list[Node]:
-    """Return the predicates that an atom may belong to: initial values that are true are another than the false ones."""
+    """Return the predicates that an atom may belong to: initial values that are true are one by themselves."""
     if atom.signature != ("initially", 2):
         return [(atom.signature, "")]
     given = atom.arguments[1]

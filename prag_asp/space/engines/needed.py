@@ -1,8 +1,10 @@
 """Counting with no more entities than plans of a length need.
 
 Tasks and skeletons are the same with any more of them. A task whose plan names j of a group of m interchangeable
-entities stands for m (m - 1) ... (m - j + 1) plans: so plans are tasks in which the i-th entity of a group that is
-introduced weighs m - i + 1. docs/explanations/needed.md has the proof.
+entities stands for m (m - 1) ... (m - j + 1) plans. How many plans name how many is read off one number: each entity
+that a plan uses weighs a power of two beyond all counts (Kronecker's substitution), so that the sum of all weights has
+them as its digits. Such weights treat entities alike, and states merge as ever. docs/explanations/needed.md has the
+proof.
 """
 
 from __future__ import annotations
@@ -18,12 +20,15 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.domain.needed import Needed, named_in
 from prag_asp.errors import LimitReached
+from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
+from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import count_words
 from prag_asp.space.automaton.bounded import count_within
+from prag_asp.space.automaton.merged import count_merged
 from prag_asp.space.engines.automaton import AutomatonEngine, limit_reached
 from prag_asp.space.engines.protocol import Engine, Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reach import Explorer
+from prag_asp.space.engines.reach import Explorer, Reach
 from prag_asp.space.limits import Limits, stopped_at
 from prag_asp.space.weighing.weights import Weights
 
@@ -52,9 +57,9 @@ class AsNeeded:
             return None
         if by != "plan":
             return fewer.engine(by).count(length, prefix)
-        tasks = fewer.engine("task")
-        return fewer.explored_plans(length, prefix) if isinstance(tasks, AutomatonEngine) else fewer.listed_plans(
-            tasks, length, prefix)  # fmt: skip
+        if isinstance(fewer.engine("plan"), AutomatonEngine):
+            return fewer.explored_plans(length, prefix)
+        return fewer.listed_plans(length, prefix)
 
     def _fewer(self, length: int) -> Fewer | None:
         sizes = self.needed.sizes(length)
@@ -85,8 +90,9 @@ class Fewer:
 
     def takes(self, prefix: Letters) -> bool:
         """Return whether a prefix has nothing but names: actions may name entities that are not ground."""
-        actions = {str(action) for action in self.model.domain.facts.actions}
-        return all(name_in_prefix(item, actions) is not None for item in prefix)
+        actions = self.model.domain.facts.actions
+        names, spelled = set(map(action_name, actions)), set(map(str, actions))
+        return all(name_in_prefix(item, spelled) in names for item in prefix)
 
     def engine(self, by: Level) -> Engine:
         """Return the engine of a level."""
@@ -114,29 +120,42 @@ class Fewer:
         return tuple(sizes)
 
     def explored_plans(self, length: int, prefix: Letters) -> int:
-        """Return the number of plans of a length: tasks, by weight."""
-        explorer = Explorer(self.model, "task", self.progress)
-        sizes = zip(self.alike, self.whole_sizes or (), strict=True)
-        weights = {each: Fraction(size - place) for group, size in sizes for place, each in enumerate(group)}
-        budget = self.limits.begin()
-        heavier = {entity: weight for entity, weight in weights.items() if weight != 1}
-        reach, unit, _ = explorer.weighed(length, Weights(entities=heavier), budget)
+        """Return the number of plans of a length, by how many entities of each group they name."""
+        facts = self.model.domain.facts
+        ground = [[entity for entity in group if entity in facts.entities] for group in self.groups]
+        bits = (len(facts.tried) ** length + 1).bit_length()
+        weights: dict[clingo.Symbol, Fraction] = {}
+        places = [bits]
+        for members in ground:
+            weights |= dict.fromkeys(members, Fraction(2 ** places[-1]))
+            places.append(places[-1] * (len(members) + 1))
+        reach, unit, _ = Explorer(self.model, "plan", self.progress).weighed(
+            length, Weights(entities=weights), self.limits.begin()
+        )
         assert unit == 1
-        if prefix:
-            sets = [{number for number, name in enumerate(reach.names) if name == _name(item)} for item in prefix]
-            found, stopped = count_words(reach.completions, length, [each.__contains__ for each in sets]), ""
-        else:
-            found, stopped = count_within(reach.completions, length, budget.to_close().spent)
+        stage("counting")
+        found, stopped = self._weight(reach, length, prefix)
         if reach.stopped or stopped:
-            raise limit_reached(reach.states, reach.stopped or stopped, found, "plan", length)
-        return found
+            raise limit_reached(reach.states, reach.stopped or stopped, 0, "plan", length)
+        pairs = [(len(group), len(members)) for group, members in zip(self.groups, ground, strict=True)]
+        return _renamed(found, [*zip(pairs, places, strict=False)])
 
-    def listed_plans(self, tasks: Engine, length: int, prefix: Letters) -> int:
+    def _weight(self, reach: Reach, length: int, prefix: Letters) -> tuple[int, str]:
+        """Return the weight of all words, and which limit ended the sum, if any."""
+        if not prefix:
+            return count_within(reach.completions, length, self.limits.begin().spent)
+        names = [name_in_prefix(item, ()) for item in prefix]
+        sets = [frozenset(letter for letter, own in enumerate(reach.names) if own == name) for name in names]
+        if reach.merged:
+            return count_merged(reach.merged, reach.completions, length, sets), ""
+        return count_words(reach.completions, length, [each.__contains__ for each in sets]), ""
+
+    def listed_plans(self, length: int, prefix: Letters) -> int:
         """Return the number of plans of a length: each task that is found stands for its renamings."""
         actions = {str(action): action for action in self.model.domain.facts.actions}
         found = 0
         try:
-            for word in tasks.words(length, prefix):
+            for word in self.engine("task").words(length, prefix):
                 named = set[clingo.Symbol]().union(*(named_in(actions[letter], self._members) for letter in word))
                 found += prod(
                     perm(size, len(named.intersection(group)))
@@ -151,5 +170,18 @@ class Fewer:
         return frozenset(entity for group in self.alike for entity in group)
 
 
-def _name(item: str) -> str:
-    return name_in_prefix(item, ()) or item
+def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:
+    """Return the number of plans of the whole, given the sum of the weights of those with fewer entities.
+
+    Each group has its size in the whole, its size here, and how many bits a digit of it takes.
+    """
+    if not groups:
+        return weight
+    *others, ((many, few), bits) = groups
+    total, named = 0, 0
+    while weight:
+        digit = weight & ((1 << bits) - 1)
+        found, rest = divmod(_renamed(digit, others) * perm(many, named), perm(few, named))
+        assert not rest, "a plan has renamings that were not counted"
+        total, named, weight = total + found, named + 1, weight >> bits
+    return total
