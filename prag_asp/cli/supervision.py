@@ -100,10 +100,11 @@ class _Supervisor:
         """Wait until the command has ended, one way or another, and return the code for it."""
         while True:
             before = monotonic()
-            came = signal.sigtimedwait({*self._watched, signal.SIGCHLD}, POLL)
-            wish = None if came is None or came.si_signo == signal.SIGCHLD else came.si_signo
+            # What a wait returns that a stop has interrupted may be anything, so nothing is read from it.
+            signal.sigtimedwait({signal.SIGCHLD}, POLL)
+            wish = signal.sigtimedwait(self._watched, 0)
             if wish is not None:  # first: the command may have ended by it already
-                self._hand_on(wish)
+                self._hand_on(wish.si_signo)
             ended, status = os.waitpid(self._command, os.WNOHANG)
             if ended:
                 return self._code_of(os.waitstatus_to_exitcode(status))

@@ -16,7 +16,7 @@ from prag_asp.physics.world.dynamics import TIME_STEP, Command, open_dynamics
 from prag_asp.rl.control import Control, commanded
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.model import Scene
-from prag_asp.scene.robots import robot_of
+from prag_asp.scene.robots import Joints, robot_of
 
 SUBSTEPS = 6
 """How many steps of the simulation an action lasts: an agent acts 20 times a second."""
@@ -56,24 +56,22 @@ class Arena:
         self._commands = {name: _holding(moment, name) for name in moment.arms}
         for robot, command in self._commands.items():
             self._world.drive(robot, command)
-        self._tools = {}
+        self._tools, self._situation = {}, None
         return self._look()
 
     def act(self, action: NDArray[np.float64], control: Control) -> Situation:
         """Let all arms act for one `PERIOD`; `action` has the numbers of each robot in turn, between -1 and 1."""
         assert self._situation is not None
         wanted, ways = {}, {}
-        for (robot, last), own in zip(self._commands.items(), np.split(action, len(self._commands)), strict=True):
+        for (robot, last), own in zip(self._commands.items(), action.reshape(len(self._commands), -1), strict=True):
             arm = self._situation.arm(robot)
             wanted[robot] = commanded(self._situation.robot(robot), arm, last, own, control, PERIOD)
-            ways[robot] = [(a, b - a) for a, b in zip(last.joints, wanted[robot].joints, strict=True)]
-        speeds = {robot: [by / PERIOD for _, by in way] for robot, way in ways.items()}
+            ways[robot] = [(a, b - a) for a, b in zip(_driven(last), _driven(wanted[robot]), strict=True)]
+        speeds = {robot: [by / PERIOD for _, by in way[:-1]] for robot, way in ways.items()}
         for share in SHARES:
             for robot, way in ways.items():
-                last, opening = self._commands[robot], wanted[robot].opening
-                joints = tuple([at + share * by for at, by in way])
-                command = Command(joints, last.opening + share * (opening - last.opening))
-                self._world.drive(robot, command, speeds[robot])
+                *joints, opening = [at + share * by for at, by in way]
+                self._world.drive(robot, Command(tuple(joints), opening), speeds[robot])
             self._world.step()
         self._commands = wanted
         self._world.at_rest()
@@ -94,11 +92,25 @@ class Arena:
         world = self._world
         scene, arms = world.scene, world.arms()
         tools = {name: tool_pose(robot_of(scene, name), arm.joints) for name, arm in arms.items()}
-        situation = Situation(scene, world.poses(), arms, world.openings(), tools)
+        situation = _after(self._situation, Situation(scene, world.poses(), arms, world.openings(), tools))
         at = {name: tool.position for name, tool in tools.items()}
         self._speeds = {name: _speed(self._tools.get(name, here), here) for name, here in at.items()}
         self._tools, self._situation = at, situation
         return situation
+
+
+def _after(last: Situation | None, now: Situation) -> Situation:
+    """Return a situation that keeps what was measured of bodies that stand where they stood in the last one."""
+    if last is None or last.scene is not now.scene or last.openings != now.openings:
+        return now
+    stood = last.poses
+    poses = {entity: stood[entity] if stood.get(entity) == pose else pose for entity, pose in now.poses.items()}
+    return Situation(now.scene, poses, now.arms, now.openings, now.tools, last.measured)
+
+
+def _driven(command: Command) -> Joints:
+    """Return what the motors of an arm drive to: the joints in radians, and the opening in metres."""
+    return (*command.joints, command.opening)
 
 
 def _holding(moment: Moment, robot: str) -> Command:

@@ -316,7 +316,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         desired = np.zeros((2, PLACES), dtype=np.float32)
         desired[:, 0] = self._last
         seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.asked)
-        found = {"observation": seen, "achieved_goal": np.stack([here, self._before]), "desired_goal": desired}
+        found = {"observation": seen, "achieved_goal": np.array([here, self._before]), "desired_goal": desired}
         pictures = self._look(*self._seen_by) if self._seen_by else ()
         return found | {f"camera_{name}": each for name, each in zip(self._seen_by, pictures, strict=True)}
 

@@ -39,14 +39,14 @@ Flags = NDArray[np.bool_]
 
 def missed(achieved: Floats, desired: Floats) -> Floats:
     """Return what the facts of moments are missed by in all, in metres and radians; vectors are the last axis."""
-    found: Floats = np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]).sum(axis=-1)
+    found: Floats = np.add.reduce(np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]), axis=-1)
     return found
 
 
 def reached(achieved: Floats, desired: Floats) -> Flags:
     """Return whether moments are at their goals, or beyond: pursuing a later subgoal; vectors are the last axis."""
     at, goal = achieved[..., 0], desired[..., 0]
-    near = (achieved[..., 1:] <= desired[..., 1:]).all(axis=-1)
+    near = np.logical_and.reduce(achieved[..., 1:] <= desired[..., 1:], axis=-1)
     found: Flags = (at > goal) | ((at == goal) & near)
     return found
 

@@ -61,7 +61,7 @@ def test_too_few_addresses_for_the_libraries_are_told_before_they_fail(megabytes
 
     done = subprocess.run(
         [sys.executable, "-m", "prag_asp", "count", "prag", "--length", "3"],
-        preexec_fn=allow, capture_output=True, text=True, timeout=60, check=False,
+        preexec_fn=allow, capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (Exit.LIMIT, "")
     assert done.stderr.startswith("the system allows only ") and done.stderr.endswith("allow 200 MB or more\n")

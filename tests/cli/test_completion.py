@@ -20,7 +20,7 @@ from prag_asp.program.paths import shipped_domains
 from prag_asp.space.engines import AUTO, ENGINES
 
 ROOT = Path(__file__).parents[2]
-PATIENCE = 60.0
+PATIENCE = 300.0
 """Seconds that a shell on a busy machine may take for one completion."""
 
 

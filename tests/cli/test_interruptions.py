@@ -23,7 +23,7 @@ def cli():
 def work():
     with whole_lines():
         {work}
-        time.sleep(60)
+        time.sleep(600)
 
 sys.exit(cli.main(["work"]))
 """
@@ -34,7 +34,7 @@ INTERRUPTED, TERMINATED = (130, "interrupted"), (143, "terminated")
 def ends(code: str, *arguments: str) -> tuple[int, str]:
     """Return with which code a program ends and what it says, without the empty line after a terminal's ^C."""
     done = subprocess.run(
-        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=50, check=False
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=300, check=False
     )
     return done.returncode, done.stderr.strip()
 

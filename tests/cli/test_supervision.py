@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from prag_asp.cli.supervision import POLL, SOON
 from tests.commands import PRAG, run_apart
 from tests.processes import family, gone, interrupt, interruptible, terminate, until_it_works
 
@@ -45,9 +46,9 @@ main()
 
 HOLDS_THE_INTERPRETER = "print('begun', flush=True); sum(range(10**12))"
 SWALLOWS = """while True:
-        try: print('begun', flush=True); time.sleep(60)
+        try: print('begun', flush=True); time.sleep(600)
         except BaseException: pass"""
-LISTENS = "print('begun', flush=True); time.sleep(60)"
+LISTENS = "print('begun', flush=True); time.sleep(600)"
 
 
 def working(work: str, *arguments: str) -> list[str]:
@@ -56,7 +57,7 @@ def working(work: str, *arguments: str) -> list[str]:
 
 def ends(work: str, *arguments: str) -> tuple[int, str]:
     """Return with which code a command that does something ends, and what it says."""
-    done = subprocess.run(working(work, *arguments), capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(working(work, *arguments), capture_output=True, text=True, timeout=300, check=False)
     return done.returncode, done.stderr.removeprefix("\n")
 
 
@@ -64,7 +65,7 @@ def test_a_grounding_of_hours_ends_at_the_limit_of_time_with_one_line(tmp_path: 
     (tmp_path / "large.lp").write_text(PRODUCT)
     begun = time.monotonic()
     done = run_apart("count", "large.lp", "--length", "3", "--time", "5", cwd=tmp_path)
-    assert time.monotonic() - begun < 15
+    assert time.monotonic() - begun < 60
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr.startswith("the time limit of 5 s was reached while grounding the domain, with ")
     assert done.stderr.endswith("; allow more with --time\n") and done.stderr.count("\n") == 1
@@ -149,25 +150,30 @@ def test_a_command_that_does_not_hear_is_ended_soon(
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
         born, begun = family(process.pid), time.monotonic()
         process.send_signal(number)
-        said = process.communicate(timeout=30)[1]
-        assert time.monotonic() - begun < 25
+        said = process.communicate(timeout=120)[1]
+        assert time.monotonic() - begun < 100
         assert (process.returncode, said.removeprefix("\n")) == end  # it may hear before it is deaf
         assert gone(born)
 
 
-def test_a_second_ctrl_c_does_not_ask(tmp_path: Path) -> None:
-    with interruptible(working(SWALLOWS), tmp_path) as process:
+def test_a_second_ctrl_c_does_not_ask() -> None:
+    with interruptible(_waiting(600, SWALLOWS), Path()) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
         os.killpg(process.pid, signal.SIGINT)
-        time.sleep(0.6)
-        begun = time.monotonic()
+        time.sleep(2 * SOON)
         assert interrupt(process) == "interrupted\n"
-        assert time.monotonic() - begun < 2 and process.returncode == 130
+        assert process.returncode == 130
+
+
+def _waiting(seconds: float, work: str) -> list[str]:
+    """Return a command whose supervisor waits so long for the end of one that has heard that it shall end."""
+    code = f"import prag_asp.cli.supervision\nprag_asp.cli.supervision.HEARD = {seconds}\n{DEAF.format(work=work)}"
+    return [sys.executable, "-c", code, "domains"]
 
 
 def test_foreign_code_that_ends_the_process_when_it_is_asked_to_end_is_no_crash(tmp_path: Path) -> None:
     work = """
-    try: print('begun', flush=True); time.sleep(60)
+    try: print('begun', flush=True); time.sleep(600)
     except KeyboardInterrupt: signal.raise_signal(signal.SIGABRT)"""
     with interruptible(working(work), tmp_path) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
@@ -182,14 +188,14 @@ def test_a_command_ends_with_its_supervisor_even_while_foreign_code_runs(work: s
         born = family(process.pid)
         assert len(born) == 2
         process.kill()
-        assert gone(born, seconds=5)
+        assert gone(born, seconds=50)
 
 
 @pytest.mark.parametrize("send", [interrupt, terminate, lambda process: _one(process, signal.SIGINT)])
 def test_a_command_hears_one_wish_once_whoever_sends_it(
     send: Callable[[subprocess.Popen[str]], str], tmp_path: Path
 ) -> None:
-    tidy = """try: print('begun', flush=True); time.sleep(60)
+    tidy = """try: print('begun', flush=True); time.sleep(600)
     finally:
         time.sleep(0.5)
         print('tidied', flush=True)"""
@@ -204,7 +210,7 @@ def test_a_command_hears_one_wish_once_whoever_sends_it(
 
 def _one(process: subprocess.Popen[str], number: int) -> str:
     process.send_signal(number)
-    return process.communicate(timeout=30)[1]
+    return process.communicate(timeout=300)[1]
 
 
 @pytest.mark.parametrize(
@@ -307,16 +313,27 @@ def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_ha
     work = """
     try: print("begun", flush=True); time.sleep(60)
     except KeyboardInterrupt: time.sleep(0.7); print("ended", flush=True); raise"""
-    hasty = f"import prag_asp.cli.supervision\nprag_asp.cli.supervision.HEARD = 1.0\n{DEAF.format(work=work)}"
-    with interruptible([sys.executable, "-c", hasty, "domains"], Path()) as process:
+    with interruptible(_waiting(1, work), Path()) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
         os.killpg(process.pid, signal.SIGINT)
         time.sleep(0.3)
         os.killpg(process.pid, signal.SIGSTOP)
         time.sleep(2)
         os.killpg(process.pid, signal.SIGCONT)
-        out, err = process.communicate(timeout=30)
+        out, err = process.communicate(timeout=300)
         assert (out, err.lstrip()) == ("ended\n", "interrupted\n")
+
+
+def test_a_supervisor_that_is_stopped_and_goes_on_asks_for_nothing() -> None:
+    with interruptible(working(LISTENS), Path()) as process:
+        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        for _ in range(20):
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(2 * POLL)
+            process.send_signal(signal.SIGCONT)
+            time.sleep(POLL / 2)
+        assert process.poll() is None
+        assert interrupt(process).lstrip() == "interrupted\n"
 
 
 def test_half_a_value_that_an_interruption_leaves_says_nothing_as_it_is_freed() -> None:
@@ -338,20 +355,21 @@ def test_an_interruption_in_what_clingo_calls_comes_when_that_is_done(tmp_path: 
     control.add("base", [], "1 { a(1..3) } 1.")
     control.ground([("base", [])])
     control.solve(on_statistics=lambda step, all: signal.raise_signal(signal.SIGINT))
-    time.sleep(60)"""
+    time.sleep(600)"""
     assert ends(work) == (130, "interrupted\n")
 
 
 @pytest.mark.parametrize("code", [0, 1, 2, 77])
 def test_codes_and_streams_are_those_of_the_command(code: int) -> None:
     work = f"sys.stdout.write(sys.stdin.read() + 'out'); sys.stderr.write('err'); sys.exit({code})"
-    done = subprocess.run(working(work), input="in ", capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(working(work), input="in ", capture_output=True, text=True, timeout=300, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (code, "in out", "err")
 
 
 def test_a_reader_that_goes_away_ends_the_command_without_a_word(tmp_path: Path) -> None:
     command = " ".join(["'" + part.replace("'", "'\\''") + "'" for part in [*PRAG, "enumerate", "prag", "-n", "9"]])
-    done = subprocess.run(f"{command} | head -n 2", shell=True, capture_output=True, text=True, timeout=60, check=False)
+    piped = f"{command} | head -n 2"
+    done = subprocess.run(piped, shell=True, capture_output=True, text=True, timeout=300, check=False)
     assert len(done.stdout.splitlines()) == 2 and not done.stderr
 
 
@@ -361,7 +379,7 @@ def test_a_closed_stream_is_not_taken_for_something_else(closed: int, tmp_path: 
     done = subprocess.run(
         [sys.executable, "-c", program, *PRAG[1:], "count", "prag", "-n", "3"],
         capture_output=True,
-        timeout=60,
+        timeout=300,
         check=False,
     )
     assert done.returncode == 0 and done.stderr == b"" and done.stdout == (b"" if closed == 1 else done.stdout)
@@ -369,7 +387,7 @@ def test_a_closed_stream_is_not_taken_for_something_else(closed: int, tmp_path: 
 
 def test_a_terminal_stops_a_command_and_lets_it_go_on(tmp_path: Path) -> None:
     """A shell with job control starts the command, Ctrl-Z stops it, fg lets it go on, Ctrl-C ends it."""
-    work = "print('begun', flush=True); time.sleep(2); print('done', flush=True); time.sleep(60)"
+    work = "print('begun', flush=True); time.sleep(2); print('done', flush=True); time.sleep(600)"
     (tmp_path / "command.py").write_text(DEAF.format(work=work))
     shell, terminal = pty.fork()
     if shell == 0:
@@ -390,7 +408,7 @@ def test_a_terminal_stops_a_command_and_lets_it_go_on(tmp_path: Path) -> None:
 def _type(terminal: int, text: str, awaited: str) -> None:
     """Type a text, and wait until the terminal shows another."""
     os.write(terminal, text.encode())
-    seen, until = "", time.monotonic() + 40
+    seen, until = "", time.monotonic() + 300
     while awaited not in seen:
         assert time.monotonic() < until, seen
         seen += os.read(terminal, 4096).decode(errors="replace")

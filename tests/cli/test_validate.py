@@ -116,7 +116,7 @@ def test_workers_that_are_just_being_started_leave_an_interruption_to_their_pare
     tmp_path: Path, many: str, delay: float
 ) -> None:
     with interruptible([*PRAG, "validate", many, "--workers", "2"], tmp_path) as process:
-        until = time.monotonic() + 60
+        until = time.monotonic() + 300
         while len(at_work(process.pid)) < 2 and time.monotonic() < until:
             time.sleep(0.01)
         time.sleep(delay)
@@ -144,7 +144,7 @@ def test_drawing_that_is_told_to_end_leaves_whole_lines_and_says_how_far_it_came
     command = [*PRAG, "sample", "tabletop", "-n", "4", "--count", "100000", "--format", "jsonl", "-o", "tasks.jsonl"]
     file = tmp_path / "tasks.jsonl.part"
     with interruptible(command, tmp_path) as process:
-        until = time.monotonic() + 60
+        until = time.monotonic() + 300
         while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
             time.sleep(0.05)
         err = terminate(process)

@@ -198,7 +198,7 @@ def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way):
         with pytest.raises(KeyboardInterrupt):
             _consume(verdicts)
         del verdicts
-    assert time.monotonic() - begun < 5
+    assert time.monotonic() - begun < 60
     assert not children()
 
 

@@ -35,21 +35,21 @@ def interruptible(command: Sequence[str], cwd: Path) -> Iterator[subprocess.Pope
 def interrupt(process: subprocess.Popen[str]) -> str:
     """Press Ctrl-C, and return what the process then says on stderr."""
     os.killpg(process.pid, signal.SIGINT)
-    return process.communicate(timeout=30)[1]
+    return process.communicate(timeout=300)[1]
 
 
 def terminate(process: subprocess.Popen[str]) -> str:
     """Ask a process alone to end, as `kill` does, and return what it then says on stderr."""
     process.terminate()
-    return process.communicate(timeout=30)[1]
+    return process.communicate(timeout=300)[1]
 
 
 def until_it_works(process: subprocess.Popen[str], output: Path | None = None, seconds: float = 2.0) -> None:
     """Wait until a process has written to a file or, without one, has computed for some seconds with its children.
 
-    That takes as long as it takes on a busy machine, but at most 30 seconds.
+    That takes as long as it takes on a busy machine, but at most five minutes.
     """
-    latest = time.monotonic() + 30
+    latest = time.monotonic() + 300
     while process.poll() is None and time.monotonic() < latest:
         if output is not None and output.exists() and output.stat().st_size:
             return
@@ -91,7 +91,7 @@ def workers(command: int) -> list[int]:
     return family(command)[2:]
 
 
-def gone(processes: Iterable[int], seconds: float = 15) -> bool:
+def gone(processes: Iterable[int], seconds: float = 120) -> bool:
     """Wait until processes have ended, for so long at most, and tell whether they have."""
     until = time.monotonic() + seconds
     while (left := any(map(_runs, processes))) and time.monotonic() < until:

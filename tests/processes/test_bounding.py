@@ -32,7 +32,7 @@ def test_a_limit_ends_it_whatever_it_does(function, limits, told) -> None:  # ty
     begun = time.monotonic()
     with pytest.raises(LimitReached, match=told):
         bounded(function, **limits)
-    assert time.monotonic() - begun < 30
+    assert time.monotonic() - begun < 120
     assert not children()
 
 

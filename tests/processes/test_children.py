@@ -104,11 +104,11 @@ def test_a_child_that_ends_before_it_answers_is_told_with_how_it_did(wish: tuple
 def test_an_answer_that_takes_too_long_is_waited_for_no_longer() -> None:
     with Children(MODULE) as ours:
         child = ours.start()
-        child.send(("sleep", 60))
+        child.send(("sleep", 600))
         begun = time.monotonic()
         with pytest.raises(TimeoutError):
             child.receive(0.2)
-    assert time.monotonic() - begun < 5
+    assert time.monotonic() - begun < 60
     assert not children()
 
 
@@ -200,7 +200,7 @@ def test_children_of_a_process_that_ends_at_whatever_moment_end_and_say_nothing(
         time.sleep(delay)
         born = children(parent.pid)
         parent.send_signal(number)
-        said = parent.communicate(timeout=30)[1]
+        said = parent.communicate(timeout=300)[1]
         assert len(born) == 2
         assert gone(born)
     told = said.strip().splitlines()

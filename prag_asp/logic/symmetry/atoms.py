@@ -96,6 +96,20 @@ class Atoms:
             self._of_atom[atom] = self._new(frozenset(), frozenset())
         return self._of_atom[atom]
 
+    def shapes(self, rules: Iterable[SpelledRule]) -> dict[int, list[Shaped]]:
+        """Return the atoms with a name that rules mention, by the entities that they name."""
+        inside = {atom for heads, (_, _, body), _ in rules for atom in (*heads, *(each for each, _, _ in body))}
+        found: dict[int, list[Shaped]] = {}
+        for key in map(self._keys.__getitem__, sorted(inside)):
+            if isinstance(key, tuple):
+                for entity in {*key[1]}:
+                    found.setdefault(entity, []).append(key)
+        return found
+
+    def has(self, shaped: Shaped) -> bool:
+        """Return whether there is an atom with a name."""
+        return shaped in self._numbers
+
     def swap(self, first: int, second: int) -> NDArray[np.int64]:
         """Return the number of each atom under the swap of two entities, `MISSING` where there is no such atom."""
         swapped = np.arange(len(self._keys))

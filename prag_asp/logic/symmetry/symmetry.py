@@ -95,6 +95,8 @@ class _Rules:
 
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to those that others entail."""
+        if not self._may_keep(first, second):
+            return False
         swap = self.atoms.swap(first, second)
         for table in self._tables:
             for rule in table.missing(swap, first, second):
@@ -102,14 +104,38 @@ class _Rules:
                     return False
         return True
 
+    def _may_keep(self, first: int, second: int) -> bool:
+        """Return whether the swap of two entities maps the atoms that rules mention by name onto atoms.
+
+        Most pairs differ in the first of them already, and cost nothing more.
+        """
+        names = {first: second, second: first}
+        return all(
+            self.atoms.has((shape, tuple(names.get(each, each) for each in inside)))
+            for entity in (first, second)
+            for shape, inside in self._shapes.get(entity, ())
+        )
+
+    @cached_property
+    def _shapes(self) -> dict[int, list[Shaped]]:
+        return self.atoms.shapes(self._deriving)
+
+    @cached_property
+    def _deriving(self) -> list[SpelledRule]:
+        """The rules, each once, but for those that derive nothing since they need their own head."""
+        return [
+            rule
+            for rule in self.atoms.rules
+            if not (rule.is_plain and any((head, 0, 1) in rule.body[2] for head in rule.heads))
+        ]
+
     @cached_property
     def _tables(self) -> list[_Table]:
-        """The rules, each once, by their form."""
+        """The rules by their form."""
         forms: dict[tuple[int, bool, bool, int, int], list[SpelledRule]] = {}
-        for rule in self.atoms.rules:
+        for rule in self._deriving:
             heads, (choice, bound, literals), last = rule
-            if not (any((head, 0, 1) in literals for head in heads) and rule.is_plain):  # else it derives nothing
-                forms.setdefault((len(heads), last, choice, bound, len(literals)), []).append(rule)
+            forms.setdefault((len(heads), last, choice, bound, len(literals)), []).append(rule)
         return [_table(self.atoms, rules) for rules in forms.values()]
 
     def _consequences(self, last: bool) -> Consequences:

@@ -22,6 +22,9 @@ ACCURACY = 1e-5
 APART = 0.4
 ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 DIFFERENCES = DIFFERENCE * np.eye(7)
+BELOW, ABOVE = np.array((7, 2, 3)), np.array((5, 6, 1))
+"""Which of the nine numbers of a rotation, row by row, tell by their differences about which axis it turns."""
+
 CAUTION, POSTURE_GAIN = 1e-3, 0.02
 """How much a step is damped near where the arm is stretched, and what share of the way to its posture it takes."""
 DAMPED = CAUTION * np.eye(6)
@@ -112,20 +115,26 @@ def nudged(
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
-    drawn = POSTURE_GAIN * (np.array(robot.posture) - joints)
+    drawn = POSTURE_GAIN * (_posture(robot) - joints)
     drawn[0] = 0.0
     found: NDArray[np.float64] = joints + drawn + inverse @ (twist - jacobian @ drawn)
     return found
 
 
+@cache
+def _posture(robot: Robot) -> NDArray[np.float64]:
+    """Return the joint angles of a robot's posture, shape (7,)."""
+    return np.array(robot.posture)
+
+
 def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return how the tool moves from `here` with each joint, in the frame of the base, shape (6, 7); by differences."""
     forward = robot.solver.forward
-    near = np.array([forward(joints + row) for row in DIFFERENCES])
-    turns = near[:, :3, :3] @ here[:3, :3].T
+    near = np.array(list(map(forward, joints + DIFFERENCES)))
+    turns = (near[:, :3, :3] @ here[:3, :3].T).reshape(-1, 9)
     columns = np.empty((6, len(joints)))
     columns[:3] = (near[:, :3, 3] - here[:3, 3]).T
-    columns[3:] = (turns[:, (2, 0, 1), (1, 2, 0)] - turns[:, (1, 2, 0), (2, 0, 1)]).T / 2
+    columns[3:] = (turns.take(BELOW, 1) - turns.take(ABOVE, 1)).T / 2
     columns /= DIFFERENCE
     return columns
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import pytest
 
 from prag_asp import EngineError, load_domain
@@ -55,8 +53,7 @@ def test_a_variable_of_no_clause_counts_twice_if_it_is_shown() -> None:
 @needs_ganak
 def test_a_count_that_takes_too_long_ends_with_an_error_and_no_process() -> None:
     engine = SharpEngine(Model(load_domain("tabletop")), "plan", limits=Limits(seconds=1.5))
-    before, begun = set(children()), time.monotonic()
+    before = set(children())
     with pytest.raises(EngineError, match=r"no count after 1\.5 s"):
-        engine.count(6)
-    assert time.monotonic() - begun < 30
+        pytest.fail(f"it has counted {engine.count(30)}")
     assert set(children()) <= before
