@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from importlib.util import find_spec
 from math import perm
 from pathlib import Path
@@ -26,7 +26,7 @@ from tests.chance import Chance
 from tests.domains import ENCODINGS
 from tests.needed.lifted import TRAPS, draw_lifted
 
-DOMAINS, PARTS = 100, 4
+DOMAINS, PARTS = 60, 4
 """How many domains are drawn; with `pytest --fresh`, ten times as many."""
 
 MOST = 8
@@ -57,6 +57,7 @@ def small_programs_are_large(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(entities, "MANY", 0)
 
 
+@cache
 def cubes(number: int, more: str = "") -> Domain:
     """Return the domain of stacks with so many cubes."""
     return load_domain(text=f"entity(({'; '.join(f'c{n}' for n in range(number))}), cube).\n{STACKS}{more}")
