@@ -56,6 +56,9 @@ def _recordings(manifest: Manifest, tables: Tables) -> frozenset[str]:
 def _wrong_tasks(manifest: Manifest, domain: Domain, tables: Tables, progress: Looked) -> Iterator[Finding]:
     """Yield what is wrong with sizes and rows, beside what is counted and drawn now."""
     asked = manifest.asked
+    if [space.length for space in manifest.spaces] != list(asked.lengths):  # Of others, nothing may ever be counted.
+        yield Finding(NAME, None, "spaces are not of the lengths that were asked for, so no task was looked at")
+        return
     try:
         one = len(asked.lengths) == 1
         space = TaskSpace(domain, asked.lengths[0]) if one else TaskSpaces(domain, asked.lengths)

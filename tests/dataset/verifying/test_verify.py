@@ -132,6 +132,9 @@ FIGURES: dict[str, tuple[Change, str]] = {
     "a size": (noted(lambda told: told["spaces"][1].update(tasks="361")), "there are 360 tasks of length 2, not 361"),
     "the size of a part": (noted(lambda told: part_of(told, "test").update(size="7")), r"test: has \d+ tasks to draw"),
     "an identity": (noted(lambda told: told.update(identity="0" * 40)), "identity is not that of"),
+    "a length beyond all counting": (
+        noted(lambda told: told["asked"].update(lengths=[1, 10**9])), "spaces are not of the lengths that were asked"
+    ),
     "another seed": (noted(lambda told: told["asked"].update(seed=6)), rf"{TRAIN}: row 0: its .*plan.* are not"),
     "a tally": (noted(lambda told: shard_of(told, "train")["tally"][0].update(drawn=77)), "the tally of shard 0"),
     "a cause": (
