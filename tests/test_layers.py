@@ -71,7 +71,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "model", "formula"),
     "space": (
-        "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "explain", "drawing", "shared",
+        "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "needed", "explain", "drawing", "shared",
         "task_space", "task_spaces", "ordered", "why",
     ),
     "physics": (

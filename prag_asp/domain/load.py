@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import clingo
 
 from prag_asp.domain.given import parse_given
+from prag_asp.domain.needed import Needed, find_needed
 from prag_asp.errors import DomainError, SceneError
 from prag_asp.lint import check, check_learned
 from prag_asp.processes.stage import stage
@@ -40,7 +41,8 @@ class Domain:
     its base part states. `folder` is None where it was not given as a name or a folder. Physics runs the Python files
     of the domain only where it is `trusted`. `learned` are the impossible fluents that only the file of learned
     invariants states, `constants` the terms that its ``#const``s were set to, by their names, `warnings` what is
-    strange, but well defined.
+    strange, but well defined. `needed` tells which entities need not all be ground to count, or in words why all are;
+    None where there are few. What then counts on `facts` grounds them all.
     """
 
     name: str
@@ -53,6 +55,13 @@ class Domain:
     learned: tuple[tuple[clingo.Symbol, clingo.Symbol], ...] = ()
     constants: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[Problem, ...] = ()
+    needed: Needed | str | None = None
+
+    @property
+    def fewer(self) -> Needed | None:
+        """What is known of the entities that need not all be ground: nothing of a program that says more since."""
+        found = self.needed
+        return found if isinstance(found, Needed) and found.program is self.program else None
 
     @property
     def label(self) -> str:
@@ -102,21 +111,23 @@ def load_domain(
     known = {source.path.resolve() for source in core}
     extra = tuple(source for source in (*hierarchy, *own, *asked) if source.path.resolve() not in known)
     program = Program((*core, *_unique(extra)))
-    checked = check(program, _settings(settings, found.folder))
+    path = found.folder / LEARNED if learned and found.folder and settings is None else None
+    path = path if path is not None and os.path.lexists(path) else None
+    table_file = _settings(settings, found.folder)
+    needed = None if path else find_needed(program, table_file)
+    checked = needed.checked if isinstance(needed, Needed) else check(program, table_file)
     if strict:
         raise_problems(each.as_error() for each in first_of_each(checked.warnings))
-    facts, table = checked.facts, checked.settings
-    if flat:
-        facts = flattened(facts)
-    if not facts.composites:
+    facts = flattened(checked.facts) if flat else checked.facts
+    if isinstance(needed, Needed):
+        facts = needed.whole_facts()
+    elif not facts.composites:
         program = Program(tuple(source for source in program.sources if source not in hierarchy))
     domain = Domain(
-        found.name, found.folder, encodings, program, facts, table, trust, constants=values, warnings=checked.warnings
-    )
-    path = found.folder / LEARNED if found.folder and settings is None else None
-    if not learned or path is None or not os.path.lexists(path):
-        return domain
-    return with_learned(domain, read_sources(path, encodings, own=found.folder))
+        found.name, found.folder, encodings, program, facts, checked.settings, trust,
+        constants=values, warnings=checked.warnings, needed=needed,
+    )  # fmt: skip
+    return with_learned(domain, read_sources(path, encodings, own=found.folder)) if path else domain
 
 
 def _settings(given: str | Path | None, folder: Path | None) -> Source:

@@ -9,6 +9,6 @@ A stage is only reached without errors in the stages before, so that one mistake
 the domain means nothing, or that a count could be wrong. What is merely strange is a warning, which stops nothing.
 """
 
-from prag_asp.lint.stages import Checked, check, check_learned
+from prag_asp.lint.stages import Checked, check, check_learned, with_entities
 
-__all__ = ["Checked", "check", "check_learned"]
+__all__ = ["Checked", "check", "check_learned", "with_entities"]

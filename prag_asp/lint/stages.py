@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import clingo
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
@@ -67,8 +68,10 @@ class _Judge:
         self.warnings |= dict.fromkeys(not_allowed(found, self._allowed))
 
 
-def check(program: Program, given: Source) -> Checked:
+def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.Symbol] | None = None) -> Checked:
     """Return what a domain states, its settings, those `given` as a file, and its warnings.
+
+    `like` are entities that are not ground, each with a ground one that is like it: settings may name them.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
@@ -92,11 +95,23 @@ def check(program: Program, given: Source) -> Checked:
     facts = _facts(grounder, origins)
     _check_facts(judge, grounder, facts, statements, origins)
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
-    judge.take([*shared_name_problems(facts, origins), *name_problems(settings, facts)])
+    judge.take([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
     if encodings and relaxed and _can_leave_out(statements):
         left = replace(left, unreached=find_unreached(grounder, left, statements, encodings))
     ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))
     return Checked(left, settings, tuple(ordered))
+
+
+def with_entities(facts: Facts, like: Mapping[clingo.Symbol, clingo.Symbol]) -> Facts:
+    """Return facts with entities that are like some of them."""
+    if not like:
+        return facts
+    above: dict[clingo.Symbol, list[clingo.Symbol]] = {}
+    for entity, name in facts.memberships:
+        above.setdefault(entity, []).append(name)
+    more = {(entity, name) for entity, known in like.items() for name in above[known]}
+    entities = {**facts.entities, **{entity: facts.entities[known] for entity, known in like.items()}}
+    return replace(facts, entities=dict(sorted(entities.items())), memberships=facts.memberships | more)
 
 
 def check_learned(program: Program, learned: Sequence[Source]) -> Facts:

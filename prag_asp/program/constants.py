@@ -13,7 +13,7 @@ from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import raise_problems
 from prag_asp.program.sources import Source
-from prag_asp.program.syntax import Statement
+from prag_asp.program.syntax import Statement, with_replaced
 from prag_asp.program.tokens import blanked
 from prag_asp.wording import did_you_mean
 
@@ -61,8 +61,7 @@ def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domai
         )
     changed = [statement for name in constants for statement in declared[name]]
     return tuple(
-        replace(source, text=_rewritten(source.text, [at for at in changed if at.path == source.path], constants))
-        for source in sources
+        replace(source, text=with_replaced(source.text, _definitions(changed, source, constants))) for source in sources
     )
 
 
@@ -81,18 +80,8 @@ def _term(name: str, value: Constant) -> str:
     raise DomainError(f"constant {name}: {shown!r} is no term; write a number such as 8, or a term such as f(a)")
 
 
-def _rewritten(text: str, statements: Iterable[Statement], constants: Mapping[str, str]) -> str:
-    """Return a text with other values in some of its definitions; clingo counts columns in bytes."""
-    lines = text.encode().split(b"\n")
-    for statement in sorted(statements, key=_begin, reverse=True):
-        (first, column), end = _begin(statement), statement.node.location.end
-        name, after = statement.node.name, lines[end.line - 1][end.column - 1 :]
-        lines[first - 1] = lines[first - 1][: column - 1] + f"#const {name} = {constants[name]}.".encode()
-        lines[first : end.line] = [b""] * (end.line - first)
-        lines[end.line - 1] += after
-    return b"\n".join(lines).decode()
-
-
-def _begin(statement: Statement) -> tuple[int, int]:
-    begin = statement.node.location.begin
-    return begin.line, begin.column
+def _definitions(changed: Iterable[Statement], source: Source, constants: Mapping[str, str]) -> dict[Statement, str]:
+    """Return the definitions of a file as they are to be."""
+    return {
+        each: f"#const {each.node.name} = {constants[each.node.name]}." for each in changed if each.path == source.path
+    }

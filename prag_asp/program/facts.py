@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import copyreg
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import itemgetter
+from typing import Any
 
 import clingo
 
@@ -19,6 +20,9 @@ from prag_asp.program.sources import Program
 copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
 
 VALUES = ("true", "false", "unknown")
+
+LATER = "_later"
+"""What grounds facts that are not ground yet."""
 
 Assignment = tuple[tuple[clingo.Symbol, str], ...]
 """Fluents with their values; ``unknown`` is one of postconditions only."""
@@ -50,8 +54,21 @@ class Facts:
     composites: tuple[clingo.Symbol, ...]
     stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
     free: tuple[clingo.Symbol, ...]
-    left_out: tuple[clingo.Symbol, ...] = ()
-    unreached: tuple[clingo.Symbol, ...] = ()
+    left_out: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
+    unreached: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
+
+    def __getattr__(self, name: str) -> Any:
+        """Ground what is stated where that was put off until somebody asks for it (see `ground_later`)."""
+        ground = self.__dict__.pop(LATER, None)
+        if ground is None:
+            raise AttributeError(name)
+        self.__dict__.update(ground().__dict__)
+        return getattr(self, name)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Send no facts elsewhere that are not ground."""
+        _ = self.fluents
+        return self.__dict__
 
     @property
     def classes(self) -> set[clingo.Symbol]:
@@ -84,6 +101,13 @@ class Facts:
     def closed(self) -> bool:
         """Whether every fluent has an initial value."""
         return set(self.fluents) <= {fluent for fluent, _ in self.initially}
+
+
+def ground_later(ground: Callable[[], Facts]) -> Facts:
+    """Return facts that are ground when somebody first asks for one of them."""
+    facts = object.__new__(Facts)
+    facts.__dict__[LATER] = ground
+    return facts
 
 
 def ground_facts(program: Program) -> Facts:

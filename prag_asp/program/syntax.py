@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -215,3 +215,20 @@ def names(texts: Iterable[str]) -> set[str]:
 def variables(text: str) -> set[str]:
     """Return the names of the variables in a text, strings aside."""
     return set(VARIABLE.findall(STRING.sub("", text)))
+
+
+def with_replaced(text: str, replaced: Mapping[Statement, str]) -> str:
+    """Return a text with other text, of one line, in place of some of its statements; each line stays where it was."""
+    lines = text.encode().split(b"\n")  # clingo counts columns in bytes
+    for statement in sorted(replaced, key=_begin, reverse=True):
+        (first, column), end = _begin(statement), statement.node.location.end
+        after = lines[end.line - 1][end.column - 1 :]
+        lines[first - 1] = lines[first - 1][: column - 1] + replaced[statement].encode()
+        lines[first : end.line] = [b""] * (end.line - first)
+        lines[end.line - 1] += after
+    return b"\n".join(lines).decode()
+
+
+def _begin(statement: Statement) -> tuple[int, int]:
+    begin = statement.node.location.begin
+    return begin.line, begin.column

@@ -16,6 +16,7 @@ from prag_asp.space.limits import Limits
 
 if TYPE_CHECKING:
     from prag_asp.space.drawing.drawers import Drawer, Over
+    from prag_asp.space.needed import AsNeeded
     from prag_asp.space.plans.narrate import Narrator
     from prag_asp.space.plans.readings import Hierarchy
     from prag_asp.space.weighing.weights import Weights
@@ -43,6 +44,7 @@ class Shared:
         if length < self.fewest_actions:
             return NoWords(self.model, by)
         if by not in self._engines:
+            self._tell_all_ground()
             self._engines[by] = select(self.engine, self.model, by, self.progress, self.limits)
         return self._engines[by]
 
@@ -50,8 +52,31 @@ class Shared:
         """Return the number of words, and keep it."""
         key = (by, length, prefix)
         if key not in self._counts:
-            self._counts[key] = self.engine_for(by, length).count(length, prefix)
+            found = self._as_needed.count(by, length, prefix) if self._as_needed else None
+            self._counts[key] = self.engine_for(by, length).count(length, prefix) if found is None else found
         return self._counts[key]
+
+    @cached_property
+    def _as_needed(self) -> AsNeeded | None:
+        """What counts with no more entities than are needed, where a domain has more."""
+        domain = self.model.domain
+        if domain.fewer is None:
+            return None
+        from prag_asp.space.needed import AsNeeded
+
+        return AsNeeded(domain, domain.fewer, self.engine, self.progress, self.limits)
+
+    def _tell_all_ground(self) -> None:
+        """Tell why all entities of a group are ground, though it is large."""
+        domain = self.model.domain
+        if not domain.needed or not self.progress:
+            return
+        from prag_asp.domain.needed import is_large
+
+        if not isinstance(domain.needed, str):
+            self.progress("all entities are ground: this asks for more than a number of all plans or tasks")
+        elif is_large(domain.facts):
+            self.progress(f"all entities are ground: {domain.needed}")
 
     def drawer_for(self, by: Level, length: int, weights: Weights, over: Over | None) -> Drawer:
         """Return the way to draw words, and keep the last one made."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, overload
 from prag_asp.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
+from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.space.conditions.condition import Condition
@@ -449,8 +450,13 @@ class TaskSpace:
     def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
         if isinstance(prefix, str):
             raise QueryError(f"prefix {prefix!r}: give a list, such as [{prefix!r}]")
+        if not prefix:
+            return ()
+        items = [str(item) for item in prefix]
+        if self.domain.fewer and {*items} <= {action_name(action) for action in self.domain.fewer.facts.actions}:
+            return parse_prefix(items, by, self.domain.fewer.facts)
         facts = self.domain.facts
-        found = parse_prefix([str(item) for item in prefix], by, facts)
+        found = parse_prefix(items, by, facts)
         if by != "task" or not found:
             return found
         groups = self._shared.model.groups(self.length)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -41,20 +42,32 @@ def check(*, asked: Asked) -> None:
         raise_problems(each.as_error() for each in first_of_each(warnings))
     for warning in first_of_each(warnings):
         tell_line(str(warning))
-    facts = domain.facts
-    left = f"{len(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
+    facts, total = (domain.fewer.with_all, domain.fewer.total) if domain.fewer else (domain.facts, len)
+    _tell_needed(domain)
+    left = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
     parts = [
         f"{world} world",
         plural(len(facts.entities), "entity", "entities"),
-        plural(len(facts.fluents), "fluent"),
-        f"{left}{plural(len(facts.declared_actions), 'action')}",
+        plural(total(facts.fluents), "fluent"),
+        f"{left}{plural(total(facts.declared_actions), 'action')}",
         *([plural(len(facts.composites), "composite")] if facts.composites else []),
         *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
         scene,
     ]
     say(f"{domain.label}: ok; {', '.join(parts)}")
+
+
+def _tell_needed(domain: Domain) -> None:
+    """Tell which entities are ground as needed, or why all of many are."""
+    from prag_asp.domain.needed import is_large
+
+    if isinstance(domain.needed, str) and is_large(domain.facts):
+        tell_line(f"all entities are ground, though many are alike: {domain.needed}")
+    for group, needs in zip(domain.fewer.groups, domain.fewer.needs, strict=True) if domain.fewer else ():
+        wanted = f"{needs.action} N + {needs.invariant} of them, at least {needs.least}"
+        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {wanted}")
 
 
 def _require_proofs(domain: Domain) -> None:
@@ -81,6 +94,8 @@ def _of_scene(domain: Domain) -> Iterable[Problem]:
     """Return warnings of what physics never does, though the domain speaks of it: of grips, and of places."""
     if not domain.settings.scene:
         return ()
+    if domain.fewer:
+        domain = replace(domain, facts=domain.fewer.with_all)
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach

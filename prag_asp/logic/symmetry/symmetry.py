@@ -10,6 +10,7 @@ answer sets.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -55,15 +56,22 @@ def may_interchange(facts: Facts) -> bool:
 
     A step has an atom for each action, so that no others need to be looked for on the ground program.
     """
-    by_class: dict[clingo.Symbol, list[int]] = {}
-    for number, name in enumerate(facts.entities.values()):
-        by_class.setdefault(name, []).append(number)
+    names_of_classes = list(facts.entities.values())
     shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
     actions = {shapes.of(action) for action in facts.actions}
     naming: dict[int, list[Shaped]] = {}
     for action in actions:
         for entity in set(action[1]):
             naming.setdefault(entity, []).append(action)
+
+    def told(entity: int) -> object:
+        """Return what a swap leaves as it is: the actions that name an entity, but for others of its class in them."""
+        own = names_of_classes[entity]
+        patterns = Counter(
+            (shape, tuple(-1 if each == entity else -2 if names_of_classes[each] == own else each for each in inside))
+            for shape, inside in naming.get(entity, ())
+        )
+        return own, frozenset(patterns.items())
 
     def kept(first: int, second: int) -> bool:
         names = {first: second, second: first}
@@ -73,7 +81,10 @@ def may_interchange(facts: Facts) -> bool:
             for shape, inside in naming.get(entity, ())
         )
 
-    return any(kept(*pair) for members in by_class.values() for pair in combinations(members, 2))
+    alike: dict[object, list[int]] = {}
+    for entity in range(len(names_of_classes)):
+        alike.setdefault(told(entity), []).append(entity)
+    return any(kept(*pair) for members in alike.values() for pair in combinations(members, 2))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,215 @@
+"""Whether a domain's own statements treat all entities that they do not name alike, and see none beside those at hand.
+
+What is allowed is narrow, and each of its rules is used in the proof of docs/explanations/needed.md: the base part
+alone, plain stratified rules, no order among terms but where it only says which of two mirror images of an invariant
+is written, and no predicate of the encodings beside those of the contract. All else is refused in words.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+
+from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+
+from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, Statement, below, spelled, variables
+
+READ = frozenset([
+    ("class", 1), ("class", 2), ("entity", 2), ("is_a", 2), ("fluent", 1), ("action", 1), ("precondition", 3),
+    ("postcondition", 3), ("initially", 2), ("goal", 2), ("at_most", 2),
+])  # fmt: skip
+"""What of the contract own rules may read: of two mirror images of an invariant, only one needs to be there."""
+
+MIRRORED = frozenset([("exclusive", 2), ("impossible", 2)])
+"""Invariants that mean the same with their two fluents swapped."""
+
+STATED = (READ - {("is_a", 2)}) | MIRRORED | {("implies", 2)}
+"""What of the contract own rules may derive."""
+
+RULES = frozenset(["closed_world.lp", "at_most.lp"])
+"""The rules beside the core encodings that see no entity that nobody names, and no step but by its action's name."""
+
+FOLDERS = ("rules", "conditions")
+"""The folders of encodings that not every domain reads."""
+
+PASSED_OVER = frozenset([
+    ASTType.Program, ASTType.Definition, ASTType.Defined, ASTType.ShowSignature, ASTType.ShowTerm, ASTType.Comment,
+])  # fmt: skip
+"""Statements that say nothing of plans."""
+
+PLAIN = frozenset([ASTType.SymbolicAtom, ASTType.BooleanConstant, ASTType.Comparison])
+"""What a literal may say."""
+
+ORDERED = frozenset([
+    ComparisonOperator.LessThan, ComparisonOperator.LessEqual,
+    ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual,
+])  # fmt: skip
+COMPUTED = frozenset([ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Interval])
+Node = tuple[Signature, str]
+"""A predicate, and which part of it."""
+
+VALUES = ("true", "false")
+
+MOST_VARIABLES = 8
+"""Variables up to which mirror images of a rule are looked for."""
+
+
+def objection(statements: Sequence[Statement]) -> str | None:
+    """Return the first reason, with file and line, why entities of a domain cannot be ground as needed."""
+    own = [each for each in statements if each.own]
+    for statement in statements:
+        if not statement.own and statement.path.parent.name in FOLDERS and statement.path.name not in RULES:
+            return f"{statement.path.name} may see every entity"
+    reserved = {atom.signature for each in statements if not each.own for atom in (*each.heads, *each.body)} - STATED
+    reserved |= {(each.node.name, each.node.arity) for each in statements
+                 if not each.own and each.kind == ASTType.Defined} - STATED  # fmt: skip
+    for statement in own:
+        told = _objection_to(statement, reserved)
+        if told:
+            return f"{statement.path}:{statement.line}: {told}"
+    unstratified = _through_negation([each for each in statements if each.is_rule and _in_base(each)])
+    if unstratified:
+        return f"{unstratified.path}:{unstratified.line}: this rule depends on itself through `not`"
+    return None
+
+
+def derived(statements: Iterable[Statement]) -> list[Statement]:
+    """Return the rules of the base part that derive what is stated from other facts."""
+    return [each for each in statements if each.is_rule and _in_base(each) and each.literals]
+
+
+def is_stated(statement: Statement) -> bool:
+    """Tell whether a statement is an own fact of the base part."""
+    plain = statement.own and statement.is_rule and not statement.timed and not statement.literals
+    return plain and statement.node.head.ast_type == ASTType.Literal
+
+
+def _in_base(statement: Statement) -> bool:
+    return statement.part == "base" and (statement.own or statement.path.name in {*RULES, "classes.lp"})
+
+
+def _objection_to(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
+    if statement.kind in PASSED_OVER:
+        return None
+    if not statement.is_rule:
+        return "this statement may see every entity"
+    if statement.part != "base":
+        return "a rule of a step may see every entity"
+    return _objection_to_form(statement) or _objection_to_atoms(statement, reserved) or _objection_to_order(statement)
+
+
+def _objection_to_form(statement: Statement) -> str | None:
+    """Return a reason where a rule is more than a plain atom that follows from plain literals."""
+    head = statement.node.head
+    if head.ast_type != ASTType.Literal or head.atom.ast_type not in PLAIN or head.sign != Sign.NoSign:
+        return "a choice or an aggregate in a head may see every entity"
+    for literal, _ in statement.literals:
+        plain = literal.ast_type == ASTType.Literal and literal.atom.ast_type in PLAIN
+        if not plain or literal.sign == Sign.DoubleNegation:
+            return "an aggregate or a condition may see every entity"
+    if any(node.ast_type == ASTType.Function and node.external for node in below(statement.node)):
+        return "a function of a script may see every entity"
+    return None
+
+
+def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
+    """Return a reason where a rule reads or derives what is not stated by plain facts."""
+    for atom in statement.heads:
+        if atom.name.startswith("-") or atom.signature in reserved:
+            return f"{spelled(atom.signature)} is not stated by plain facts"
+    for atom in statement.body:
+        if atom.name.startswith("-") or atom.signature in reserved - READ or atom.signature in MIRRORED:
+            return f"{spelled(atom.signature)} may tell of every entity"
+    return None
+
+
+def _objection_to_order(statement: Statement) -> str | None:
+    """Return a reason where entities are told apart by their order."""
+    compared = [literal for literal, _ in statement.literals if _is_ordered(literal)]
+    if not compared:
+        return None
+    if len(compared) > 1 or not _is_mirrored(statement, compared[0]):
+        return "entities may be told apart by the order of their names"
+    return None
+
+
+def _is_ordered(literal: AST) -> bool:
+    """Tell whether a literal compares terms by their order, none of which is sure to be a number."""
+    if literal.atom.ast_type != ASTType.Comparison:
+        return False
+    sides = [literal.atom.term, *(guard.term for guard in literal.atom.guards)]
+    if not any(guard.comparison in ORDERED for guard in literal.atom.guards):
+        return False
+    return len(sides) > 2 or not any(_is_number(side) for side in sides)
+
+
+def _is_number(term: AST) -> bool:
+    return term.ast_type in COMPUTED or (
+        term.ast_type == ASTType.SymbolicTerm and re.fullmatch(r"-?\d+", str(term)) is not None
+    )
+
+
+def _is_mirrored(statement: Statement, compared: AST) -> bool:
+    """Tell whether a rule for an invariant, without its comparison, is its own image with the two sides swapped."""
+    guards = compared.atom.guards
+    sides = [str(compared.atom.term), str(guards[0].term)]
+    (head,) = statement.heads or (None,)
+    plain = len(guards) == 1 and compared.sign == Sign.NoSign and all(VARIABLE.fullmatch(side) for side in sides)
+    if head is None or head.signature not in MIRRORED or not plain or sides[0] == sides[1]:
+        return False
+    body = [text for literal, text in statement.literals if literal is not compared]
+    texts = [*head.arguments, *body]
+    if any('"' in text or ";" in text for text in texts):
+        return False
+    others = sorted(set().union(*map(variables, texts)) - {*sides, "_"})
+    if len(others) > MOST_VARIABLES:
+        return False
+    first, second = head.arguments
+    return any(
+        _swapped(first, swap) == second and _swapped(second, swap) == first
+        and {_swapped(text, swap) for text in body} == set(body)
+        for swap in _involutions(others, {sides[0]: sides[1], sides[1]: sides[0]})
+    )  # fmt: skip
+
+
+def _involutions(names: Sequence[str], fixed: Mapping[str, str]) -> Iterator[dict[str, str]]:
+    """Yield the ways to swap some names in pairs, each added to what is swapped already."""
+    if not names:
+        yield dict(fixed)
+        return
+    first, *rest = names
+    yield from _involutions(rest, fixed)
+    for other in rest:
+        yield from _involutions([each for each in rest if each != other], {**fixed, first: other, other: first})
+
+
+def _swapped(text: str, swap: Mapping[str, str]) -> str:
+    return VARIABLE.sub(lambda found: swap.get(found[0], found[0]), text)
+
+
+def _through_negation(rules: Sequence[Statement]) -> Statement | None:
+    """Return a rule of which something that it reads by `not` depends on its head."""
+    above: dict[Node, set[Node]] = {}
+    for rule in rules:
+        heads = {node for head in rule.heads for node in _nodes(head)}
+        for node in {node for atom in rule.body for node in _nodes(atom)}:
+            above.setdefault(node, set()).update(heads)
+    for rule in rules:
+        reached = {node for head in rule.heads for node in _nodes(head)}
+        waiting = list(reached)
+        while waiting:
+            more = above.get(waiting.pop(), set()) - reached
+            reached |= more
+            waiting += more
+        if any(atom.negated and not reached.isdisjoint(_nodes(atom)) for atom in rule.body):
+            return rule
+    return None
+
+
+def _nodes(atom: AtomNode) -> list[Node]:
+    """Return the predicates that an atom may belong to: initial values that are true are one by themselves."""
+    if atom.signature != ("initially", 2):
+        return [(atom.signature, "")]
+    given = atom.arguments[1]
+    return [(atom.signature, value) for value in VALUES if given == value or given not in VALUES]
