@@ -89,6 +89,7 @@ def test_there_is_nothing_to_draw_from_nothing() -> None:
             "{a}.\n\nweight(a,1,2).",
             r"^<text>:3: weight\(a,1,2\) has 3 arguments, and a weight has 2; write weight\(Atom,W\)",
         ),
+        ("{a}.\n-weight(a,2).", r"^<text>:2: -weight\(a,2\) is negated, and no weight; write weight\(Atom,W\)"),
         ("{a;b}.\nweight(a,2). #show b/0.", "^<text>:2: .*projected away"),
         ("{a;b}. weight(b,1).\nweight((a;c),2). #show a : b. #show b/0.", "^<text>:2: .*projected away"),
     ],
