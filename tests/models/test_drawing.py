@@ -108,6 +108,12 @@ def test_ten_to_the_twelve_answer_sets_are_drawn_and_listed_without_finding_them
 
 
 @pytest.mark.parametrize("engine", ["diagram", "clingo"])
+def test_what_is_shown_where_an_atom_is_false_is_listed_once(engine: str) -> None:
+    found = answer_sets(text="{a; b}. #show. #show a : a. #show no(a) : not a.", engine=engine)
+    assert sorted(" ".join(map(str, each)) for each in found) == ["a", "a", "no(a)", "no(a)"]
+
+
+@pytest.mark.parametrize("engine", ["diagram", "clingo"])
 def test_what_is_shown_as_an_atom_and_as_a_term_is_shown_once(engine: str) -> None:
     text = "{a;b}. #show a/0. #show a : b."
     found = answer_sets(text=text, engine=engine)
