@@ -181,6 +181,9 @@ class AnswerSets:
             found = "#edge wants a graph without cycles"
         elif any(map(is_disjunctive, self.ground.rules)) and not is_head_cycle_free(self.ground.rules):
             found = "atoms of one disjunction depend on each other"
+        elif self.ground.contested:
+            first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
+            found = f"a rule derives {first}, which is #external and not false"
         if found and self.engine == "auto":
             self.note(f"{found}: clingo enumerates, which takes time for each answer set")
         return found

@@ -76,7 +76,9 @@ class Prepared:
     @property
     def cost(self) -> str:
         """What compiling has to deal with, in words."""
-        return f"{len(self.clauses):,} clauses over {len(self.names) - 1:,} variables, width {self.order.width}"
+        clauses, variables = len(self.clauses), len(self.names) - 1
+        over = f"{variables:,} variable{'s' if variables > 1 else ''}"
+        return f"{clauses:,} clause{'s' if clauses > 1 else ''} over {over}, width {self.order.width}"
 
 
 def prepare(formula: ModelFormula, kept: Iterable[int]) -> Prepared:

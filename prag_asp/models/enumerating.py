@@ -1,4 +1,4 @@
-"""clingo's own enumeration, for programs that have no formula here: disjunctions with cycles, and acyclic graphs."""
+"""clingo's own enumeration, where there is no formula: cyclic disjunctions, acyclic graphs, externals with rules."""
 
 from __future__ import annotations
 

@@ -22,8 +22,9 @@ class GroundModels:
 
     `names` are its atoms by their symbols, sorted, and `shown` what is printed of an answer set, sorted, each with the
     conditions of which one has to hold. `projected` are the atoms of ``#project``, None where there is no such
-    statement. `acyclic` says whether a graph has to be (``#edge``), which no rule expresses. `notes` are what clingo
-    remarks: instances that it leaves out since an operation has no value.
+    statement. `acyclic` says whether a graph has to be (``#edge``), which no rule expresses; `contested` are the
+    externals that are not false, but that rules derive, too. `notes` are what clingo remarks: instances that it leaves
+    out since an operation has no value.
     """
 
     rules: tuple[Rule, ...]
@@ -31,6 +32,7 @@ class GroundModels:
     shown: tuple[tuple[clingo.Symbol, tuple[Condition, ...]], ...]
     projected: frozenset[int] | None
     acyclic: bool
+    contested: frozenset[int]
     notes: tuple[str, ...]
 
     @cached_property
@@ -51,7 +53,8 @@ class GroundModels:
 def ground_models(given: GivenProgram) -> GroundModels:
     """Ground the part `base` of a program, as clingo does where it is run on its files.
 
-    An ``#external`` is false, as clingo takes it, unless it says ``[true]`` or ``[free]``, or a rule derives it.
+    An ``#external`` is false, as clingo takes it, unless it says ``[true]`` or ``[free]``. One that a rule derives is
+    none to clingo, but where it simplifies that rule away, even for another that stands before it.
 
     Raises:
         DomainError: clingo cannot ground it.
@@ -64,7 +67,9 @@ def ground_models(given: GivenProgram) -> GroundModels:
     shown = sorted((symbol, tuple(dict.fromkeys(found))) for symbol, found in recorder.shown.items())
     projected = None if recorder.projected is None else frozenset(recorder.projected)
     rules = (*recorder.rules, *recorder.external_rules())
-    return GroundModels(rules, tuple(names), tuple(shown), projected, recorder.acyclic, tuple(grounder.notes))
+    return GroundModels(
+        rules, tuple(names), tuple(shown), projected, recorder.acyclic, recorder.contested, tuple(grounder.notes)
+    )
 
 
 class _Recorder(clingo.Observer):
@@ -102,15 +107,20 @@ class _Recorder(clingo.Observer):
     def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
         self.acyclic = True
 
-    def external_rules(self) -> list[Rule]:
-        """Return rules for the externals that are not false and that no rule derives."""
-        derived = {head for rule in self.rules for head in rule.heads}
+    @property
+    def free(self) -> dict[int, bool]:
+        """The externals that are not false, and whether they may have either value."""
         values = {clingo.TruthValue.True_: False, clingo.TruthValue.Free: True}
-        return [
-            Rule((atom,), (), values[value])
-            for atom, value in self._externals.items()
-            if value in values and atom not in derived
-        ]
+        return {atom: values[value] for atom, value in self._externals.items() if value in values}
+
+    @property
+    def contested(self) -> frozenset[int]:
+        """The externals that are not false, but that rules derive, too."""
+        return frozenset(head for rule in self.rules for head in rule.heads) & self.free.keys()
+
+    def external_rules(self) -> list[Rule]:
+        """Return rules for the externals that are not false."""
+        return [Rule((atom,), (), free) for atom, free in self.free.items()]
 
 
 def _once(heads: Sequence[int]) -> tuple[int, ...]:

@@ -15,7 +15,9 @@ def listed(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Lit
 
     One question to a solver tells for each literal of a model whether there is one that differs there first.
     """
-    order = [literal for literal in dict.fromkeys(order) if abs(literal) != TRUE]
+    # One of a literal and its negation, for a symbol may be shown where another is not.
+    first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
+    order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
     with closing(Oracle(formula.completion)) as oracle:
         found = oracle.model()
         if found is None:

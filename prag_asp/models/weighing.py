@@ -57,6 +57,8 @@ def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol
         for symbol, _ in ground.names:
             if symbol.type == clingo.SymbolType.Function and symbol.name == "weight":
                 told = f"{symbol} has {plural(len(symbol.arguments), 'argument')}, and a weight has 2"
+                if symbol.negative:
+                    told = f"{symbol} is negated, and no weight"
                 raise DomainError(f"{place_of(symbol, program)}{told}; write weight(Atom,W), such as weight(in(1),2)")
         raise QueryError("--weighted: the program states no weight; add facts such as weight(in(1),2).")
     return found

@@ -47,7 +47,7 @@ def test_what_compiling_takes_and_what_clingo_leaves_out_is_told_beside_the_resu
     assert done.returncode == 0 and len(done.stdout.splitlines()) == 1
     assert done.stderr.splitlines() == [
         f"note: {tmp_path}/odd.lp:2: operation undefined: (1/0); clingo leaves this out",
-        "note: compiling 1 clauses over 2 variables, width 1",
+        "note: compiling 1 clause over 2 variables, width 1",
     ]
 
 

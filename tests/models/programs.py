@@ -67,6 +67,7 @@ def program(draw: st.DrawFn) -> str:
     extras = [
         "#show a/0. #show p/1.", "#show. #show t(X) : p(X). #show t(1) : a, not b.", "#show -a/0. #show q/1. #show u.",
         "#project p/1. #project b/0.", "#project p(X) : q(X).", "#external x. a :- x.", "#external y. [free] b :- y.",
+        "#external b. [free]", "#external c. [true]",
         "r(1). r(X) :- r(Y), p(X), q(Y). p(1) :- r(2). q(2) :- q(1).", "#heuristic a : b. [1,true]",
         "#const n=2. q(n).",
         "d :- e. e :- d. e :- b, not c. d :- p(3).", "{d} :- e. {e} :- d. 1 {d; e} :- a.",

@@ -89,6 +89,7 @@ def test_there_is_nothing_to_draw_from_nothing() -> None:
             "{a}.\n\nweight(a,1,2).",
             r"^<text>:3: weight\(a,1,2\) has 3 arguments, and a weight has 2; write weight\(Atom,W\)",
         ),
+        ("{a}.\n-weight(a,2).", r"^<text>:2: -weight\(a,2\) is negated, and no weight; write weight\(Atom,W\)"),
         ("{a;b}.\nweight(a,2). #show b/0.", "^<text>:2: .*projected away"),
         ("{a;b}. weight(b,1).\nweight((a;c),2). #show a : b. #show b/0.", "^<text>:2: .*projected away"),
     ],
@@ -104,6 +105,12 @@ def test_ten_to_the_twelve_answer_sets_are_drawn_and_listed_without_finding_them
     assert found.count() == 7 * 2**37
     assert len({str(each) for each in found.sample(50, seed=1)}) == 50
     assert len(list(islice(found, 5))) == 5
+
+
+@pytest.mark.parametrize("engine", ["diagram", "clingo"])
+def test_what_is_shown_where_an_atom_is_false_is_listed_once(engine: str) -> None:
+    found = answer_sets(text="{a; b}. #show. #show a : a. #show no(a) : not a.", engine=engine)
+    assert sorted(" ".join(map(str, each)) for each in found) == ["a", "a", "no(a)", "no(a)"]
 
 
 @pytest.mark.parametrize("engine", ["diagram", "clingo"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import clingo
 import pytest
 
 from prag_asp import DomainError, EngineError, QueryError, answer_sets
@@ -51,6 +52,29 @@ def test_what_has_no_bearing_on_answer_sets_is_ignored_and_an_external_is_false(
     text = "{a;b}. #heuristic a. [1,true] #external c. :- c. d :- not c. #program step(t). e(t)."
     assert answer_sets(text=text).count() == 4
     assert {str(each) for each in next(iter(answer_sets(text=text)))} == {"a", "b", "d"}
+
+
+@pytest.mark.parametrize(
+    ("derives", "count"), [("{q} :- not q.", 4), ("q :- b. :- b.", 2), (":- b. q :- b.", 2), ("q :- b.", 2), ("q.", 2)]
+)
+def test_an_external_that_a_rule_derives_is_what_clingo_takes_it_for(derives: str, count: int) -> None:
+    text = f"{{b}}. #external q. [free] {derives}"
+    control = clingo.Control(["0"])
+    control.add("base", [], text)
+    control.ground([("base", [])])
+    with control.solve(yield_=True) as models:
+        told = sorted(tuple(map(str, sorted(model.symbols(shown=True)))) for model in models)
+    notes: list[str] = []
+    found = answer_sets(text=text, tell=notes.append)
+    assert sorted(tuple(map(str, each)) for each in found) == told
+    assert found.count() == len(told) == count
+    if ":-" in derives:
+        assert notes == [
+            "a rule derives q, which is #external and not false: "
+            "clingo enumerates, which takes time for each answer set"
+        ]
+        with pytest.raises(QueryError, match="choose the engine clingo"):
+            answer_sets(text=text, engine="diagram").count()
 
 
 def test_a_graph_that_has_to_be_acyclic_is_left_to_clingo_and_that_is_told() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,8 @@ from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_ran
 MOST_USES, DEEPEST, WIDEST = 100_000, 1_000, 1_000_000
 """How often a rule that may be endless is used within one step, how deep its terms are nested, and how many numbers an
 interval has."""
+
+CONSTANT = re.compile(r"(?<![\w'])_*[a-z][\w']*")
 
 BOUND = "bound it by a condition such as N < 10"
 
@@ -93,7 +96,9 @@ class Checks:
         """
         site = self.sites[number.number]
         if not low.type == high.type == clingo.SymbolType.Number:
-            raise site.error(f"interval undefined: {site.told} from {low} to {high}; guard the operation")
+            unset = [str(end) for end in (low, high) if str(end) in CONSTANT.findall(site.told)]
+            hint = f"give {unset[0]} a value by -c or #const, or " if unset else ""
+            raise site.error(f"interval undefined: {site.told} from {low} to {high}; {hint}guard the operation")
         if high.number - low.number >= WIDEST:
             raise site.error(too_wide(site.told, low.number, high.number))
         return high

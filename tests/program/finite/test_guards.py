@@ -87,13 +87,14 @@ def test_the_line_is_that_of_the_operation_where_a_rule_has_several() -> None:
 @pytest.mark.parametrize(
     ("rule", "told"),
     [
-        ("p(1..X) :- q(X).", r"1\.\.X from 1 to a"),
-        ("p(X..3) :- q(X).", r"X\.\.3 from a to 3"),
-        ("p(Y) :- r(X), Y = inf..X-1.", r"inf\.\.\(X-1\) from inf to 6"),
+        ("p(1..X) :- q(X).", r"1\.\.X from 1 to a; guard"),
+        ("p(X..3) :- q(X).", r"X\.\.3 from a to 3; guard"),
+        ("p(Y) :- r(X), Y = inf..X-1.", r"inf\.\.\(X-1\) from inf to 6; give inf a value by -c or #const, or guard"),
+        ("p(1..n).", r"1\.\.n from 1 to n; give n a value by -c or #const, or guard"),
     ],
 )
 def test_an_interval_with_an_end_that_is_no_number_is_told_where_it_stands(rule: str, told: str) -> None:
-    with pytest.raises(DomainError, match=rf"^domain\.lp:2: interval undefined: {told}; guard the operation$"):
+    with pytest.raises(DomainError, match=rf"^domain\.lp:2: interval undefined: {told} the operation$"):
         ground(f"q(a). r(7).\n{rule}")
 
 
