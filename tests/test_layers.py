@@ -71,8 +71,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "model", "formula"),
     "space": (
-        "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "needed", "explain", "drawing", "shared",
-        "task_space", "task_spaces", "ordered", "why",
+        "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "needed", "explain", "drawing",
+        "shared", "task_space", "task_spaces", "ordered", "why",
     ),
     "physics": (
         "bullet", "required", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",

@@ -18,7 +18,7 @@ from prag_asp.cli import ending
 from prag_asp.cli.ending import ASKED, NO_MEMORY, Struck, Terminated
 from prag_asp.cli.exits import Exit, exit_of
 from prag_asp.errors import LimitReached, PragError, one_line, plain
-from prag_asp.processes.stage import so_far
+from prag_asp.processes.stage import Note, so_far
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -197,16 +197,27 @@ class Tell(Protocol):
 
 @contextmanager
 def progress() -> Iterator[Tell]:
-    """Yield a function that is told how far things are; a terminal sees it once two seconds have passed."""
+    """Yield a function that is told how far things are; a terminal sees it once two seconds have passed.
+
+    A note is a line of its own that stays, on a terminal and elsewhere; the same one is told once.
+    """
+    noted: set[str] = set()
+
+    def hear(words: str) -> None:
+        so_far(_line(words))
+        if isinstance(words, Note) and words not in noted:
+            noted.add(words)
+            tell_line(_line(words))
+
     if sys.stderr is None or not sys.stderr.isatty():
-        yield lambda words, done=0, total=None: so_far(_line(words))
+        yield lambda words, done=0, total=None: hear(words)
         return
     begun = monotonic()
     shown: list[tuple[Progress, TaskID]] = []
     with ExitStack() as bars:
 
         def tell(words: str, done: float = 0, total: int | None = None) -> None:
-            so_far(_line(words))
+            hear(words)
             first = not shown
             if first:
                 if monotonic() - begun <= PATIENCE:

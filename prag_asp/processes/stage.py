@@ -6,6 +6,13 @@ from collections.abc import Callable
 
 Listener = Callable[[str], None]
 
+
+class Note(str):
+    """Words of progress that are to be read whatever else is told, also where no terminal shows it."""
+
+    __slots__ = ()
+
+
 _listeners: list[Listener] = []
 _now = ""
 

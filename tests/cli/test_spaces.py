@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from prag_asp.cli import cli
 from tests.commands import ok, ok_apart, run
 
 
@@ -83,3 +84,32 @@ def test_bad_questions_are_answered_by_one_line(arguments: list[str], told: str)
     done = run(*arguments)
     assert done.returncode == 2 and done.stdout == ""
     assert told in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
+def test_auto_says_in_one_line_why_it_takes_clingo_and_nothing_where_it_does_not(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    asked = ["count", "prag", "-n", "2..3", "--by", "plan", "--no-cache"]
+    assert cli.main(asked) == 0
+    assert capsys.readouterr().err == ""
+    assert cli.main([*asked, "--where", "loop-free"]) == 0
+    told = capsys.readouterr().err
+    assert told.startswith("engine clingo, because ") and told.count("\n") == 1
+
+
+def test_auto_says_in_one_line_why_it_takes_diagrams(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Twelve lamps on a machine that has memory for a few."""
+    monkeypatch.setattr("prag_asp.space.engines.auto.usual_memory", lambda: 4_000)
+    monkeypatch.setattr("prag_asp.space.engines.auto.Growth.hopeless", lambda self, extent, length: extent.depth > 3)
+    for name in ("PATIENCE", "MORE_PATIENCE"):
+        monkeypatch.setattr(f"prag_asp.space.engines.reach.{name}", 100)
+    (tmp_path / "domain.lp").write_text(
+        "fluent(lit(1..12)). initially(lit(1..12),false). action(on(1..12)). "
+        "precondition(on(I),lit(I),false) :- action(on(I)). postcondition(on(I),lit(I),true) :- action(on(I)).\n"
+    )
+    assert cli.main(["count", str(tmp_path), "-n", "5..6", "--by", "plan", "--no-cache"]) == 0
+    out, err = capsys.readouterr()
+    assert [line.split()[-1] for line in out.splitlines()][-2:] == ["95040", "665280"]
+    assert err.startswith("engine symbolic, because ") and err.count("\n") == 1

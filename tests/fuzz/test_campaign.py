@@ -27,6 +27,7 @@ ROOT = Path(__file__).parents[2]
 PLAIN = Mutant("logic", 0, {}, (("check", "own"),), placed=True)
 
 
+@pytest.mark.slow
 def test_five_hundred_mutants_are_answered_as_they_have_to_be(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.fuzz", "--count", "500", "--findings", str(tmp_path)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)

@@ -6,6 +6,7 @@ from importlib import import_module
 
 from prag_asp.errors import EngineError, QueryError
 from prag_asp.logic.model import Model
+from prag_asp.processes.stage import Note
 from prag_asp.space import ENGINES
 from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEngine, Progress
 from prag_asp.space.limits import UNLIMITED, Limits
@@ -32,7 +33,7 @@ def select(
             return _loaded(CHOICE)(model, level, progress, limits)
         except EngineError as error:
             if progress:
-                progress(f"engine {OTHERWISE}, because {error}")
+                progress(Note(f"engine {OTHERWISE}, because {error}"))
             return engine_class(OTHERWISE)(model, level, progress, limits)
     if name not in ENGINES:
         raise QueryError(f"no engine {name!r}; there are {', '.join((AUTO, *ENGINES))}")

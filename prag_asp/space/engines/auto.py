@@ -12,6 +12,7 @@ from typing import TypeVar
 from prag_asp.errors import LimitReached
 from prag_asp.logic.model import Model
 from prag_asp.processes.machine import usual_memory
+from prag_asp.processes.stage import Note
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.engines.automaton import AutomatonEngine
@@ -146,10 +147,8 @@ class AutoEngine:
         _, _, progress, _ = self._asked
         self._unfit = (length, unfit.reach)
         if progress:
-            progress(
-                f"engine symbolic, because {unfit.reach.states:,} states are listed, and {length} steps reach more "
-                "than memory holds"
-            )
+            why = f"{unfit.reach.states:,} states are listed, and {length} steps reach more than memory holds"
+            progress(Note(f"engine symbolic, because {why}"))
 
     def _by_diagrams(self) -> Engine:
         if self._diagrams is None:

@@ -300,9 +300,13 @@ def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
 
 
 def limit_reached(states: int, limit: str, found: int, level: Level, length: int) -> LimitReached:
-    """Return the error that says which limit was reached, how far it came until then, and how many words it found."""
+    """Return the error that says which limit was reached, how far it came until then, and how many words it found.
+
+    Where no state is listed, as with diagrams, nothing is said of how many there are.
+    """
+    explored = f" with {states:,} states explored" if states else ""
     return LimitReached(
-        f"{limit} was reached with {states:,} states explored: there are at least {found} {level}s of length "
+        f"{limit} was reached{explored}: there are at least {found} {level}s of length "
         f"{length}; {allow_more(limit)}, or ask for shorter ones",
         found,
     )

@@ -82,7 +82,7 @@ def test_a_shipped_domain_counts_long_words_as_step_by_step(by: str, monkeypatch
 
 
 def test_long_words_are_counted_modulo_primes_as_powers_of_the_matrix_say() -> None:
-    space = TaskSpace(load_domain("prag"), 200_000)
+    space = TaskSpace(load_domain("prag"), 200_000, engine="automaton")
     found = space.count("skeleton")
     automaton = space._engine("skeleton").explored(1).completions.automaton  # type: ignore[attr-defined]
     for prime in (1_000_003, 998_244_353):

@@ -65,7 +65,7 @@ def test_ranks_and_words_are_inverse_at_random_ranks_of_vast_spaces(
 
 
 def test_ranks_are_the_same_where_memory_holds_few_rows(monkeypatch: pytest.MonkeyPatch, chance: Chance) -> None:
-    spaces = TaskSpace(DOMAIN, 60), TaskSpace(DOMAIN, 60)
+    spaces = TaskSpace(DOMAIN, 60), TaskSpace(DOMAIN, 60, engine="automaton")
     rank = spaces[0].count() // 3
     task = spaces[0][rank]
     drawn = spaces[0].draw_array(300, seed=chance.seed(1))
