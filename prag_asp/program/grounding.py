@@ -71,11 +71,17 @@ class Grounder:
             raise DomainError(*(dict.fromkeys(self._errors()) or [f"clingo: {error}"])) from None
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
         out_of_range = [text for text in undefined if SCRIPT in text]
-        if out_of_range:
+        if out_of_range and self._checks.overflows:
             raise self._checks.overflow(located(self._program, out_of_range[0]))
-        if undefined and self._strict:
-            raise DomainError(f"{located(self._program, undefined[0])}; guard the operation")
-        self.notes += dict.fromkeys(located(self._program, text) for text in undefined)
+        told = dict.fromkeys(map(self._undefined, undefined))
+        if told and self._strict:
+            raise DomainError(f"{next(iter(told))}; guard the operation")
+        self.notes += told
+
+    def _undefined(self, message: str) -> str:
+        """Return what is told of an undefined operation; of ``X+0``, clingo writes nothing but X and the check."""
+        told = located(self._program, message)
+        return self._checks.as_written(told) if SCRIPT in told else told
 
     def _errors(self) -> list[str]:
         return [

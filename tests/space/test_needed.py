@@ -114,6 +114,9 @@ def test_counts_are_those_of_all_entities_on_random_domains(part: int, chance: C
         ("{{ lucky(X) : is_a(X,thing) }}.", "a choice or an aggregate in a head"),
         ("alone(X) :- exclusive(X,X).", "exclusive/2 may tell of every entity"),
         ("fluent(h(@f(X))) :- is_a(X,thing).", "a function of a script"),
+        ("late(Z) :- is_a(X,thing), is_a(Z,thing), -X < -Z.", "a minus makes other names"),
+        ("precondition(a(X),g,true) :- action(a(X)), mark(-X).", "a minus makes other names"),
+        ("action(e(-X)) :- is_a(X,thing).", "a minus makes other names"),
     ],
 )
 def test_what_may_see_entities_that_nobody_names_has_all_of_them_ground(trap: str, told: str) -> None:
@@ -136,6 +139,20 @@ def test_an_entity_that_is_told_apart_is_always_ground() -> None:
         needed = cubes(30, more).needed
         assert isinstance(needed, Needed), more
         assert [len(group) for group in needed.groups] == [29] and "c1" not in map(str, needed.groups[0])
+
+
+def test_names_with_a_minus_are_other_names() -> None:
+    for more in (
+        "heavy(-c1).",
+        "heavy(far(-c1)).",
+        "heavy(-far(c1)). " + " ".join(f"heavy(far(c{n}))." for n in range(30)),
+    ):
+        needed = cubes(30, more).needed
+        assert isinstance(needed, Needed), more
+        assert [len(group) for group in needed.groups] == [29] and "c1" not in map(str, needed.groups[0])
+    rules = "late(N) :- level(N), N > -(2-1), N < -1+3. level(-1). level(0)."
+    found = cubes(30, rules).needed
+    assert isinstance(found, Needed) and [len(group) for group in found.groups] == [30]
 
 
 def test_entities_that_a_pattern_looks_into_are_told_apart() -> None:

@@ -61,6 +61,12 @@ class Checks:
         site = (here or self.overflows)[0]
         return site.error(out_of_range(site.told))
 
+    def as_written(self, message: str) -> str:
+        """Return what clingo says of an undefined operation, with the operation as the author has it."""
+        here = (site for site in self.sites if site.told and message.startswith(f"{site.path}:{site.line}:"))
+        site = next(here, None)
+        return f"{site.path}:{site.line}: operation undefined: {site.told}" if site else message
+
     def in_range(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
         """Return 0 where an operation on these inputs stays in range, otherwise what no operation takes.
 

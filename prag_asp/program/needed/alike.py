@@ -54,6 +54,8 @@ def find_alike(program: Program, statements: Sequence[Statement]) -> Alike:
     facts = [fact for found in stated.values() for fact in found]
     entities = {fact.arguments[0] for fact in facts if (fact.name, len(fact.arguments)) == ("entity", 2)}
     told_apart = _told_apart(statements, entities)
+    turned = {_turned(entity): entity for entity in entities if entity.type == clingo.SymbolType.Function}
+    told_apart |= {turned[term] for fact in facts for term in _named(fact, turned)}
     profiles: dict[clingo.Symbol, set[object]] = {entity: set() for entity in entities}
     for fact in facts:
         named = set(_named(fact, entities))
@@ -146,9 +148,16 @@ def _named(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> Iterator
         yield from _named(argument, entities)
 
 
+def _turned(entity: clingo.Symbol) -> clingo.Symbol:
+    """Return an entity with a minus, which no rule makes of it; a name that begins with one loses it."""
+    return clingo.Function(entity.name, entity.arguments, not entity.positive)
+
+
 def _with_hole(term: clingo.Symbol, entity: clingo.Symbol) -> object:
     """Return a term with an entity's places left open, as what can be compared."""
     if term == entity:
         return HOLE
     arguments = _arguments(term)
-    return (term.name, *(_with_hole(each, entity) for each in arguments)) if arguments else str(term)
+    if not arguments:
+        return str(term)
+    return (term.name, term.positive, *(_with_hole(each, entity) for each in arguments))

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
-from clingo.ast import AST, ASTType, ComparisonOperator, Sign
+from clingo.ast import AST, ASTType, ComparisonOperator, Sign, UnaryOperator
 
 from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, Statement, below, spelled, variables
 
@@ -45,7 +45,8 @@ ORDERED = frozenset([
     ComparisonOperator.LessThan, ComparisonOperator.LessEqual,
     ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual,
 ])  # fmt: skip
-COMPUTED = frozenset([ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Interval])
+COMPUTED = frozenset([ASTType.BinaryOperation, ASTType.Interval])
+"""Terms that are numbers, or undefined."""
 Node = tuple[Signature, str]
 """A predicate, and which part of it."""
 
@@ -110,7 +111,25 @@ def _objection_to_form(statement: Statement) -> str | None:
             return "an aggregate or a condition may see every entity"
     if any(node.ast_type == ASTType.Function and node.external for node in below(statement.node)):
         return "a function of a script may see every entity"
+    if statement.literals and any(map(_turns_around, _computed(statement))):
+        return "a minus makes other names of names"
     return None
+
+
+def _computed(statement: Statement) -> Iterator[AST]:
+    """Yield what is computed in the terms of a rule: a minus before a predicate is none of it."""
+    return (
+        node
+        for literal in (statement.node.head, *(literal for literal, _ in statement.literals))
+        for part in ([literal.atom.symbol] if literal.atom.ast_type == ASTType.SymbolicAtom else [literal.atom])
+        for node in below(part)
+        if node.ast_type == ASTType.UnaryOperation and node is not part
+    )
+
+
+def _turns_around(term: AST) -> bool:
+    """Tell whether a term is what a minus makes of something that may be a name."""
+    return term.operator_type == UnaryOperator.Minus and not _is_number(term.argument)
 
 
 def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
@@ -145,6 +164,9 @@ def _is_ordered(literal: AST) -> bool:
 
 
 def _is_number(term: AST) -> bool:
+    """Tell whether a term is sure to be a number; a minus also turns names around."""
+    if term.ast_type == ASTType.UnaryOperation:
+        return not _turns_around(term)
     return term.ast_type in COMPUTED or (
         term.ast_type == ASTType.SymbolicTerm and re.fullmatch(r"-?\d+", str(term)) is not None
     )

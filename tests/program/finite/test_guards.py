@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from prag_asp.errors import DomainError
@@ -96,6 +98,13 @@ def test_the_line_is_that_of_the_operation_where_a_rule_has_several() -> None:
 def test_an_interval_with_an_end_that_is_no_number_is_told_where_it_stands(rule: str, told: str) -> None:
     with pytest.raises(DomainError, match=rf"^domain\.lp:2: interval undefined: {told} the operation$"):
         ground(f"q(a). r(7).\n{rule}")
+
+
+@pytest.mark.parametrize("operation", ["X+0", "X-0", "1*X", "X*1"])
+def test_an_operation_on_a_name_is_told_as_it_is_written_also_where_it_would_change_no_number(operation: str) -> None:
+    told = f"domain.lp:2: operation undefined: {operation}; guard the operation"
+    with pytest.raises(DomainError, match=f"^{re.escape(told)}$"):
+        ground(f"q(a).\np(Y) :- q(X), q(Y), Y < {operation}.")
 
 
 IN_RANGE = [
