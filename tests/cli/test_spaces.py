@@ -94,7 +94,7 @@ def test_auto_says_in_one_line_why_it_takes_clingo_and_nothing_where_it_does_not
     assert capsys.readouterr().err == ""
     assert cli.main([*asked, "--where", "loop-free"]) == 0
     told = capsys.readouterr().err
-    assert told.startswith("engine clingo, because ") and told.count("\n") == 1
+    assert told.startswith("note: engine clingo, because ") and told.count("\n") == 1
 
 
 def test_auto_says_in_one_line_why_it_takes_diagrams(
@@ -112,4 +112,4 @@ def test_auto_says_in_one_line_why_it_takes_diagrams(
     assert cli.main(["count", str(tmp_path), "-n", "5..6", "--by", "plan", "--no-cache"]) == 0
     out, err = capsys.readouterr()
     assert [line.split()[-1] for line in out.splitlines()][-2:] == ["95040", "665280"]
-    assert err.startswith("engine symbolic, because ") and err.count("\n") == 1
+    assert err.startswith("note: engine symbolic, because ") and err.count("\n") == 1

@@ -33,7 +33,7 @@ def select(
             return _loaded(CHOICE)(model, level, progress, limits)
         except EngineError as error:
             if progress:
-                progress(Note(f"engine {OTHERWISE}, because {error}"))
+                progress(Note(f"note: engine {OTHERWISE}, because {error}"))
             return engine_class(OTHERWISE)(model, level, progress, limits)
     if name not in ENGINES:
         raise QueryError(f"no engine {name!r}; there are {', '.join((AUTO, *ENGINES))}")

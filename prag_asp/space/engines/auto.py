@@ -148,7 +148,7 @@ class AutoEngine:
         self._unfit = (length, unfit.reach)
         if progress:
             why = f"{unfit.reach.states:,} states are listed, and {length} steps reach more than memory holds"
-            progress(Note(f"engine symbolic, because {why}"))
+            progress(Note(f"note: engine symbolic, because {why}"))
 
     def _by_diagrams(self) -> Engine:
         if self._diagrams is None:
