@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import clingo
+from clingo.ast import ASTType
 
 from prag_asp.lint.origin import Origins, Place
 from prag_asp.program.facts import Assignment, Facts, rows, unsorted_rows
@@ -15,6 +16,7 @@ from prag_asp.wording import did_you_mean
 
 Symbol = clingo.Symbol
 Row = tuple[Symbol, ...]
+ACTION = ("action", 1)
 INVARIANTS = ("exclusive", "implies", "impossible")
 ARITIES = {"precondition": 3, "postcondition": 3, "initially": 2, "goal": 2, **dict.fromkeys(INVARIANTS, 2)}
 """The numbers of arguments of invariants, and of what gives fluents values; an action comes first where it is 3."""
@@ -25,14 +27,33 @@ VALUES = {"postcondition": (*BOOLEAN, "unknown")}
 
 def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield what speaks of undeclared fluents or actions, has a wrong value, or has two values at once."""
-    if not facts.actions:
-        yield Problem(*origins.place("action"), "the domain has no action; state one with action(...)")
     findings = Findings(origins, facts)
     for predicate in _doubtful(facts):
         rows = unsorted_rows(control, predicate, ARITIES[predicate])
         (findings.paired if predicate in INVARIANTS else findings.assigned)(predicate, rows)
     yield from findings.problems()
     yield from _doubled(facts, origins)
+
+
+def action_problems(facts: Facts, statements: Iterable[Statement], origins: Origins) -> Iterator[Problem]:
+    """Yield that there is no action: an error where no rule states one, a warning where none of the rules fires."""
+    if facts.actions:
+        return
+    if any(ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in _own(statements)):
+        told = "no rule states an action, so no plan has a step; mend the bodies of action(...)"
+        yield Problem(*origins.place(ACTION[0]), told, "no-plan")
+    else:
+        yield Problem(*origins.place(ACTION[0]), "the domain has no action; state one with action(...)")
+
+
+def _own(statements: Iterable[Statement]) -> Iterator[Statement]:
+    return (each for each in statements if each.own)
+
+
+def _defines(statement: Statement, signature: tuple[str, int]) -> bool:
+    """Tell whether a statement says that a predicate may have no rule."""
+    node = statement.node
+    return statement.kind == ASTType.Defined and (node.name, node.arity) == signature
 
 
 def _doubtful(facts: Facts) -> Iterator[str]:

@@ -66,15 +66,16 @@ def find_execution(
 
 
 def execution_problems(found: Execution, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the composites that are rejected in every state: an error where there are no others and no free action."""
+    """Yield the composites that are rejected in every state, or that the start lets none of all begin."""
     complaints = list(_never(facts, composite_actions(facts), found.failures, origins))
     hopeless = found.stuck and bool(complaints) and len(found.never) == len(facts.composites)
-    yield from grouped(complaints, "" if hopeless else "never-occurs")
+    yield from grouped(complaints, "no-plan" if hopeless else "never-occurs")
     if found.stuck and not hopeless:
         yield Problem(
             *origins.place("composite", facts.composites[0]),
             "no composite and no free action can begin at the start, so there is no plan; "
             "change the start, or declare more with free(...)",
+            "no-plan",
         )
 
 

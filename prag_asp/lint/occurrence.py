@@ -77,12 +77,13 @@ def find_occurrence(
 
 
 def occurrence_problems(found: Occurrence, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield a warning for all actions of one name that one rule rejects, or an error where none is left."""
+    """Yield a warning for all actions of one name that one rule rejects, or one alone where none is left."""
     left = len(facts.actions) - len(found.rejected)
     if found.rejected and not left:
         action, reason = next(iter(found.rejected.items()))
         place = _place(origins, reason.predicate, reason.value, action)
-        yield Problem(*place, f"no action can ever occur: {action} cannot, for {reason.text}; mend the conditions")
+        told = f"no action can ever occur: {action} cannot, for {reason.text}; mend the conditions"
+        yield Problem(*place, told, "no-plan")
         return
     alike: dict[tuple[str, Place], list[clingo.Symbol]] = {}
     for action, reason in found.rejected.items():
@@ -108,6 +109,7 @@ def goal_problems(found: Occurrence, facts: Facts, origins: Origins) -> Iterator
             *_place(origins, "goal", pair[1]),
             f"the goal is never reached: it needs {spell(pair[1])}, but {spell(pair[0])} from the start and no action "
             f"{'that can occur ' if changed else ''}changes that; change the goal, or add an action",
+            "no-plan",
         )
 
 

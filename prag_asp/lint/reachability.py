@@ -6,14 +6,17 @@ Helmert 2009), as ``encodings/reachable.lp`` says it of the facts of the base pa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import clingo
 
 from prag_asp.lint.occurrence import STATE_PREDICATES
+from prag_asp.lint.origin import Origins
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder
+from prag_asp.program.problem import Problem
 from prag_asp.program.sources import REACHABLE, Source, read_sources
 from prag_asp.program.syntax import Statement
 
@@ -33,10 +36,15 @@ def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
     return read_sources(path, encodings) if path.is_file() else ()
 
 
-def find_unreached(
-    grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path
-) -> tuple[clingo.Symbol, ...]:
-    """Return the actions of `facts` that never occur, none of them where that would be all.
+class Unreached(NamedTuple):
+    """The actions that never occur, and the values of the goal that no state has."""
+
+    actions: tuple[clingo.Symbol, ...] = ()
+    goal: tuple[tuple[clingo.Symbol, str], ...] = ()
+
+
+def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path) -> Unreached:
+    """Return what is never reached of the actions of `facts`, none of them where that would be all, and of the goal.
 
     `grounder` holds the base part with the relaxed steps. None is found where rules other than the `encodings` make
     states, or read what is left out.
@@ -46,7 +54,7 @@ def find_unreached(
     reads = any(atom.signature == LEFT_OUT for each in others for atom in each.body)
     control = grounder.control
     if makes or reads or control.is_conflicting:
-        return ()
+        return Unreached()
     grounder.state(clingo.Function("left_out", [term]) for term in facts.left_out)
     grounder.ground([("reachable", [])])
     solving = control.configuration.solve
@@ -55,7 +63,23 @@ def find_unreached(
     with control.solve(yield_=True) as handle:
         model = handle.model()
         if model is None:
-            return ()
-        atoms = control.symbolic_atoms.by_signature("may_occur", 1)
-        reached = {atom.symbol.arguments[0] for atom in atoms if model.is_true(atom.literal)}
-    return tuple(action for action in facts.actions if action not in reached) if reached else ()
+            return Unreached()
+        reached, standing = (
+            {tuple(atom.symbol.arguments) for atom in control.symbolic_atoms.by_signature(*each) if _is_in(model, atom)}
+            for each in (("may_occur", 1), ("may_stand", 2))
+        )
+    never = tuple(action for action in facts.actions if (action,) not in reached) if reached else ()
+    missing = tuple(each for each in facts.goal if (each[0], clingo.Function(each[1])) not in standing)
+    return Unreached(never, missing)
+
+
+def unreached_problems(found: Unreached, origins: Origins) -> Iterator[Problem]:
+    """Yield why no plan leads to the goal."""
+    for fluent, value in found.goal[:1]:
+        place = origins.place("goal", fluent, clingo.Function(value))
+        told = f"the goal is never reached: it needs {fluent} = {value}, and nothing that can occur makes that so"
+        yield Problem(*place, f"{told}; change the goal, or add an action", "no-plan")
+
+
+def _is_in(model: clingo.Model, atom: clingo.SymbolicAtom) -> bool:
+    return model.is_true(atom.literal)

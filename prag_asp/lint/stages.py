@@ -13,13 +13,13 @@ from prag_asp.errors import DomainError
 from prag_asp.lint.composites import composite_problems
 from prag_asp.lint.demands import demand_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
-from prag_asp.lint.effects import effect_problems, limit_problems
+from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
 from prag_asp.lint.execution import execution_problems, find_execution
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
-from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources
+from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources, unreached_problems
 from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.size import size_problems
 from prag_asp.lint.table import name_problems, table_problems
@@ -97,7 +97,10 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
     if encodings and relaxed and _can_leave_out(statements):
-        left = replace(left, unreached=find_unreached(grounder, left, statements, encodings))
+        unreached = find_unreached(grounder, left, statements, encodings)
+        left = replace(left, unreached=unreached.actions)
+        if not any(each.name == "no-plan" for each in judge.warnings):
+            judge.take(unreached_problems(unreached, origins))
     ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))
     return Checked(left, settings, tuple(ordered))
 
@@ -162,7 +165,7 @@ def _check_facts(
     """Check what the base part states."""
     judge.take(term_problems(facts, origins))
     judge.take(hierarchy_problems(grounder.control, origins))
-    judge.take(effect_problems(grounder.control, facts, origins))
+    judge.take([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
     judge.take(composite_problems(facts, origins))
     judge.take(limit_problems(grounder.control, facts, statements, origins))
     judge.take(state_problems(facts, origins))

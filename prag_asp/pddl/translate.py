@@ -51,7 +51,7 @@ class Translation:
         goal = self._goal()
         self._derive(END)
         lines = [f"% {title}", *self._changed_names(), "", '#include "rules/closed_world.lp".', "", *start]
-        lines += _section("Actions") + shown
+        lines += _section("Actions") + (shown or ["", "#defined action/1."])
         if self._rules.parts[BASE]:
             lines += [*_section("What actions ask of what never changes"), "", *self._rules.parts[BASE]]
         if goal:

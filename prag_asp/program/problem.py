@@ -15,6 +15,7 @@ WARNINGS: Mapping[str, str] = {
     "never-holds": "an atom of a rule that nothing stated can be",
     "never-occurs": "an action or a composite that can never occur: it is left out",
     "no-effect": "a statement, a key or a comment that changes nothing",
+    "no-plan": "a goal that is never reached, or a start from which nothing can occur: every count is 0",
     "no-words": "what a language of instructions lacks words for",
     "out-of-reach": "a place that actions speak of, but that no gripper gets to",
     "same-name": "a name that a class, an entity and an action have in common",
