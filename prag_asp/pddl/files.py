@@ -9,9 +9,9 @@ from typing import NoReturn
 from prag_asp.errors import DomainError
 from prag_asp.pddl.formula import Formula, Literal, Variable, literals
 from prag_asp.pddl.model import OBJECT, Cost, Derived, DomainFile, Effect, ProblemFile, Schema, Signature
-from prag_asp.pddl.nodes import Node, Word
-from prag_asp.pddl.parsing import parse
 from prag_asp.pddl.scopes import Scope
+from prag_asp.pddl.syntax.nodes import Node, Word
+from prag_asp.pddl.syntax.parsing import parse
 from prag_asp.wording import did_you_mean, plural
 
 TOTAL = "total-cost"

@@ -8,7 +8,7 @@ from typing import NoReturn
 from prag_asp.pddl.formula import Equality, Formula, Junction, Literal, Quantified, Variable
 from prag_asp.pddl.model import OBJECT, Signature
 from prag_asp.pddl.names import variable_name
-from prag_asp.pddl.nodes import Node, Word
+from prag_asp.pddl.syntax.nodes import Node, Word
 from prag_asp.wording import did_you_mean, plural
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from prag_asp import load_domain
-from prag_asp.pddl import parsing
+from prag_asp.pddl.syntax import parsing
 from tests.commands import run
 from tests.pddl.forward import Search
 

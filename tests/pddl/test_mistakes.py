@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis.strategies import DataObject, data, permutations
 
 from prag_asp import DomainError, load_domain
 from prag_asp.pddl import read
+from tests.chance import examples
 from tests.pddl.test_read import written
 
 DOMAIN = """(define (domain d)
@@ -52,8 +55,11 @@ GOOD = DOMAIN.replace(" (:derived (r) (p k))\n", "")
         ("(p ?x) (q ?x ?y)", "(p ?x)) (q ?x ?y)", "domain.pddl:11: this '.' closes nothing; remove it"),
         (":parameters", ":parameter", "domain.pddl:8: ':parameter' is not expected here; look for a misspelt word"),
         ("(:predicates", "(:functions (f) - number) (:predicates",
-         "domain.pddl:5: :predicates is not expected here; write what comes before it, in the order :requirements"),
-        ("k - a", "k - (either a b)", "domain.pddl:4: a type above another, or of an object, is one name; only"),
+         "domain.pddl:6: a second :functions; write all of it into one"),
+        ("b - c)", "b - c (:constants l - a))", "domain.pddl:3: .*; look for a misspelt word, or a parenthesis"),
+        (":effect", ":parameters", "domain.pddl:10: a second :parameters of this action; write all of it into one"),
+        (":effect", ":vars", "domain.pddl:10: ':vars' is not expected here; look for a misspelt word"),
+        ("k - a", "k - (either a b)", "domain.pddl:4: a type above another, or of an object, is one name; declare c"),
         ("act\n", "1act\n", "domain.pddl:7: '1act' is no name here; begin it with a letter of a to z, then letters"),
         ("act\n", "\u00e9t\u00e9\n", "domain.pddl:7: '\u00e9t\u00e9' is no name here; begin it"),
         ("?y)\n  :p", "?_y)\n  :p", "domain.pddl:8: '_y' is no name here; begin it"),
@@ -86,7 +92,7 @@ def test_a_mistake_in_a_domain_is_told_by_its_line(old: str, new: str, told: str
         (
             " (:init (q k o))\n",
             "",
-            "problem.pddl:4: :goal is not expected here; write what comes before it, in the order",
+            r"problem.pddl:4: the problem has no \(:init ...\); add it",
         ),
         ("(p k))", "(p ?x))", "problem.pddl:5: unknown variable \\?x"),
         ("(:goal (p k))", "(:goal (preference w (p k)))", "problem.pddl:5: preference: preferences cannot be imported"),
@@ -97,6 +103,53 @@ def test_a_mistake_in_a_problem_is_told_by_its_line(old: str, new: str, told: st
     with pytest.raises(DomainError, match=told) as error:
         read(*written(tmp_path, GOOD, PROBLEM.replace(old, new)))
     assert len(error.value.lines) == 1
+
+
+UNUSUAL = """
+; a comment with a (
+(DEFINE ;and one within
+ (Domain D)
+ (:functions) (:requirements)
+ (:action nothing)
+ (:action empty :effect () :precondition () :parameters ())
+ (:action also-empty :effect (and) :precondition (and))
+ (:action ACT
+  :effect (and (not (p ?X)) (Q ?x)) ; (
+  :precondition (P ?x)
+  :parameters (?x - a))
+ (:predicates (p ?x - a) (q ?x))
+ (:constants k - a)
+ (:types a b))
+"""
+USUAL = """(define (domain d)
+ (:types a b) (:constants k - a) (:predicates (p ?x - a) (q ?x))
+ (:action nothing :parameters ())
+ (:action empty :parameters ())
+ (:action also-empty :parameters ())
+ (:action act :parameters (?x - a) :precondition (p ?x) :effect (and (not (p ?x)) (q ?x))))
+"""
+
+
+def test_sections_and_parts_of_actions_come_in_any_order_and_may_be_empty(tmp_path: Path) -> None:
+    unusual = "(define (problem e) (:length (:serial 3))\n (:goal ()) (:init (p o)) (:objects o - a) (:domain d))"
+    usual = "(define (problem e) (:domain d) (:objects o - a) (:init (p o)) (:goal (and)))"
+    found = read(*written(tmp_path, UNUSUAL, unusual))
+    assert found.text == read(*written(tmp_path, USUAL, usual)).text
+    with pytest.raises(DomainError, match=r"domain.pddl:10: unknown predicate pp; did you mean p\?"):
+        read(*written(tmp_path, UNUSUAL.replace("(not (p", "(not (pp"), unusual))
+    with pytest.raises(DomainError, match=r"problem.pddl:2: unknown object o2; did you mean o\?"):
+        read(*written(tmp_path, USUAL, unusual.replace("(p o)", "(p o2)")))
+
+
+@settings(max_examples=examples(10))
+@given(data=data())
+def test_the_order_of_sections_changes_nothing(data: DataObject, tmp_path_factory: pytest.TempPathFactory) -> None:
+    folder = tmp_path_factory.mktemp("order")
+    texts = []
+    for text in (GOOD, PROBLEM):
+        begin, *sections = [part.strip() for part in text.rstrip().removesuffix(")").split("\n (")]
+        texts.append("\n (".join([begin, *data.draw(permutations(sections))]) + ")")
+    assert read(*written(folder, *texts)).text == read(*written(folder, GOOD, PROBLEM)).text
 
 
 def test_what_rules_derive_is_neither_set_nor_stated(tmp_path: Path) -> None:

@@ -73,7 +73,11 @@ NOTHING = "(define (domain d) (:constants k) (:predicates (p ?x) (q ?x)) (:actio
     ("domain", "goal", "told"),
     [
         (NOTHING.format(""), "(p o)", "the goal is never reached: it needs p(o) = true"),
-        (NOTHING.format(":precondition (p ?x)"), "(p k)", "the goal is never reached: it needs p(k) = true, and nothing"),
+        (
+            NOTHING.format(":precondition (p ?x)"),
+            "(p k)",
+            "it needs p(k) = true, and nothing that can occur makes",
+        ),
         (NOTHING.format(":precondition (q ?x)"), "(and)", "no rule states an action, so no plan has a step"),
         (NOTHING.format(":precondition (q ?x)"), "(p o)", "no rule states an action, so no plan has a step"),
         ("(define (domain d) (:predicates (p ?x) (q ?x)))", "(and)", "no rule states an action, so no plan has a step"),

@@ -10,13 +10,16 @@ small letters, and what it means is read from the tree.
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from prag_asp.errors import DomainError
 from prag_asp.missing import require_pddl
-from prag_asp.pddl.nodes import Node, Word
+from prag_asp.pddl.syntax.nodes import Node, Word
+from prag_asp.pddl.syntax.sections import ORDER, arranged
 from prag_asp.program.sources import read_text
 from prag_asp.wording import plural
 
@@ -31,13 +34,7 @@ BEGIN = re.compile(r"\s*\(\s*define\s*\(\s*(\w+)")
 WORDS = re.compile(r"([:?]?[\w-]+|\S|)\s*([:?]?[\w-]*)")
 KINDS = ("domain", "problem")
 
-ORDER = {
-    "domain": ":requirements :types :constants :predicates :functions, then :derived and :action",
-    "problem": ":domain :requirements :objects :init :goal :metric",
-}
-"""In which order the grammar takes the sections of a file, each once."""
-
-SECTIONS = frozenset(re.findall(r":\w+", " ".join(ORDER.values())))
+SECTIONS = frozenset([*ORDER["domain"], *ORDER["problem"], ":derived", ":action"])
 
 UNSUPPORTED = {
     **dict.fromkeys([":durative-action", ":durative-actions", ":duration-inequalities"], "actions that take time"),
@@ -58,37 +55,35 @@ def parse(path: Path, kind: str) -> Node:
         DomainError: it cannot be read, or is none.
         PddlMissingError: the package pddl is not installed.
     """
-    text = read_text(path).lower()
+    text = COMMENT.sub(lambda found: " " * len(found[0]), read_text(path).lower())
     _check_kind(path, text, kind)
     _check_parentheses(path, text)
-    grammar = _grammar()
+    ends = [found.start() for found in re.finditer("\n", text)]
+
+    def refuse(at: int, told: str) -> NoReturn:
+        raise DomainError(f"{path}:{bisect_left(ends, at) + 1}: {told}") from None
+
+    grammar, given = _grammar(), arranged(text, kind, refuse)
     from lark import UnexpectedInput
 
     try:
-        return _node(grammar.parse(text, start=kind))
+        return _node(grammar.parse(given.text, start=kind), lambda at: bisect_left(ends, given.origin(at)) + 1)
     except UnexpectedInput as error:
-        at = min(error.pos_in_stream or 0, len(text))
-        raise DomainError(f"{path}:{_line(path, text, error)}: {_told(text, at, kind)}") from None
+        at = min(error.pos_in_stream or 0, len(given.text))
+        refuse(given.origin(at), _told(given.text, at, kind))
 
 
-def _node(tree: Tree[Token]) -> Node:
-    """Return a tree of the grammar without its parentheses."""
+def _node(tree: Tree[Token], line: Callable[[int], int]) -> Node:
+    """Return a tree of the grammar without its parentheses; `line` tells in which line a character is."""
     from lark import Tree
 
     found: list[Node | Word] = []
     for each in tree.children:
         if isinstance(each, Tree):
-            found.append(_node(each))
+            found.append(_node(each, line))
         elif each is not None and each not in ("(", ")"):
-            found.append(Word(str(each), each.line or 1))
+            found.append(Word(str(each), line(each.start_pos or 0)))
     return Node(str(tree.data), tuple(found))
-
-
-def _line(path: Path, text: str, error: object) -> int:
-    """Return the line of an error; one at the end of the text is in its last line."""
-    line = getattr(error, "line", -1)
-    at_end = str(getattr(getattr(error, "token", None), "type", "")) == "$END"
-    return max(text.rstrip().count("\n") + 1, 1) if at_end or not isinstance(line, int) or line < 1 else line
 
 
 def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each mistake
@@ -103,9 +98,9 @@ def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each
     if not words[0]:
         return f"the {kind} ends before it is whole; write all that it needs"
     if words[0] in SECTIONS:
-        return f"{words[0]} is not expected here; write what comes before it, in the order {ORDER[kind]}"
+        return f"{words[0]} is not expected here; close what stands before it, and write it as a section of its own"
     if words[0] == "(" and text[:at].rstrip().endswith("-"):
-        return "a type above another, or of an object, is one name; only a variable may be of (either ...)"
+        return "a type above another, or of an object, is one name; declare c - a c - b for (either a b)"
     if re.match(r"[\d_]|[^\W\d_a-z]", words[0]):
         return f"{words[0]!r} is no name here; begin it with a letter of a to z, then letters, digits, '-' and '_'"
     return f"{words[0]!r} is not expected here; look for a misspelt word, or a parenthesis that is missing before it"
@@ -117,7 +112,7 @@ def _check_kind(path: Path, text: str, kind: str) -> None:
     Raises:
         DomainError: it is not.
     """
-    begin = BEGIN.match(COMMENT.sub("", text))
+    begin = BEGIN.match(text)
     if begin is None:
         raise DomainError(f"{path}:1: no {kind} of PDDL; begin it with (define ({kind} NAME) ...")
     if begin[1] != kind and begin[1] in KINDS:
@@ -132,7 +127,7 @@ def _check_parentheses(path: Path, text: str) -> None:
         DomainError: they are.
     """
     depth, line = 0, 1
-    for sign in re.findall(r"[()\n]", COMMENT.sub("", text)):
+    for sign in re.findall(r"[()\n]", text):
         line += sign == "\n"
         depth += {"(": 1, ")": -1}.get(sign, 0)
         if depth < 0:

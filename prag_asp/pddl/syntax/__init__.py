@@ -1,0 +1,1 @@
+"""Files of PDDL as syntax trees that know their lines."""

@@ -1,0 +1,145 @@
+"""Sections of a file, and parts of its actions, in the order that the grammar takes, whatever order they come in."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import NoReturn
+
+TOKEN = re.compile(r"[()]|[^\s()]+")
+
+ORDER = {
+    "domain": (":requirements", ":types", ":constants", ":predicates", ":functions"),
+    "problem": (":domain", ":requirements", ":objects", ":init", ":goal", ":metric"),
+}
+"""The sections that a file has once at most, in the order of the grammar; rules and actions come after them."""
+
+NEEDED = {"domain": (), "problem": (":domain", ":init", ":goal")}
+ACTION = (":parameters", ":precondition", ":effect")
+
+DROPPED = frozenset([":length"])
+"""What says nothing about which plans there are."""
+
+NOT_EMPTY = frozenset([":requirements", ":predicates", ":functions"])
+"""What the grammar takes only with something in it."""
+
+Span = tuple[int, int]
+Refuse = Callable[[int, str], NoReturn]
+
+
+@dataclass
+class Arranged:
+    """A text made of pieces of another, and where each piece was there."""
+
+    _given: str
+    _pieces: list[str] = field(default_factory=list)
+    _starts: list[int] = field(default_factory=list)
+    _origins: list[int] = field(default_factory=list)
+    _length: int = 0
+
+    @property
+    def text(self) -> str:
+        """The text."""
+        return "".join(self._pieces)
+
+    def take(self, start: int, end: int) -> None:
+        """Add a piece of the other text."""
+        self._add(self._given[start:end], start)
+
+    def insert(self, text: str, at: int) -> None:
+        """Add what the other text leaves out at a place; its lines are that of the place."""
+        self._add(text, at)
+
+    def origin(self, position: int) -> int:
+        """Return where a character was in the other text."""
+        piece = max(bisect(self._starts, position) - 1, 0)
+        return self._origins[piece] + min(position - self._starts[piece], len(self._pieces[piece]))
+
+    def _add(self, text: str, origin: int) -> None:
+        self._pieces.append(f"{text} ")
+        self._starts.append(self._length)
+        self._origins.append(origin)
+        self._length += len(text) + 1
+
+
+def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
+    """Return a text without comments, whose parentheses fit each other, in the order that the grammar takes.
+
+    What is no section or part of an action that is known stays, after the others. `refuse` is told the position and the
+    mistake where a section is there twice, or missing.
+    """
+    (start, end), *after = _items(text, 0, len(text))
+    _, name, *sections = _items(text, start + 1, end - 1)
+    found: dict[str, Span] = {}
+    others: list[tuple[str, Span]] = []
+    for span in sections:
+        head = _head(text, span)
+        if head not in ORDER[kind]:
+            others.append((head, span))
+        elif found.setdefault(head, span) != span:
+            refuse(span[0], f"a second {head}; write all of it into one")
+    for head in NEEDED[kind]:
+        if head not in found:
+            refuse(end - 1, f"the {kind} has no ({head} ...); add it")
+    result = Arranged(text)
+    result.take(start, name[1])
+    for head, span in [*((head, found[head]) for head in ORDER[kind] if head in found), *others]:
+        _arrange(result, text, head, span, refuse)
+    for span in ((end - 1, end), *after):
+        result.take(*span)
+    return result
+
+
+def _arrange(result: Arranged, text: str, head: str, span: Span, refuse: Refuse) -> None:
+    """Add a section."""
+    parts = list(_items(text, span[0] + 1, span[1] - 1))
+    if head == ":action":
+        _arrange_action(result, text, span, parts, refuse)
+    elif head == ":goal" and len(parts) == 2 and not list(_items(text, parts[1][0] + 1, parts[1][1] - 1)):
+        result.insert("(:goal (and))", span[0])
+    elif head not in DROPPED and (len(parts) > 1 or head not in NOT_EMPTY):
+        result.take(*span)
+
+
+def _arrange_action(result: Arranged, text: str, span: Span, parts: list[Span], refuse: Refuse) -> None:
+    """Add an action; where it is no list of words with something after each, it stays as it is."""
+    words = [text[begin:end] for begin, end in islice(parts, 2, None, 2)]
+    if len(parts) % 2 or not set(words) <= set(ACTION):
+        result.take(*span)
+        return
+    given = dict(zip(words, zip(parts[2::2], parts[3::2], strict=True), strict=True))
+    if len(given) < len(words):
+        again = next(number for number, word in enumerate(words) if word in words[:number])
+        refuse(parts[2 + 2 * again][0], f"a second {words[again]} of this action; write all of it into one")
+    result.take(span[0], parts[1][1])
+    for word in ACTION:
+        if word in given:
+            (begin, _), (_, end) = given[word]
+            result.take(begin, end)
+        elif word == ":parameters":
+            result.insert(":parameters ()", parts[1][1])
+    result.take(span[1] - 1, span[1])
+
+
+def _items(text: str, start: int, end: int) -> Iterator[Span]:
+    """Yield where the words and the pieces in parentheses begin and end that lie side by side in a text."""
+    depth = begin = 0
+    for token in TOKEN.finditer(text, start, end):
+        if token[0] == "(":
+            begin = begin if depth else token.start()
+            depth += 1
+        elif token[0] == ")":
+            depth -= 1
+            if not depth:
+                yield begin, token.end()
+        elif not depth:
+            yield token.span()
+
+
+def _head(text: str, span: Span) -> str:
+    """Return the first word in parentheses."""
+    word = TOKEN.search(text, span[0] + 1, span[1]) if text[span[0]] == "(" else None
+    return word[0] if word else ""
