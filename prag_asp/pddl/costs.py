@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from decimal import Context, Decimal, InvalidOperation
+from decimal import Context, Decimal
 from fractions import Fraction
 
 from prag_asp.errors import DomainError, QueryError
@@ -11,8 +12,10 @@ from prag_asp.pddl.formula import Variable
 from prag_asp.pddl.model import DomainFile, ProblemFile
 
 DIGITS = 2000
-"""Significant digits that a weight may need."""
+"""Digits after the point that a weight may need."""
 
+LONGEST = 100
+"""Characters that a factor may have."""
 
 MOST_COST = 10_000
 """The greatest cost of an action that becomes a weight: the power of a factor has about as many digits as that."""
@@ -22,8 +25,10 @@ def factor_of(text: str) -> Fraction:
     """Return the factor that a text states.
 
     Raises:
-        QueryError: it states none that is above 0 and at most 1.
+        QueryError: it states none that is above 0 and at most 1, or with too many digits.
     """
+    if len(text) > LONGEST or re.search(r"e[+-]?\d{4}", text.replace("_", ""), re.IGNORECASE):
+        raise QueryError(f"factor {text}: it has too many digits; write a short one, such as 1/2 or 0.8")
     try:
         factor = Fraction(text)
     except (ValueError, ZeroDivisionError):
@@ -65,15 +70,16 @@ def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
         raise QueryError(f"cost {cost}: only whole costs become weights; multiply all by the same number")
     if cost > MOST_COST:
         raise QueryError(f"cost {cost:.6g}: costs up to {MOST_COST} become weights; divide all by the same number")
-    weight = factor ** int(cost)
     exact = Context(prec=DIGITS)
-    try:
-        found = exact.divide(Decimal(weight.numerator), Decimal(weight.denominator))
-    except InvalidOperation:
-        found = Decimal(0)
-    if Fraction(found) != weight:
+    base = exact.divide(Decimal(factor.numerator), Decimal(factor.denominator))
+    if Fraction(base) != factor:
         raise QueryError(f"factor {factor}: to the power of {cost} it has no end as a decimal; take one such as 1/2")
-    return found
+    digits = -min(int(base.as_tuple().exponent), 0) * int(cost)
+    if digits > DIGITS:
+        told = f"to the power of {cost} it has {digits:,} digits, and no more than {DIGITS:,} are kept"
+        raise QueryError(f"factor {factor}: {told}; take one such as 1/2 or 0.9, or divide all costs by a number")
+    weight = factor ** int(cost)
+    return exact.divide(Decimal(weight.numerator), Decimal(weight.denominator))
 
 
 def weights_table(weights: Mapping[str, Decimal]) -> str:

@@ -70,6 +70,15 @@ class DomainFile:
     derived: tuple[Derived, ...]
     actions: tuple[Schema, ...]
 
+    def above(self, kind: str) -> set[str]:
+        """Return a type and all types above it."""
+        found, waiting = {kind, OBJECT}, [kind]
+        while waiting:
+            new = set(self.types[waiting.pop()]) - found
+            found |= new
+            waiting += new
+        return found
+
 
 @dataclass(frozen=True)
 class ProblemFile:

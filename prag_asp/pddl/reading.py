@@ -10,6 +10,7 @@ from pathlib import Path
 from prag_asp.pddl.costs import cost_of
 from prag_asp.pddl.files import read_files
 from prag_asp.pddl.model import DomainFile, ProblemFile
+from prag_asp.pddl.size import check_size
 from prag_asp.pddl.translate import Translation
 
 
@@ -56,6 +57,7 @@ def read(domain: str | Path, problem: str | Path) -> Imported:
     """
     first, second = read_files(Path(domain), Path(problem))
     found = Translation(first, second)
+    check_size(Path(domain), first, second, found.fluents(), found.words.static)
     actions, objects = ({ours: given for given, ours in each.items()} for each in (found.actions, found.words.objects))
     title = f"The problem {second.name} of the domain {first.name}, imported from PDDL."
     return Imported(f"{first.name}_{second.name}", found.text(title), actions, objects, (first, second))

@@ -79,7 +79,7 @@ class Translation:
         )
 
     def _is_below(self, name: str, other: str) -> bool:
-        return other in (name, OBJECT) or any(self._is_below(each, other) for each in self._domain.types[name])
+        return other in self._domain.above(name)
 
     def _all_literals(self) -> Iterator[Literal]:
         yield from self._problem.initial
@@ -151,12 +151,16 @@ class Translation:
         if stated:
             yield ""
 
+    def fluents(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
+        """Return the types of the arguments of each predicate that actions change."""
+        fixed = self.words.static | self.words.derived
+        return {name: kinds for name, kinds in self.words.kinds.items() if name not in fixed}
+
     def _fluents(self) -> Iterator[str]:
-        for name, kinds in self.words.kinds.items():
-            if name not in self.words.static | self.words.derived:
-                terms = [f"X{number}" if len(kinds) > 1 else "X" for number in range(1, len(kinds) + 1)]
-                head = f"fluent({applied(self.words.predicates[name], terms)})"
-                yield _rule(head, map(self.words.is_a, terms, kinds))
+        for name, kinds in self.fluents().items():
+            terms = [f"X{number}" if len(kinds) > 1 else "X" for number in range(1, len(kinds) + 1)]
+            head = f"fluent({applied(self.words.predicates[name], terms)})"
+            yield _rule(head, map(self.words.is_a, terms, kinds))
 
     def _initially(self) -> Iterator[str]:
         for literal in dict.fromkeys(self._problem.initial):

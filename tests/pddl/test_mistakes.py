@@ -152,6 +152,24 @@ def test_the_order_of_sections_changes_nothing(data: DataObject, tmp_path_factor
     assert read(*written(folder, *texts)).text == read(*written(folder, GOOD, PROBLEM)).text
 
 
+def test_what_no_machine_holds_is_told_before_it_is_made(tmp_path: Path) -> None:
+    problem = PROBLEM.replace("(:objects o - b)", f"(:objects {' '.join(f'o{n}' for n in range(5000))} o - b)")
+    binary = GOOD.replace("(and (not (p ?x))", "(and (not (p ?x)) (q ?x ?y)")
+    told = r"domain.pddl:5: q makes 25,020,004 of 25,020,005 fluents of 5,002 objects, and no more than 1,000,000 can"
+    with pytest.raises(DomainError, match=told):
+        read(*written(tmp_path, binary, problem))
+    free = GOOD.replace("?x - a ?y)", "?x - a ?y ?z)").replace("(q ?x ?y))\n  :e", ")\n  :e")
+    with pytest.raises(DomainError, match=r"domain.pddl:7: act makes 25,020,004 actions of 5,002 objects, and no more"):
+        read(*written(tmp_path, free, problem))
+    assert len(load_domain(*written(tmp_path, GOOD, problem)).facts.actions) == 1
+
+
+def test_types_may_lie_far_above_each_other(tmp_path: Path) -> None:
+    chain = " ".join(f"t{n} - t{n + 1}" for n in range(3000))
+    domain = GOOD.replace("a b - c", f"a - t0 b - c {chain}").replace("(p ?x - a)", "(p ?x - t3000)")
+    assert "fluent(p(X)) :- is_a(X,t3000)." in read(*written(tmp_path, domain, PROBLEM)).text
+
+
 def test_what_rules_derive_is_neither_set_nor_stated(tmp_path: Path) -> None:
     domain = GOOD.replace("(q ?x ?y))\n (:f", "(q ?x ?y) (r))\n (:f").replace(
         " (:action", " (:derived (r) (p k))\n (:action"
