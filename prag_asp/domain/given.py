@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from prag_asp.errors import DomainError
 from prag_asp.program.paths import PDDL, domain_folder, is_file_name
 from prag_asp.program.sources import Source, read_sources, standard_input, text_source
 from prag_asp.reading import STANDARD_INPUT
+
+if TYPE_CHECKING:
+    from prag_asp.pddl import Imported
 
 
 @dataclass(frozen=True)
@@ -46,15 +50,16 @@ def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given
         folder = domain_folder(named[0])
         return Given(folder.resolve().name, folder, (folder / "domain.lp",))
     planning = [each for each in files if not isinstance(each, Source) and Path(each).suffix == PDDL]
-    if planning:
-        files = [_imported(planning), *(each for each in files if each not in planning)]
-    entries = tuple(_entry(each) for each in files)
+    imported = _imported(planning) if planning else None
+    entries = tuple(_entry(each) for each in files if each not in planning)
+    if imported is not None:
+        return Given(imported.name, None, (*imported.sources, *entries))
     first = entries[0].path if isinstance(entries[0], Source) else entries[0]
     return Given(first.stem.strip("<>"), None, entries)
 
 
-def _imported(files: Sequence[str | Path | Source]) -> Source:
-    """Return a domain and a problem of PDDL as the text of a logic program.
+def _imported(files: Sequence[str | Path | Source]) -> Imported:
+    """Return what a domain and a problem of PDDL are as a logic program.
 
     Raises:
         DomainError: there are not just two files, or they cannot be imported.
@@ -65,8 +70,7 @@ def _imported(files: Sequence[str | Path | Source]) -> Source:
         raise DomainError(f"{told}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {hint}")
     from prag_asp.pddl import read
 
-    found = read(*map(str, files))
-    return Source(Path(f"<{found.name}>"), found.text)
+    return read(*map(str, files))
 
 
 def _entry(given: str | Path | Source) -> Path | Source:

@@ -22,6 +22,7 @@ from prag_asp.pddl.formula import (
     negated,
     variables,
 )
+from prag_asp.pddl.places import Line, Place
 
 BASE, STEP, END = "base", "step(t)", "check(t)"
 """The parts of a program: what never changes, a step and the state before it, and the last state."""
@@ -35,9 +36,10 @@ NEVER = "#false"
 
 @dataclass
 class Rules:
-    """The rules of each part of a program, in the order in which they are found."""
+    """The rules of each part of a program, in the order in which they are found; `at` is where new ones come from."""
 
     parts: dict[str, list[str]] = field(default_factory=lambda: {BASE: [], STEP: [], END: []})
+    at: Place = field(default_factory=lambda: Place("domain", 1))
 
     def add(self, part: str, head: str, body: Iterable[str] = ()) -> None:
         """Add a rule, unless its body never holds."""
@@ -48,7 +50,7 @@ class Rules:
             line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
             line = line.removeprefix(" ")
             if line not in self.parts[part]:
-                self.parts[part].append(line)
+                self.parts[part].append(Line(line, self.at))
 
 
 @dataclass

@@ -63,14 +63,18 @@ class _Reader:
                 waiting.append(each)
         yield from ((name, None) for name in waiting)
 
-    def object_types(self, tree: Node, types: Mapping[str, object], known: dict[str, str]) -> None:
-        """Add the objects that a list declares; one may be declared again with the same type."""
+    def object_types(self, tree: Node, types: Mapping[str, object], known: dict[str, str]) -> dict[str, int]:
+        """Add the objects of a list, and return the lines of new ones; one may be declared again with the same type."""
+        lines: dict[str, int] = {}
         for name, kind in self.typed_names(tree):
             if kind is not None and str(kind) not in types:
                 self.refuse(kind.line, f"unknown type {kind}; {did_you_mean(kind, types, 'declare it in :types')}")
             found = str(kind or OBJECT)
+            if str(name) not in known:
+                lines[str(name)] = name.line
             if known.setdefault(str(name), found) != found:
                 self.refuse(name.line, f"the object {name} is a {known[name]} already; give it one type")
+        return lines
 
 
 class _DomainReader(_Reader):
@@ -79,7 +83,9 @@ class _DomainReader(_Reader):
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self._types: dict[str, tuple[str, ...]] = {OBJECT: ()}
+        self._type_lines: dict[str, int] = {}
         self._constants: dict[str, str] = {}
+        self._constant_lines: dict[str, int] = {}
         self._predicates: dict[str, Signature] = {}
         self._functions: dict[str, Signature] = {}
 
@@ -92,7 +98,7 @@ class _DomainReader(_Reader):
             if part.kind == "types":
                 self._read_types(part.nodes[0])
             elif part.kind == "constants":
-                self.object_types(part.nodes[0], self._types, self._constants)
+                self._constant_lines = self.object_types(part.nodes[0], self._types, self._constants)
             elif part.kind == "predicates":
                 self._read_signatures("predicate", part, self._predicates)
             elif part.kind == "functions":
@@ -107,17 +113,18 @@ class _DomainReader(_Reader):
         self._check_not_changed({each.predicate for each in derived}, actions)
         return DomainFile(
             str(name), self._types, self._constants, self._predicates, self._functions, tuple(derived),
-            tuple(actions.values()),
+            tuple(actions.values()), self._type_lines, self._constant_lines,
         )  # fmt: skip
 
     def _read_types(self, tree: Node) -> None:
-        lines: dict[str, int] = {}
+        lines = self._type_lines
         for name, kind in self.typed_names(tree):
             lines[str(name)] = name.line
             above = (str(kind),) if kind is not None and kind != OBJECT else ()
             self._types[str(name)] = tuple(dict.fromkeys((*self._types.get(str(name), ()), *above)))
             for each in above:
                 self._types.setdefault(each, ())
+                lines.setdefault(each, name.line)
         for kind_name, line in lines.items():
             around = self._circle(kind_name)
             if around:
@@ -272,15 +279,16 @@ class _ProblemReader(_Reader):
         if named != self._domain.name:
             hint = "give the domain that it belongs to, or mend the name"
             self.refuse(named.line, f"this is a problem of {named}, not of {self._domain.name}; {hint}")
+        lines: dict[str, int] = {}
         if "objects" in parts:
-            self.object_types(parts["objects"].nodes[0], self._domain.types, self._objects)
+            lines = self.object_types(parts["objects"].nodes[0], self._domain.types, self._objects)
         scope = Scope(self.refuse, self._domain.types, self._objects, self._domain.predicates)
         initial: list[Literal] = []
         costs: dict[tuple[str, tuple[str, ...]], str] = {}
         for each in parts["init"].nodes:
             self._initial(each, scope, initial, costs)
         name, goal = str(parts["problem_def"].words[-1]), scope.formula(parts["goal"].nodes[0])
-        return ProblemFile(name, self._objects, self._true(initial), costs, goal)
+        return ProblemFile(name, self._objects, self._true(initial), costs, goal, lines)
 
     def _initial(
         self, tree: Node, scope: Scope, initial: list[Literal], costs: dict[tuple[str, tuple[str, ...]], str]

@@ -69,6 +69,8 @@ class DomainFile:
     functions: Mapping[str, Signature]
     derived: tuple[Derived, ...]
     actions: tuple[Schema, ...]
+    type_lines: Mapping[str, int]
+    constant_lines: Mapping[str, int]
 
     def above(self, kind: str) -> set[str]:
         """Return a type and all types above it."""
@@ -84,7 +86,7 @@ class DomainFile:
 class ProblemFile:
     """A problem of a domain: all objects with their types, constants among them, what is true at first, the goal.
 
-    `costs` are the values of functions of objects, as they are written.
+    `costs` are the values of functions of objects, as they are written; `object_lines` has no constants.
     """
 
     name: str
@@ -92,3 +94,4 @@ class ProblemFile:
     initial: tuple[Literal, ...]
     costs: Mapping[tuple[str, tuple[str, ...]], str]
     goal: Formula
+    object_lines: Mapping[str, int]

@@ -10,19 +10,23 @@ from pathlib import Path
 from prag_asp.pddl.costs import cost_of
 from prag_asp.pddl.files import read_files
 from prag_asp.pddl.model import DomainFile, ProblemFile
+from prag_asp.pddl.places import sources_of
 from prag_asp.pddl.size import check_size
-from prag_asp.pddl.translate import Translation
+from prag_asp.pddl.translate import CLOSED, Translation
+from prag_asp.program.sources import Source, text_source
 
 
 @dataclass(frozen=True)
 class Imported:
     """A domain and a problem as a logic program: its name, its text, and the names that PDDL has for its own.
 
+    `sources` are the same program as files whose lines are those of the files of PDDL, so that messages tell them.
     `actions` and `objects` are the names of PDDL by those of the program.
     """
 
     name: str
     text: str
+    sources: tuple[Source, ...] = field(repr=False, compare=False)
     actions: Mapping[str, str]
     objects: Mapping[str, str]
     _files: tuple[DomainFile, ProblemFile] = field(repr=False, compare=False)
@@ -60,4 +64,8 @@ def read(domain: str | Path, problem: str | Path) -> Imported:
     check_size(Path(domain), first, second, found.fluents(), found.words.static)
     actions, objects = ({ours: given for given, ours in each.items()} for each in (found.actions, found.words.objects))
     title = f"The problem {second.name} of the domain {first.name}, imported from PDDL."
-    return Imported(f"{first.name}_{second.name}", found.text(title), actions, objects, (first, second))
+    lines = found.lines(title)
+    sources = tuple(sources_of(lines, {"domain": Path(domain), "problem": Path(problem)}))
+    name, text = f"{first.name}_{second.name}", "\n".join(lines) + "\n"
+    closed = text_source(name, f"{CLOSED}\n")
+    return Imported(name, text, (*sources, closed), actions, objects, (first, second))

@@ -17,7 +17,9 @@ from prag_asp.pddl.formula import (
 )
 from prag_asp.pddl.model import OBJECT, DomainFile, Effect, ProblemFile, Schema
 from prag_asp.pddl.names import TERMS, clingo_names
+from prag_asp.pddl.places import File, Line, Place
 
+CLOSED = '#include "rules/closed_world.lp".'
 TRUTH = {True: "true", False: "false"}
 
 
@@ -40,18 +42,21 @@ class Translation:
         self._rules = Rules()
         self._bodies = Bodies(self.words, self._rules)
 
-    def text(self, title: str) -> str:
-        """Return the whole program, which begins with a comment."""
-        start = [*self._classes(), "", *self._entities(), "", *self._static(), *self._fluents(), "", *self._initially()]
+    def lines(self, title: str) -> list[str]:
+        """Return the whole program, which begins with a comment; what PDDL says knows its place."""
+        start: list[str] = []
+        for section in (self._classes(), self._entities(), self._static(), self._fluents(), self._initially()):
+            found = [*self._placed(section)]
+            start += [*found, ""] if found else []
         shown: list[str] = []
         for action in self._domain.actions:
-            shown += ["", *self._action(action)]
+            shown += ["", *self._placed(self._action(action))]
         self._finish_effects()
         self._derive(STEP)
         goal = self._goal()
         self._derive(END)
-        lines = [f"% {title}", *self._changed_names(), "", '#include "rules/closed_world.lp".', "", *start]
-        lines += _section("Actions") + (shown or ["", "#defined action/1."])
+        lines = [f"% {title}", *self._changed_names(), "", CLOSED, "", *start[:-1]]
+        lines += _section("Actions") + (shown or ["", Line("#defined action/1.", Place("domain", 1))])
         if self._rules.parts[BASE]:
             lines += [*_section("What actions ask of what never changes"), "", *self._rules.parts[BASE]]
         if goal:
@@ -61,7 +66,16 @@ class Translation:
             lines += ["", "#program step(t).", *self._rules.parts[STEP]]
         if self._rules.parts[END]:
             lines += [*_section("What the last state satisfies"), "", "#program check(t).", *self._rules.parts[END]]
-        return "\n".join(lines) + "\n"
+        return lines
+
+    def _placed(self, lines: Iterable[str]) -> Iterator[str]:
+        """Yield lines with their places: those that know none come from where the translation is as they are made."""
+        for each in lines:
+            yield each if isinstance(each, Line) or not each else Line(each, self._rules.at)
+
+    def _at(self, file: File, line: int) -> None:
+        """Say where what follows comes from."""
+        self._rules.at = Place(file, line)
 
     def _kinds(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
         """Return the types of each predicate's arguments: those declared, and those beyond that it is used with."""
@@ -110,6 +124,7 @@ class Translation:
         read |= {name for each in quantified for name in each.types}
         rooted = OBJECT in read
         for name, above in domain.items():
+            self._at("domain", self._domain.type_lines.get(name, 1))
             if name == OBJECT:
                 if rooted:
                     yield f"class({types[OBJECT]})."
@@ -132,9 +147,14 @@ class Translation:
 
     def _entities(self) -> Iterator[str]:
         kinds: dict[str, list[str]] = {}
+        places: dict[str, Place] = {}
         for name, kind in self._problem.objects.items():
             kinds.setdefault(kind, []).append(self.words.objects[name])
+            line = self._problem.object_lines.get(name)
+            found = Place("problem", line) if line else Place("domain", self._domain.constant_lines[name])
+            places[kind] = min(found, places.get(kind, found), key=lambda place: place.file == "domain")
         for kind, names in kinds.items():
+            self._rules.at = places[kind]
             told = names[0] if len(names) == 1 else f"({'; '.join(names)})"
             yield from _wrapped(f"entity({told}, {self.words.types[kind]}).")
 
@@ -145,11 +165,12 @@ class Translation:
             if literal.predicate in stated:
                 stated[literal.predicate].append(literal)
         for name, found in stated.items():
+            self._at("domain", self._domain.predicates[name].line)
             yield f"#defined {self.words.predicates[name]}/{len(self._domain.predicates[name].types)}."
             facts = dict.fromkeys(f"{self.words.atom(literal)}." for literal in found)
+            if found:
+                self._at("problem", found[0].line)
             yield from _filled(facts)
-        if stated:
-            yield ""
 
     def fluents(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
         """Return the types of the arguments of each predicate that actions change."""
@@ -158,6 +179,7 @@ class Translation:
 
     def _fluents(self) -> Iterator[str]:
         for name, kinds in self.fluents().items():
+            self._at("domain", self._domain.predicates[name].line)
             terms = [f"X{number}" if len(kinds) > 1 else "X" for number in range(1, len(kinds) + 1)]
             head = f"fluent({applied(self.words.predicates[name], terms)})"
             yield _rule(head, map(self.words.is_a, terms, kinds))
@@ -165,10 +187,12 @@ class Translation:
     def _initially(self) -> Iterator[str]:
         for literal in dict.fromkeys(self._problem.initial):
             if literal.predicate not in self.words.static:
+                self._at("problem", literal.line)
                 yield f"initially({self.words.atom(literal)}, true)."
 
     def _action(self, action: Schema) -> Iterator[str]:
         """Yield the rules of an action; those of steps are kept for their section."""
+        self._at("domain", action.line)
         term = applied(self.actions[action.name], (each.name for each in action.parameters))
         parts = list(conjuncts(action.precondition))
         fixed = [part for part in parts if not self._bodies.changes(part)]
@@ -182,10 +206,12 @@ class Translation:
         plain: dict[bool, list[str]] = {True: [], False: []}
         rest: list[str] = []
         for part in parts:
+            self._at("domain", part.line)
             if isinstance(part, Literal) and part not in fixed and part.predicate not in self.words.derived:
                 plain[part.positive].append(self.words.atom(part))
             elif part not in fixed:
-                rest += self._demand(term, part)
+                rest += self._placed(self._demand(term, part))
+        self._at("domain", min((part.line for part in parts if part not in fixed), default=action.line))
         yield from self._valued("precondition", term, plain)
         yield from rest
         yield from self._effects(term, action)
@@ -234,6 +260,7 @@ class Translation:
         plain: dict[bool, list[str]] = {True: [], False: []}
         rest: list[str] = []
         for effect in action.effects:
+            self._at("domain", effect.literal.line)
             rivals = [] if effect.literal.positive else [each for each in added if _may_be_same(each, effect)]
             if effect in moving or not moving.isdisjoint(rivals):
                 self._step_effect(term, effect)
@@ -249,7 +276,8 @@ class Translation:
             body += self._bodies.body(effect.condition, BASE)
             body += [each if each != "" else f"not postcondition({term},{atom},true)" for each in unlike]
             if NEVER not in body:
-                rest.append(_rule(f"postcondition({term}, {atom}, {value})", body))
+                rest.append(Line(_rule(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
+        self._at("domain", min((each.literal.line for each in action.effects), default=action.line))
         yield from self._valued("postcondition", term, plain)
         yield from dict.fromkeys(rest)
 
@@ -261,6 +289,7 @@ class Translation:
     def _finish_effects(self) -> None:
         """Add what conditional effects come to: what is added and deleted at once is added."""
         rules = self._rules.parts[STEP]
+        self._rules.at = next((each.place for each in rules if isinstance(each, Line)), self._rules.at)
         adds, deletes = (any(rule.startswith(word) for rule in rules) for word in ("adds(", "deletes("))
         if deletes:
             self._rules.add(STEP, "adds(F,t)", ["occurs(A,t)", "postcondition(A,F,true)"])
@@ -282,6 +311,7 @@ class Translation:
             read |= new
             for rule in self._domain.derived:
                 if rule.predicate in new:
+                    self._at("domain", rule.line)
                     head = applied(
                         self._bodies.derived(rule.predicate, part), [*(v.name for v in rule.parameters), "t"]
                     )
@@ -299,8 +329,9 @@ class Translation:
         }
         facts = []
         for part in parts:
+            self._at("problem", part.line)
             if isinstance(part, Literal) and part in plain and part not in opposite:
-                facts.append(f"goal({self.words.atom(part)}, {TRUTH[part.positive]}).")
+                facts.append(Line(f"goal({self.words.atom(part)}, {TRUTH[part.positive]}).", self._rules.at))
                 continue
             simple = self._guarded(part)
             if (
@@ -310,7 +341,8 @@ class Translation:
             ):
                 variables, guard, literal = simple
                 body = [*map(self.words.belongs, variables), *self._bodies.body(guard, BASE)]
-                facts.append(_rule(f"goal({self.words.atom(literal)}, {TRUTH[literal.positive]})", body))
+                fact = _rule(f"goal({self.words.atom(literal)}, {TRUTH[literal.positive]})", body)
+                facts.append(Line(fact, self._rules.at))
                 continue
             for body in self._bodies.bodies(negated(part), END):
                 self._rules.add(END, "", body)

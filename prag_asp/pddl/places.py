@@ -1,0 +1,49 @@
+"""Where PDDL says what a line of a program says, and programs whose lines stand where they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+from prag_asp.program.sources import Source
+
+File = Literal["domain", "problem"]
+
+PART = "#program "
+
+
+class Place(NamedTuple):
+    """A line of one of the two files."""
+
+    file: File
+    line: int
+
+
+class Line(str):
+    """A line of a program, or a part of a statement that goes on; `place` is where it comes from."""
+
+    place: Place
+
+    def __new__(cls, text: str, place: Place) -> Line:
+        """Return a line."""
+        line = super().__new__(cls, text)
+        line.place = place
+        return line
+
+
+def sources_of(lines: Iterable[str], paths: Mapping[File, Path]) -> Iterator[Source]:
+    """Yield a program as files that are called as those of PDDL, each statement in the line that it comes from.
+
+    A file has one part of a program, so there may be several with one name. Lines without a place are left out.
+    """
+    header = ""
+    found: dict[tuple[str, File], dict[int, list[str]]] = {}
+    for each in lines:
+        if isinstance(each, Line):
+            found.setdefault((header, each.place.file), {}).setdefault(each.place.line, []).append(each.strip())
+        elif each.startswith(PART):
+            header = each
+    for (part, file), rows in found.items():
+        text = "\n".join(" ".join(rows.get(number, ())) for number in range(1, max(rows) + 1))
+        yield Source(paths[file], f"{part} {text}\n" if part else f"{text}\n")
