@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.atom import split_actions
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import Asked
+from prag_asp.cli.bundles.chosen import Chosen, names_tasks
 from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, say, whole_lines
 from prag_asp.cli.writing import require_writable, writer
@@ -72,40 +72,38 @@ def dimacs(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
 
 
 @export.command()
-@asks(options.DOMAIN)
-@click.option(
-    "--plan", metavar="'A B ...'", shell_complete=complete.plan,
-    help="Actions of a task to write: its initial state, and as the goal what is known of its last state.",
-)  # fmt: skip
+@asks((*options.DOMAIN, options.WHERE))
+@names_tasks
 @click.option("--positive", is_flag=True, help="No negative conditions: predicates such as not-on say what is not so.")
 @click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files,
-    help="New folder, written whole or not at all: domain.pddl, problem.pddl, and plan.txt of a task.",
+    help="New folder, written whole or not at all: domain.pddl, problem.pddl, and plan.txt of a task; of several tasks "
+    "domain_1.pddl, ..., numbered by rank or by their order in the file.",
 )  # fmt: skip
-def pddl(*, asked: Asked, plan: str | None, positive: bool, output: str) -> None:
-    """Write a domain, or one task of it, as a domain and a problem of PDDL.
+def pddl(*, asked: Asked, chosen: Chosen, positive: bool, output: str) -> None:
+    """Write a domain, or tasks of it, as domains and problems of PDDL.
 
     They have the same plans. What a task leaves open of its initial state is false in PDDL, and a comment says so.
     """
     from prag_asp.output import building, replace_file
     from prag_asp.pddl import write
-    from prag_asp.space.task_space import TaskSpace
 
     folder = Path(output)
     if folder.exists():
         raise OutputError(f"{folder}: exists already; choose another name, or remove it first")
-    domain, task = asked.domain(), None
-    if plan is not None:
-        actions = split_actions(plan)
-        space = TaskSpace(domain, len(actions))
-        task = space[space.index(actions)]
-    found = write(domain.name, domain.program, domain.facts, task, negative=not positive)
-    texts = {"domain.pddl": found.domain, "problem.pddl": found.problem}
-    if task is not None:
-        texts["plan.txt"] = "".join(f"{step}\n" for step in found.plan)
-    with building(folder, texts) as part:
-        for file, text in texts.items():
-            replace_file(part / file, text.encode(), follow=False)
+    chosen.check(asked.where)
+    with progress() as tell:
+        domain = asked.domain()
+        named = chosen.of(asked.space(tell, domain)) if chosen.any else None
+        files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if named else 2]
+        marks, tasks = named or ([""], iter([None]))
+        with building(folder, [file.format(mark) for mark in marks for file in files]) as part:
+            for number, (mark, task) in enumerate(zip(marks, tasks, strict=True)):
+                tell("tasks written", number, len(marks))
+                found = write(domain.name, domain.program, domain.facts, task, negative=not positive)
+                texts = (found.domain, found.problem, "".join(f"{step}\n" for step in found.plan))
+                for file, text in zip(files, texts, strict=False):
+                    replace_file(part / file.format(mark), text.encode(), follow=False)
     say(folder)
 
 
