@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,7 +97,7 @@ def pddl(*, asked: Asked, chosen: Chosen, positive: bool, output: str) -> None:
         domain = asked.domain()
         named = chosen.of(asked.space(tell, domain)) if chosen.any else None
         files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if named else 2]
-        marks, tasks = named or ([""], iter([None]))
+        marks, tasks = named if named is not None else ([""], repeat(None, 1))
         with building(folder, [file.format(mark) for mark in marks for file in files]) as part:
             for number, (mark, task) in enumerate(zip(marks, tasks, strict=True)):
                 tell("tasks written", number, len(marks))
