@@ -137,11 +137,11 @@ def test_the_command_prints_the_lower_bound_and_exits_with_its_own_code(
 
     folder = tmp_path / "lamps"
     folder.mkdir()
-    (folder / "domain.lp").write_text(LAMPS.replace("K", "17") + TOGETHER)
-    assert cli.main(["count", str(folder), "--length", "17", "--by", "plan", "--time", "0.1s"]) == 3
+    (folder / "domain.lp").write_text(LAMPS.replace("K", "40") + TOGETHER)
+    assert cli.main(["count", str(folder), "--length", "40", "--by", "plan", "--time", "0.1s"]) == 3
     out, err = capfd.readouterr()
     assert re.fullmatch(r"at least \d+\n", out) and "the time limit of 0.1 s was reached" in err
-    assert cli.main(["count", str(folder), "--length", "17", "--by", "plan", "--time", "0.1s", "--upto"]) == 3
+    assert cli.main(["count", str(folder), "--length", "40", "--by", "plan", "--time", "0.1s", "--upto"]) == 3
     out, _ = capfd.readouterr()
     assert out.startswith("length  plans\n") and re.fullmatch(r" +\d+  at least \d+", out.splitlines()[-1])
-    assert cli.main(["sample", str(folder), "--length", "17", "--time", "0.1s"]) == 3
+    assert cli.main(["sample", str(folder), "--length", "40", "--time", "0.1s"]) == 3
