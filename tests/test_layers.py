@@ -103,6 +103,7 @@ HEAVY = {
     "plotly",
     "multiprocessing",
     "pysat",
+    "pyapproxmc",
     "pyganak",
     "pddl",
     "lark",

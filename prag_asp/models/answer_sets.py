@@ -12,6 +12,7 @@ from pathlib import Path
 import clingo
 
 from prag_asp.errors import NotFound, QueryError
+from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.clauses import TRUE, Literal
 from prag_asp.logic.formula.counter import count_models, has_ganak
 from prag_asp.models import ENGINES
@@ -95,8 +96,22 @@ class AnswerSets:
         if how == "diagram":
             return Weighed(self._weighed.diagram, {}).total
         stage("counting models with ganak")
-        formula = self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
-        return count_models(formula.cnf, engine="ganak")
+        return count_models(self._counted.cnf, asked="engine ganak")
+
+    def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
+        """Return about how many there are, whatever they weigh: an estimate, which is never called their number.
+
+        With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
+
+        Raises:
+            QueryError: a number is out of range, or there are no clauses for the program.
+            EngineError: ApproxMC is not installed, or fails.
+        """
+        tolerance = Tolerance(epsilon, delta)
+        if self._no_clauses:
+            raise QueryError(f"--approximate: {self._no_clauses}; leave it out, and clingo enumerates")
+        stage("estimating the number of models")
+        return estimate_models(self._counted.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
         """Return the exact sum of their weights: without weights, their number."""
@@ -175,6 +190,14 @@ class AnswerSets:
 
     @cached_property
     def _obstacle(self) -> str:
+        """Why there is no formula, in words, which are told where nobody has chosen an engine."""
+        found = self._no_clauses
+        if found and self.engine == "auto":
+            self.note(f"{found}: clingo enumerates, which takes time for each answer set")
+        return found
+
+    @cached_property
+    def _no_clauses(self) -> str:
         """Why there is no formula, in words."""
         found = ""
         if self.ground.acyclic:
@@ -184,13 +207,16 @@ class AnswerSets:
         elif self.ground.contested:
             first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
             found = f"a rule derives {first}, which is #external and not false"
-        if found and self.engine == "auto":
-            self.note(f"{found}: clingo enumerates, which takes time for each answer set")
         return found
 
     @cached_property
     def _formula(self) -> ModelFormula:
         return self._formula_of(copied=True)
+
+    @property
+    def _counted(self) -> ModelFormula:
+        """The formula for a counter, which has nothing of copies."""
+        return self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
 
     def _formula_of(self, *, copied: bool) -> ModelFormula:
         return model_formula(self.ground, project=self.project, copied=copied)

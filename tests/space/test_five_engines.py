@@ -75,7 +75,7 @@ def answering(space: TaskSpace, engines: Sequence[str]) -> dict[str, TaskSpace]:
     """Return a space with each engine, clingo first, but those that refuse it; that they do so is tested."""
     refusing = BY_STATES if "loop-free" in str(space.condition) else ()
     for engine in refusing:
-        with pytest.raises(EngineError, match="loop_free.lp:"):
+        with pytest.raises(EngineError, match=r"loop_free\.lp:"):
             with_engine(space, engine).count()
     return {each: with_engine(space, each) for each in ("clingo", *engines) if each not in refusing}
 
