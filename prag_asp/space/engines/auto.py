@@ -102,7 +102,7 @@ class AutoEngine:
         except LimitReached as reached:
             if not self._too_long(length):
                 raise
-            found = 0 if prefix else self._found(length)
+            found = max(reached.at_least, 0 if prefix else self._found(length))
             raise stopped_at(str(reached).partition(" was reached")[0], found, self._asked[1], length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
