@@ -14,7 +14,7 @@ import clingo
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.clauses import TRUE, Literal
-from prag_asp.logic.formula.counter import count_models, has_ganak
+from prag_asp.logic.formula.counter import CountBeside, count_models, has_ganak
 from prag_asp.models import ENGINES
 from prag_asp.models.compiling import Progress, compile_formula, prepare
 from prag_asp.models.diagram import Weighed
@@ -33,6 +33,17 @@ AnswerSet = tuple[clingo.Symbol, ...]
 """What is shown of an answer set, sorted."""
 
 Tell = Callable[[str], None]
+
+PATIENCE = 2.0
+"""Seconds for which a program is compiled alone, before a counter counts as well."""
+
+
+class _Counted(Exception):
+    """A counter is done before a diagram is."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
 
 
 def answer_sets(
@@ -94,9 +105,32 @@ class AnswerSets:
         if how == "clingo":
             return self._enumeration.count()
         if how == "diagram":
-            return Weighed(self._weighed.diagram, {}).total
+            return self._count_by_diagram()
         stage("counting models with ganak")
         return count_models(self._counted.cnf, asked="engine ganak")
+
+    def _count_by_diagram(self) -> int:
+        """Return their number by a diagram or, where nobody has chosen it, by a counter beside that is done before.
+
+        A program that is not tight may suit either, by orders of magnitude.
+        """
+        if self.engine != "auto" or not has_ganak() or "_weighed" in self.__dict__:
+            return Weighed(self._weighed.diagram, {}).total
+
+        def begins() -> None:
+            self.note(f"ganak counts as well, for compiling takes longer than {PATIENCE:g} s; the first answers")
+
+        def look() -> None:
+            found = beside()
+            if found is not None:
+                raise _Counted(found)
+
+        with CountBeside(lambda: (self._counted.cnf, ()), PATIENCE, begins) as beside:
+            try:
+                self.__dict__["_weighed"] = self._compiled(look)  # as cached_property keeps it
+            except _Counted as counted:
+                return counted.number
+        return Weighed(self._weighed.diagram, {}).total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
         """Return about how many there are, whatever they weigh: an estimate, which is never called their number.
@@ -229,6 +263,9 @@ class AnswerSets:
 
     @cached_property
     def _weighed(self) -> Weighed:
+        return self._compiled()
+
+    def _compiled(self, look: Callable[[], None] = lambda: None) -> Weighed:
         weights = self._weights.weights
         kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
         stage("ordering variables")
@@ -236,7 +273,7 @@ class AnswerSets:
         if prepared.clauses:
             self.note(f"compiling {prepared.cost}")
         stage("compiling")
-        return Weighed(compile_formula(self._formula, prepared, self.progress), weights)
+        return Weighed(compile_formula(self._formula, prepared, self.progress, look), weights)
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:

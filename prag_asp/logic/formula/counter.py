@@ -5,17 +5,19 @@ Such code hears neither Ctrl-C nor a time limit, and ends the process where its 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import chain
 from tempfile import TemporaryFile
+from time import monotonic
 from typing import IO, Any
 
 from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clauses import Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.processes.children import Children, Ended
+from prag_asp.processes.children import Child, Children, Ended, answered
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,54 @@ def counted(
         except Ended as ended:
             said = _last_line(complaints)
             raise EngineError(f"{asked}: {counter.name} ended {ended} ({said}); choose another engine") from None
+
+
+class CountBeside:
+    """Counts the models of a formula in a process of its own while this one does something else, as a context.
+
+    `cnf` and the literals assumed come from `formula`, which is called when the counter is started: by the first
+    question after `patience` seconds. What fails is no error, but leaves the question open.
+    """
+
+    def __init__(
+        self,
+        formula: Callable[[], tuple[Cnf, Sequence[Literal]]],
+        patience: float,
+        begins: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._formula, self._begins = formula, begins
+        self._due: float | None = monotonic() + patience
+        self._running = ExitStack()
+        self._child: Child | None = None
+
+    def __enter__(self) -> CountBeside:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._running.close()
+
+    def __call__(self) -> int | None:
+        """Return the number of models once it is known; the first call that is late enough starts the counter."""
+        try:
+            if self._child is not None and answered([self._child], 0):
+                return int(self._child.receive())
+            if self._due is not None and monotonic() >= self._due:
+                self._due = None
+                self._start()
+        except (EngineError, Ended):
+            self._running.close()
+            self._child = None
+        return None
+
+    def _start(self) -> None:
+        cnf, assumptions = self._formula()
+        clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
+        refuse_what_cannot_be_counted(cnf.variables, clauses, cnf.shown)
+        complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
+        child = self._running.enter_context(Children(GANAK.module, complaints.fileno())).start()
+        child.send((cnf.variables, cnf.shown, clauses))
+        self._child = child
+        self._begins()
 
 
 def _last_line(complaints: IO[bytes]) -> str:

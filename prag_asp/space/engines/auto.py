@@ -1,25 +1,34 @@
 """The choice of an engine: states are listed if that will end in the memory there is; else they become diagrams.
 
-Whether it will is estimated by what was measured: how many states each step has added so far.
+Whether it will is estimated by what was measured: how many states each step has added so far. Where there are no states
+to list, clingo enumerates, and once that takes longer, a model counter counts as well: the first that is done answers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from prag_asp.errors import LimitReached
+from prag_asp.errors import EngineError, LimitReached
+from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.cnf import Cnf
+from prag_asp.logic.formula.counter import CountBeside, has_ganak
 from prag_asp.logic.model import Model
 from prag_asp.processes.machine import usual_memory
 from prag_asp.processes.stage import Note
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.engines.clingo import ClingoEngine
+from prag_asp.space.engines.formula import word_formula
 from prag_asp.space.engines.protocol import Engine, Letters, Level, Progress
 from prag_asp.space.engines.reach import Reach, Unfit
 from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights
+
+PATIENCE = 2.0
+"""Seconds for which clingo enumerates alone: it finds some 100,000 words in each."""
 
 EARLY, SURE = 64, 4
 """No forecast counts before the states listed take this share of the memory, nor one of less than so many times it."""
@@ -163,3 +172,26 @@ class AutoEngine:
         if level == "skeleton" or self._unfit is None:  # what was listed has no names yet
             return 0
         return count_within(self._unfit[1].completions, length, limits.begin().to_close().spent)[0]
+
+
+def searching_engine(
+    model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+) -> ClingoEngine:
+    """Return clingo, with a model counter beside it that counts as well where one is installed."""
+
+    def beside(length: int, prefix: Letters) -> CountBeside:
+        def formula() -> tuple[Cnf, Sequence[Literal]]:
+            words = word_formula(model, level, length)
+            beginning = words.beginning(prefix)
+            if beginning is None:
+                raise EngineError("no word begins so")
+            return words.cnf, beginning
+
+        def begins() -> None:
+            if progress:
+                why = f"clingo has not found all words after {PATIENCE:g} s; the first that is done answers"
+                progress(Note(f"note: engine sharp as well, because {why}"))
+
+        return CountBeside(formula, PATIENCE, begins)
+
+    return ClingoEngine(model, level, progress, limits, beside if has_ganak() else None)
