@@ -24,7 +24,7 @@ from prag_asp.models.ground import GroundModels, ground_models
 from prag_asp.models.listing import listed
 from prag_asp.models.reading import GivenProgram, read_program
 from prag_asp.models.shifting import is_disjunctive, is_head_cycle_free
-from prag_asp.models.weighing import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights
+from prag_asp.models.weighing import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights, unknown_weights
 from prag_asp.processes.stage import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
@@ -75,6 +75,9 @@ def answer_sets(
     found = AnswerSets(given, ground, project, stated, engine, tell, progress)
     for note in ground.notes:
         found.note(f"{note}; clingo leaves this out")
+    unknown = unknown_weights(stated, ground, given.program)
+    if unknown:
+        found.note(unknown)
     return found
 
 

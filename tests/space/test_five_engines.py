@@ -30,7 +30,7 @@ BY_STATES = ("automaton", "symbolic")
 DOMAINS, FRESH_DOMAINS, PARTS = 15, 1000, 5
 """How many domains are drawn, one for each kind of condition; and how many with `pytest --fresh`."""
 
-LENGTHS, LONGER, LONGER_EACH = (0, 1, 2), (0, 1, 2, 3), 10
+LENGTHS, LONGER, LONGER_EACH = (0, 1, 2), (0, 1, 2, 3), 20
 
 FEW = 300
 """Plans up to which every engine finds them all of a shipped domain."""
