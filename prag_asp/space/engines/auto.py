@@ -8,24 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from prag_asp.errors import EngineError, LimitReached
-from prag_asp.logic.formula.clauses import Literal
-from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.formula.counter import CountBeside, has_ganak
 from prag_asp.logic.model import Model
 from prag_asp.processes.machine import usual_memory
 from prag_asp.processes.stage import Note
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.engines.clingo import ClingoEngine
-from prag_asp.space.engines.formula import word_formula
 from prag_asp.space.engines.protocol import Engine, Letters, Level, Progress
 from prag_asp.space.engines.reach import Reach, Unfit
 from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights
+
+if TYPE_CHECKING:
+    from prag_asp.logic.formula.clauses import Literal
+    from prag_asp.logic.formula.cnf import Cnf
+    from prag_asp.logic.formula.counter import CountBeside
+    from prag_asp.space.engines.clingo import ClingoEngine
 
 PATIENCE = 2.0
 """Seconds for which clingo enumerates alone: it finds some 100,000 words in each."""
@@ -178,6 +179,9 @@ def searching_engine(
     model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> ClingoEngine:
     """Return clingo, with a model counter beside it that counts as well where one is installed."""
+    from prag_asp.logic.formula.counter import CountBeside, has_ganak
+    from prag_asp.space.engines.clingo import ClingoEngine
+    from prag_asp.space.engines.formula import word_formula
 
     def beside(length: int, prefix: Letters) -> CountBeside:
         def formula() -> tuple[Cnf, Sequence[Literal]]:
