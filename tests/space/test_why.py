@@ -160,10 +160,17 @@ def test_conditions_are_reasons_where_the_space_has_a_task_without_them(rooms: P
 
 
 def test_what_is_declared_alone_may_leave_no_task() -> None:
-    composites = "fluent(f). action(a). composite(c). stage(c,1,a). stage(c,2,a)."
-    found = why_empty(TaskSpace(domain_of(composites), 3))
+    space = TaskSpace(domain_of("fluent(f). initially(f,true)."), 3)
+    found = why_empty(space)
     assert found is not None and not found.lines and not found.conditions
-    assert fewest_changes(TaskSpace(domain_of(composites), 3)) == ()
+    assert fewest_changes(space) == ()
+
+
+def test_composites_alone_may_leave_no_task() -> None:
+    space = TaskSpace(domain_of("fluent(f). action(a). composite(c). stage(c,1,a). stage(c,2,a)."), 3)
+    found = why_empty(space)
+    assert found is not None and [line.line for line in found.lines] == [1]
+    assert fewest_changes(space) == (found.lines,)
 
 
 def test_what_is_no_action_and_no_step_is_refused() -> None:
