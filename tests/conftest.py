@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import secrets
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -75,9 +77,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         random = [item for item in items if _has_examples(item) or "chance" in getattr(item, "fixturenames", ())]
         config.hook.pytest_deselected(items=[item for item in items if item not in random])
         items[:] = random
-    # What takes long comes first, so that no process is left with it at the end while the other one has nothing to do.
+    # What takes long comes first, so that no process is left with it at the end while the other one has nothing to do:
+    # files with something slow, then those with most tests.
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: item.path not in slow)
+    tests = Counter(item.path for item in items)
+    items.sort(key=lambda item: (item.path not in slow, -tests[item.path]))
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage less often, and never in what was imported: it is large, and stays to the end."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 50)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

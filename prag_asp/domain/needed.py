@@ -195,7 +195,7 @@ def _may_have(statements: Iterable[Statement], fewest: int) -> bool:
     stated = 0
     for statement in statements:
         if statement.own and statement.is_rule and any(atom.name == "entity" for atom in statement.heads):
-            text = str(statement.node)
+            text = statement.text
             stated += fewest if ".." in text else 1 + text.count(";")
     return stated >= fewest
 

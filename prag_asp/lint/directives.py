@@ -65,7 +65,7 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 def _refused(statement: Statement) -> Iterator[Problem]:
     if statement.kind in REFUSED:
         yield statement.problem(REFUSED[statement.kind])
-    if statement.is_rule and re.search("[@&]", str(statement.node)):
+    if statement.is_rule and re.search("[@&]", statement.text):
         for node in below(statement.node):
             if node.ast_type == ASTType.TheoryAtom:
                 yield statement.problem(REFUSED[ASTType.TheoryAtom])

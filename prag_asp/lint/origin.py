@@ -49,7 +49,7 @@ class Origins:
 
 def _trace(base: Sequence[Statement]) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
     """Ground the base part without its constraints, every head marked with its rule."""
-    lines = [str(each.node) for each in base if not each.is_rule or each.heads]
+    lines = [each.text for each in base if not each.is_rule or each.heads]
     for number, statement in enumerate(base):
         if statement.is_rule and statement.node.head.ast_type == ASTType.Literal:
             body = "; ".join(text for _, text in statement.literals) or "#true"

@@ -78,6 +78,11 @@ class Statement:
         return self.kind == ASTType.Rule
 
     @cached_property
+    def text(self) -> str:
+        """The statement as clingo writes it."""
+        return str(self.node)
+
+    @cached_property
     def literals(self) -> tuple[tuple[AST, str], ...]:
         """The body's literals, each with its text."""
         return tuple((node, str(node)) for node in getattr(self.node, "body", ()))

@@ -100,11 +100,11 @@ def test_engines_that_search_obey_the_limit_of_time_in_all_they_do(
 ) -> None:
     (tmp_path / "lamp.lp").write_text(LAMP)
     done = run_apart(
-        command[0], "lamp.lp", "--length", "30", "--engine", engine, "--time", "4", *command[1:], cwd=tmp_path
+        command[0], "lamp.lp", "--length", "30", "--engine", engine, "--time", "2", *command[1:], cwd=tmp_path
     )
     assert done.returncode == 3
     *kept, told = done.stderr.splitlines()
-    assert told.startswith("the time limit of 4 s was reached") and "--time" in told
+    assert told.startswith("the time limit of 2 s was reached") and "--time" in told
     assert not kept or (len(kept) == 1 and kept[0].startswith("out.txt.part keeps "))
 
 

@@ -45,8 +45,17 @@ def name_of(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Return a cache that the pages share, as those of a reader do."""
+    return str(tmp_path_factory.mktemp("cache"))
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page) and page not in FRESH], ids=name_of)
-def test_the_examples_of_a_page_print_what_it_shows(page: Path, tmp_path: Path) -> None:
+def test_the_examples_of_a_page_print_what_it_shows(
+    page: Path, tmp_path: Path, cache: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PRAG_ASP_CACHE", cache)
     prepare(tmp_path)
     wrong = [str(example) for example in run_page(page, tmp_path) if not example.right]
     assert not wrong, "\n\n".join(["write them anew: python -m tests.docs.pages", *wrong])

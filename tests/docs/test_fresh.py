@@ -15,6 +15,9 @@ NEEDED = ("prag_asp", "encodings", "domains", "suites", "pyproject.toml", "READM
 READER = ("__init__.py", "docs/__init__.py", "docs/pages.py")
 """What runs the examples of a page; it imports nothing that the page does not say to install."""
 
+HERE = ("VIRTUAL_ENV", "PYTHONPATH", "PYTHONPYCACHEPREFIX")
+"""Variables that lead back to the environment of the tests."""
+
 RUN = """
 import sys
 from pathlib import Path
@@ -40,7 +43,8 @@ def test_the_pages_on_data_sets_need_what_they_say_and_no_more(tmp_path: Path) -
         (reader / name).symlink_to(clone / name)
     said = [block.text for page in FRESH for block in blocks(page) if block.language == "sh"]
     assert said[0].startswith("python3 -m venv .venv")
-    outside = {name: value for name, value in os.environ.items() if name not in ("VIRTUAL_ENV", "PYTHONPATH")}
+    outside = {name: value for name, value in os.environ.items() if name not in HERE}
+    outside["PIP_NO_COMPILE"] = "1"  # most modules of large packages are never imported
     call(["sh", "-ec", "".join(said)], clone, outside)
     for page in FRESH:
         work = tmp_path / page.stem

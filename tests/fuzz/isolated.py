@@ -7,6 +7,7 @@ written to, and nothing else. A run leads a group of processes and is ended with
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import os
 import pkgutil
@@ -73,6 +74,9 @@ def warm() -> None:
     ):
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
+    prag_asp.load_domain("prag")  # what the encodings say is read once as well
+    gc.collect()
+    gc.freeze()  # else the first search for garbage of each run would write to all pages
 
 
 def command(arguments: tuple[str, ...]) -> Callable[[], None]:

@@ -137,11 +137,10 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
         ({"curriculum": (Adaptive(), Bandit())}, "of one kind"),
         ({"curriculum": (Backwards(), Backwards())}, "of one kind"),
         ({"part": "train"}, "no place"),
-        ({"space": TaskSpaces(load_domain("tabletop"), range(1, 3)), "part": TaskSpace(load_domain("tabletop"), 1)[:2]},
-         "of one length"),
-        ({"part": TaskSpace(load_domain("tabletop"), 1)[:2]}, "of length|length=1"),
-        ({"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part is one of TaskSpace"),
-        ({"part": TaskSpace(load_domain("tabletop"), 2).where("has at least 1 stack")[:2]}, "and not of TaskSpace"),
+        (lambda space: {"space": TaskSpaces(space.domain, range(1, 3)), "part": space.at(1)[:2]}, "of one length"),
+        (lambda space: {"part": space.at(1)[:2]}, "of length|length=1"),
+        (lambda space: {"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part is one of TaskSpace"),
+        (lambda space: {"part": space.where("has at least 1 stack")[:2]}, "and not of TaskSpace"),
         ({"domain": "kitchen"}, "have their own"),
         ({"render_mode": "human"}, "render mode"),
         ({"cameras": "front"}, "give their names"),
@@ -150,9 +149,10 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
         ({"size": 8}, "pixels"), ({"size": (64,)}, "pixels"), ({"size": True}, "pixels"), ({"size": 1.5}, "pixels"),
     ],
 )  # fmt: skip
-def test_what_means_nothing_is_refused(space: TaskSpace, asked: dict[str, Any], told: str) -> None:
+def test_what_means_nothing_is_refused(space: TaskSpace, asked: Any, told: str) -> None:
+    given = asked(space) if callable(asked) else asked
     with pytest.raises(QueryError, match=told):
-        TaskEnv(**{"space": space, **asked})
+        TaskEnv(**{"space": space, **given})
 
 
 def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, list[Given]]) -> None:
@@ -167,13 +167,13 @@ def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, 
     env.close()
 
 
-def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]]) -> None:
+def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]], space: TaskSpace) -> None:
     task, witness = given["tabletop"][0]
     for curriculum in (Lengths(), (Backwards(), Novelty())):
         with pytest.raises(QueryError, match="draws from a space"):
             TaskEnv(task=task, witness=witness, curriculum=curriculum)
     with pytest.raises(QueryError, match="give the space"):
-        TaskEnv(task=task, part=TaskSpace(load_domain("tabletop"), 2)[:3])
+        TaskEnv(task=task, part=space[:3])
 
 
 @pytest.mark.slow

@@ -76,10 +76,10 @@ def _guarded(source: Source, own: bool, program: Program, lines: list[Line]) -> 
     for statement in statements:
         if _restricts(statement):
             if own:
-                lines.append(Line(source.path, statement.line, str(statement.node)))
+                lines.append(Line(source.path, statement.line, statement.text))
             texts += _under(statement, f"{KEPT}({len(lines) - 1})")
         else:
-            texts.append(str(statement.node))
+            texts.append(statement.text)
     return Source(source.path, "\n".join(texts))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import clingo
 
@@ -33,8 +34,7 @@ NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number
 OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
 
 
-@dataclass(frozen=True)
-class Rule:
+class Rule(NamedTuple):
     """A ground rule: some head follows where the weights of the true literals of the body reach `bound`.
 
     Literals are atoms, negative where negated. Without `weights`, all literals of the body have to be true.
@@ -84,17 +84,19 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
 def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     seeds = _seeds(facts, reads)
     started = _start(program)
-    if _initial(started[0], reads) <= seeds:
+    if reads.previous <= CONTRACT and _initial(started[0], reads) <= seeds:
         ground = _ground_once(started, program, seeds, facts, reads)
         if not _unforeseen(ground, seeds, reads):  # nothing but the state is carried along
             return ground
+        started = _start(program)
     endless = _add_carried(seeds, program, reads)
     for _ in range(_most_steps(program, reads)):
-        ground = _ground_once(_start(program), program, seeds, facts, reads)
+        ground = _ground_once(started, program, seeds, facts, reads)
         new = _unforeseen(ground, seeds, reads)
         if not new or endless:
             break
         seeds |= new
+        started = _start(program)
     else:
         endless = _signature(min(new))
     if not endless:

@@ -9,14 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import clingo
-from clingo.ast import AST, ASTType, parse_string
+from clingo.ast import AST, ASTType
 
 from prag_asp.logic.ground.growth import growing_heads
-from prag_asp.program.sources import Program
-from prag_asp.program.syntax import STRING, AtomNode, Signature, atoms, children_of, head_atoms, plain_atom
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.sources import Program, owned
+from prag_asp.program.syntax import STRING, AtomNode, Signature, Statement, atoms, children_of, plain_atom
 
 START = "0"
 """How the time of the start is written."""
@@ -28,7 +29,7 @@ PARTS = ("base", "step", "check")
 class _Times:
     """How the rules of a program part write the number of the step, which is the parameter of the part."""
 
-    now: str = "t"
+    now: str
 
     @property
     def before(self) -> str:
@@ -62,6 +63,9 @@ class _Times:
         return any(map(self._stand_below, children_of(node)))
 
 
+_times = cache(_Times)
+
+
 @dataclass(frozen=True)
 class StepReads:
     """What the rules of a step read of the step before, and why they are no function of it, if they are none.
@@ -77,62 +81,40 @@ class StepReads:
 
 @dataclass(frozen=True)
 class _Rule:
-    """A rule, and what is read off it.
+    """A rule, and how its part writes the number of the step."""
 
-    Texts are looked at wherever they tell enough: clingo is slow to hand out the nodes of its syntax trees.
-    """
-
-    node: AST
+    statement: Statement
     times: _Times
 
-    @cached_property
-    def text(self) -> str:
-        return str(self.node)
-
-    @cached_property
-    def _head(self) -> tuple[list[AtomNode], list[AtomNode]]:
-        return head_atoms(self.node.head)
-
     @property
-    def heads(self) -> list[AtomNode]:
+    def heads(self) -> tuple[AtomNode, ...]:
         """The atoms that the rule derives."""
-        return self._head[0]
-
-    @cached_property
-    def literals(self) -> tuple[tuple[AST, str], ...]:
-        """The literals of the body, each with its text."""
-        return tuple((literal, str(literal)) for literal in self.node.body)
+        return self.statement.heads
 
     def atoms(self) -> Iterator[AtomNode]:
         """Yield all atoms, those of conditions included."""
-        for found in self._head:
-            yield from found
-        for literal, text in self.literals:
-            yield from atoms(literal, text)
+        yield from self.statement.heads
+        yield from self.statement.body
 
     def reads_number(self) -> bool:
         """Return whether the number of the step stands anywhere but as the time of an atom."""
-        if not self.times.spelled.search(self.text):
+        if not self.times.spelled.search(self.statement.text):
             return False
-        head = self.node.head
-        return any(self.times.stand_in(node, text) for node, text in ((head, str(head)), *self.literals))
+        head = self.statement.node.head
+        return any(self.times.stand_in(node, text) for node, text in ((head, str(head)), *self.statement.literals))
 
 
 def read_step(program: Program) -> StepReads:
-    """Return what the parts ``step(t)`` and ``check(t)`` of a program read of step t-1."""
+    """Return what the parts ``step(t)`` and ``check(t)`` of a program read of step t-1.
+
+    What clingo cannot read is passed over: whoever grounds the program is told of it.
+    """
+    statements, _ = parse_sources(owned(program))
     rules: dict[str, list[_Rule]] = {name: [] for name in PARTS}
-    part, times = rules["base"], _Times()
-
-    def collect(statement: AST) -> None:
-        nonlocal part, times
-        kind = statement.ast_type
-        if kind == ASTType.Program:
-            part = rules.setdefault(statement.name, [])
-            times = _Times(statement.parameters[0].name) if statement.parameters else _Times()
-        elif kind == ASTType.Rule:
-            part.append(_Rule(statement, times))
-
-    parse_string(program.text, collect)
+    for statement in statements:
+        if statement.is_rule:
+            times = _times(statement.parameters[0] if statement.parameters else "t")
+            rules.setdefault(statement.part, []).append(_Rule(statement, times))
     timed = {("occurs", 2), ("holds", 3)}
     for rule in rules["step"]:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.times.now}
@@ -143,15 +125,16 @@ def read_step(program: Program) -> StepReads:
         for rule in rules[name]:
             obstacle = _obstacle(rule, name, timed, previous)
             if obstacle:
-                path, line = program.locate(rule.node.location.begin.line)
-                obstacles.append(f"{path}:{line}: {obstacle}")
-    growing = {head for rule in rules["step"] for head in growing_heads(rule.heads, rule.literals, timed)}
+                obstacles.append(f"{rule.statement.path}:{rule.statement.line}: {obstacle}")
+    stepping = (rule.statement for rule in rules["step"])
+    growing = {head for each in stepping for head in growing_heads(each.heads, each.literals, timed)}
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing))
 
 
 def _may_carry_time(rule: _Rule, timed: Collection[Signature]) -> bool:
     """Return whether the text of a rule has the name of a predicate that carries a time, or the step before."""
-    return rule.times.before in rule.text or any(name in rule.text for name, _ in timed)
+    text = rule.statement.text
+    return rule.times.before in text or any(name in text for name, _ in timed)
 
 
 def _obstacle(rule: _Rule, part: str, timed: Collection[Signature], previous: set[Signature]) -> str | None:

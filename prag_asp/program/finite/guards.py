@@ -90,7 +90,7 @@ class _Writer:
     def guard(self, rule: Statement, endless: Sequence[Endless]) -> None:
         """Write the checks of a rule."""
         self._rule = rule
-        text = str(rule.node)
+        text = rule.text
         if OPERATION.search(text.replace(":-", "").replace(self._before, "")) or "#sum" in text:
             bound = self._scope(rule.node.body, frozenset())
             self._head(rule.node.head, bound)

@@ -76,7 +76,7 @@ def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symb
     if not facts:
         return {}
     lines = [f"{STATED}({number},{each.node.head})." for number, each in enumerate(facts) if each.heads]
-    lines += [str(each.node) for each in statements if each.own and each.kind == ASTType.Definition]
+    lines += [each.text for each in statements if each.own and each.kind == ASTType.Definition]
     grounder = Grounder(Program((Source(facts[0].path, "\n".join(lines)),)))
     grounder.ground([("base", [])])
     found: dict[Statement, list[clingo.Symbol]] = {each: [] for each in facts}

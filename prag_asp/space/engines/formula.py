@@ -55,8 +55,9 @@ class WordFormula:
 
     @cached_property
     def _shown(self) -> list[tuple[Literal, int, str]]:
-        symbols = ((literal, symbol) for symbol, literal in self.cnf.literals.items())
-        timed = ((literal, each.arguments) for literal, each in symbols if each.match(SHOWN[self.level], 2))
+        name = SHOWN[self.level]
+        named = ((literal, each) for each, literal in self.cnf.literals.items() if each.name == name)
+        timed = ((literal, each.arguments) for literal, each in named if each.match(name, 2))
         return [(literal, step.number, str(what)) for literal, (what, step) in timed if step.number > 0]
 
     @cached_property

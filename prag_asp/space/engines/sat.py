@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from itertools import islice
 
 from prag_asp.logic.formula.clauses import TRUE
@@ -115,7 +116,10 @@ class _Search:
 
     def __init__(self, formula: WordFormula) -> None:
         self.formula = formula
-        self._solver = Solver(formula.cnf.variables, formula.cnf.clauses)
+
+    @cached_property
+    def _solver(self) -> Solver:
+        return Solver(self.formula.cnf.variables, self.formula.cnf.clauses)
 
     def some_word(self, prefix: Sequence[str]) -> Letters | None:
         """Return a word that begins with `prefix`, or None where there is none."""
