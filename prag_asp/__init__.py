@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         QueryError,
         SceneError,
     )
+    from prag_asp.logic.formula.approximate import Estimate
     from prag_asp.logic.formula.explain import Explanation
     from prag_asp.models.answer_sets import AnswerSets, answer_sets
     from prag_asp.processes.bounding import bounded
@@ -54,6 +55,7 @@ __all__ = [
     "Domain",
     "DomainError",
     "EngineError",
+    "Estimate",
     "Explanation",
     "LimitReached",
     "Limits",
@@ -89,6 +91,7 @@ _HOMES = {
     "prag_asp.errors": (
         "DomainError", "EngineError", "LimitReached", "OutputError", "PragError", "QueryError", "SceneError",
     ),
+    "prag_asp.logic.formula.approximate": ("Estimate",),
     "prag_asp.logic.formula.explain": ("Explanation",),
     "prag_asp.program.paths": ("shipped_domains",),
     "prag_asp.scene.model": ("Scene",),

@@ -88,8 +88,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
 """The rooms within a room, from the ground up: each imports only what stands below it."""
 
 PUBLIC = {
-    "AnswerSets", "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Explanation", "LimitReached",
-    "Limits", "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task", "TaskSpace",
+    "AnswerSets", "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Estimate", "Explanation",
+    "LimitReached", "Limits", "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task",
+    "TaskSpace",
     "TaskSpaces", "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
     "parse_atom", "shipped_domains", "why_empty", "write_new_domain",
 }  # fmt: skip
@@ -104,6 +105,7 @@ HEAVY = {
     "plotly",
     "multiprocessing",
     "pysat",
+    "pyapproxmc",
     "pyganak",
     "pddl",
     "lark",

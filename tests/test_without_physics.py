@@ -12,7 +12,7 @@ from prag_asp.errors import PhysicsMissingError
 from prag_asp.missing import NEWEST, advice, needed
 from tests.bare import LINUX, ROOT, bare_python, required
 
-ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak")
+ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak", "pyapproxmc")
 LOGIC = (
     "tests/dataset/test_jsonl.py", "tests/program", "tests/lint", "tests/domain", "tests/logic", "tests/test_task.py",
     "tests/space/engines/test_engines.py", "tests/space/test_limits.py",

@@ -162,12 +162,14 @@ def parse_constant_options(options: Sequence[str]) -> dict[str, str]:
     """Return the constants that options of the form NAME=VALUE set.
 
     Raises:
-        QueryError: an option is of another form.
+        QueryError: an option is of another form, or a constant is set twice.
     """
-    found = {}
+    found: dict[str, str] = {}
     for option in options:
         name, equals, value = option.partition("=")
         if not equals or not name.strip():
             raise QueryError(f"--const {option}: write NAME=VALUE, such as discs=4")
+        if name.strip() in found:
+            raise QueryError(f"--const {name.strip()}: it is set twice; give it once")
         found[name.strip()] = value.strip()
     return found

@@ -128,6 +128,48 @@ def with_limits(command: click.Command) -> click.Command:
 SPACE = (*DOMAIN, LENGTH, *ANSWERED)
 SPACES = (*DOMAIN, LENGTHS, *ANSWERED)
 
+APPROXIMATION = (
+    click.option("--approximate", is_flag=True, help="Print about how many, by ApproxMC: no exact number."),
+    click.option(
+        "--epsilon", type=float, metavar="E",
+        help="With --approximate: off by a factor of 1+E at most ...  [default: 0.8]",
+    ),
+    click.option(
+        "--delta", type=float, metavar="D", help="... with a probability of at least 1-D.  [default: 0.2]",
+    ),
+    click.option("--seed", type=click.IntRange(min=0), help="With --approximate: same seed, same line.  [default: 0]"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Approximation:
+    """The estimate that a command line asks for, in place of an exact number."""
+
+    approximate: bool
+    epsilon: float | None
+    delta: float | None
+    seed: int | None
+
+    def asked(self, engine: str) -> dict[str, Any] | None:
+        """Return the arguments of an estimate, or None where an exact number is asked for.
+
+        Raises:
+            QueryError: what is given belongs to an estimate and none is asked for, or an engine is chosen for one.
+        """
+        given = {"epsilon": self.epsilon, "delta": self.delta, "seed": self.seed}
+        given = {name: value for name, value in given.items() if value is not None}
+        if given and not self.approximate:
+            raise QueryError(f"--{next(iter(given))}: it belongs to an estimate; give --approximate as well")
+        if self.approximate and engine != "auto":
+            raise QueryError(f"--approximate: ApproxMC counts, not the engine {engine}; leave out --engine")
+        return given if self.approximate else None
+
+
+def approximation(function: Function) -> Function:
+    """Give a command the options of an estimate, as one value `approximation`."""
+    return bundled(function, "approximation", Approximation, APPROXIMATION)
+
+
 by_level = click.option(
     "--by",
     type=click.Choice(["plan", "task", "skeleton"]),

@@ -12,8 +12,9 @@ from pathlib import Path
 import clingo
 
 from prag_asp.errors import NotFound, QueryError
+from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.clauses import TRUE, Literal
-from prag_asp.logic.formula.counter import count_models, has_ganak
+from prag_asp.logic.formula.counter import CountBeside, count_models, has_ganak
 from prag_asp.models import ENGINES
 from prag_asp.models.compiling import Progress, compile_formula, prepare
 from prag_asp.models.diagram import Weighed
@@ -23,7 +24,7 @@ from prag_asp.models.ground import GroundModels, ground_models
 from prag_asp.models.listing import listed
 from prag_asp.models.reading import GivenProgram, read_program
 from prag_asp.models.shifting import is_disjunctive, is_head_cycle_free
-from prag_asp.models.weighing import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights
+from prag_asp.models.weighing import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights, unknown_weights
 from prag_asp.processes.stage import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
@@ -32,6 +33,17 @@ AnswerSet = tuple[clingo.Symbol, ...]
 """What is shown of an answer set, sorted."""
 
 Tell = Callable[[str], None]
+
+PATIENCE = 2.0
+"""Seconds for which a program is compiled alone, before a counter counts as well."""
+
+
+class _Counted(Exception):
+    """A counter is done before a diagram is."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
 
 
 def answer_sets(
@@ -63,6 +75,9 @@ def answer_sets(
     found = AnswerSets(given, ground, project, stated, engine, tell, progress)
     for note in ground.notes:
         found.note(f"{note}; clingo leaves this out")
+    unknown = unknown_weights(stated, ground, given.program)
+    if unknown:
+        found.note(unknown)
     return found
 
 
@@ -93,10 +108,47 @@ class AnswerSets:
         if how == "clingo":
             return self._enumeration.count()
         if how == "diagram":
-            return Weighed(self._weighed.diagram, {}).total
+            return self._count_by_diagram()
         stage("counting models with ganak")
-        formula = self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
-        return count_models(formula.cnf, engine="ganak")
+        return count_models(self._counted.cnf, asked="engine ganak")
+
+    def _count_by_diagram(self) -> int:
+        """Return their number by a diagram or, where nobody has chosen it, by a counter beside that is done before.
+
+        A program that is not tight may suit either, by orders of magnitude.
+        """
+        if self.engine != "auto" or not has_ganak() or "_weighed" in self.__dict__:
+            return Weighed(self._weighed.diagram, {}).total
+
+        def begins() -> None:
+            self.note(f"ganak counts as well, for compiling takes longer than {PATIENCE:g} s; the first answers")
+
+        def look() -> None:
+            found = beside()
+            if found is not None:
+                raise _Counted(found)
+
+        with CountBeside(lambda: (self._counted.cnf, ()), PATIENCE, begins) as beside:
+            try:
+                self.__dict__["_weighed"] = self._compiled(look)  # as cached_property keeps it
+            except _Counted as counted:
+                return counted.number
+        return Weighed(self._weighed.diagram, {}).total
+
+    def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
+        """Return about how many there are, whatever they weigh: an estimate, which is never called their number.
+
+        With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
+
+        Raises:
+            QueryError: a number is out of range, or there are no clauses for the program.
+            EngineError: ApproxMC is not installed, or fails.
+        """
+        tolerance = Tolerance(epsilon, delta)
+        if self._no_clauses:
+            raise QueryError(f"--approximate: {self._no_clauses}; leave it out, and clingo enumerates")
+        stage("estimating the number of models")
+        return estimate_models(self._counted.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
         """Return the exact sum of their weights: without weights, their number."""
@@ -175,6 +227,14 @@ class AnswerSets:
 
     @cached_property
     def _obstacle(self) -> str:
+        """Why there is no formula, in words, which are told where nobody has chosen an engine."""
+        found = self._no_clauses
+        if found and self.engine == "auto":
+            self.note(f"{found}: clingo enumerates, which takes time for each answer set")
+        return found
+
+    @cached_property
+    def _no_clauses(self) -> str:
         """Why there is no formula, in words."""
         found = ""
         if self.ground.acyclic:
@@ -184,13 +244,16 @@ class AnswerSets:
         elif self.ground.contested:
             first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
             found = f"a rule derives {first}, which is #external and not false"
-        if found and self.engine == "auto":
-            self.note(f"{found}: clingo enumerates, which takes time for each answer set")
         return found
 
     @cached_property
     def _formula(self) -> ModelFormula:
         return self._formula_of(copied=True)
+
+    @property
+    def _counted(self) -> ModelFormula:
+        """The formula for a counter, which has nothing of copies."""
+        return self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
 
     def _formula_of(self, *, copied: bool) -> ModelFormula:
         return model_formula(self.ground, project=self.project, copied=copied)
@@ -203,6 +266,9 @@ class AnswerSets:
 
     @cached_property
     def _weighed(self) -> Weighed:
+        return self._compiled()
+
+    def _compiled(self, look: Callable[[], None] = lambda: None) -> Weighed:
         weights = self._weights.weights
         kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
         stage("ordering variables")
@@ -210,7 +276,7 @@ class AnswerSets:
         if prepared.clauses:
             self.note(f"compiling {prepared.cost}")
         stage("compiling")
-        return Weighed(compile_formula(self._formula, prepared, self.progress), weights)
+        return Weighed(compile_formula(self._formula, prepared, self.progress, look), weights)
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:

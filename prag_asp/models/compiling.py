@@ -16,7 +16,7 @@ from array import array
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, count
 
 from prag_asp.logic.formula.clauses import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
@@ -28,6 +28,9 @@ from prag_asp.models.ordering import Order, decision_order
 
 REPORTED = 1000
 """Nodes between two reports of progress."""
+
+LOOK = 64
+"""Visits of nodes between two looks at what else goes on."""
 
 Progress = Callable[[str], None]
 Node = int
@@ -107,12 +110,17 @@ def prepare(formula: ModelFormula, kept: Iterable[int]) -> Prepared:
     )
 
 
-def compile_formula(formula: ModelFormula, prepared: Prepared, progress: Progress | None = None) -> Diagram:
-    """Return the diagram of a formula."""
+def compile_formula(
+    formula: ModelFormula,
+    prepared: Prepared,
+    progress: Progress | None = None,
+    look: Callable[[], None] = lambda: None,
+) -> Diagram:
+    """Return the diagram of a formula; `look` is called every now and then, and ends it by an error."""
     if prepared.contradictory:
         return Diagram(())
     with closing(Oracle(formula.completion)) as oracle, _propagation(prepared) as propagation:
-        return _Compiler(prepared, oracle, propagation, progress).compiled()
+        return _Compiler(prepared, oracle, propagation, progress, look).compiled()
 
 
 def _propagation(prepared: Prepared) -> Solver:
@@ -146,8 +154,16 @@ def _propagated(
 class _Compiler:
     """The search for the nodes."""
 
-    def __init__(self, prepared: Prepared, oracle: Oracle, propagation: Solver, progress: Progress | None) -> None:
-        self._given, self._oracle, self._propagation, self._progress = prepared, oracle, propagation, progress
+    def __init__(
+        self,
+        prepared: Prepared,
+        oracle: Oracle,
+        propagation: Solver,
+        progress: Progress | None,
+        look: Callable[[], None],
+    ) -> None:
+        self._given, self._oracle, self._propagation = prepared, oracle, propagation
+        self._progress, self._look = progress, look
         clauses, variables = prepared.clauses, len(prepared.names) - 1
         self._variables_of = [tuple(sorted({abs(literal) for literal in clause})) for clause in clauses]
         self._with: dict[int, list[int]] = {}
@@ -176,7 +192,11 @@ class _Compiler:
         """Return the node of a part, without recursion: formulas are deeper than Python's stack."""
         waiting = [self._node(part, case)]
         answer: Node | None = None
-        while waiting:
+        for visit in count(1):
+            if not waiting:
+                break
+            if visit % LOOK == 0:
+                self._look()
             try:
                 asked = waiting[-1].send(answer)  # type: ignore[arg-type]  # a generator begins with None
             except StopIteration as done:

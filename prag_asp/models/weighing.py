@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import prod
@@ -16,7 +16,7 @@ from prag_asp.models.formula import ModelFormula
 from prag_asp.models.ground import GroundModels
 from prag_asp.models.placing import place_of
 from prag_asp.program.sources import Program
-from prag_asp.wording import plural
+from prag_asp.wording import did_you_mean, plural
 
 FRACTION = re.compile(r"\d{1,100}(/\d{1,100}|\.\d{1,100})?")
 ADVICE = 'write a whole number such as 2, or a fraction such as (1,3) or "0.25"'
@@ -62,6 +62,20 @@ def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol
                 raise DomainError(f"{place_of(symbol, program)}{told}; write weight(Atom,W), such as weight(in(1),2)")
         raise QueryError("--weighted: the program states no weight; add facts such as weight(in(1),2).")
     return found
+
+
+def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, program: Program) -> str:
+    """Return a note on weighted atoms that no rule derives, with the place of the first, or nothing."""
+    known = {symbol for symbol, _ in ground.names}
+    missing = sorted(atom for atom in stated if atom not in known)
+    if not missing:
+        return ""
+    weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == missing[0])
+    others = plural(len(missing) - 1, "other weight")
+    more = f", and {others} weigh{'s' if len(missing) == 2 else ''} nothing either" if len(missing) > 1 else ""
+    hint = did_you_mean(str(missing[0]), map(str, known), "leave the weight out, or add a rule for the atom")
+    told = f"no rule derives {missing[0]}, so that its weight counts for nothing{more}"
+    return f"{place_of(next(weights), program)}{told}; {hint}"
 
 
 def _fraction(term: clingo.Symbol) -> Fraction | None:

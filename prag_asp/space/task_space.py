@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from prag_asp.logic.formula.approximate import Estimate
     from prag_asp.space.drawing.drawers import Drawer, Over
     from prag_asp.space.drawing.statistics import Statistics
     from prag_asp.space.parts.ranked import RankedTasks
@@ -137,6 +138,28 @@ class TaskSpace:
             LimitReached: a limit ended the count; the error has the number that was found until then.
         """
         return self._shared.count(_level(by), self.length, self._prefix(by, prefix))
+
+    def estimate(
+        self, by: Level = "task", prefix: Prefix = (), *, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0
+    ) -> Estimate:
+        """Return about how many plans, tasks or skeletons begin with `prefix`, whatever the engine: no exact number.
+
+        With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
+
+        Raises:
+            QueryError: no such level, the prefix names no action of the domain, or a number is out of range.
+            EngineError: ApproxMC is not installed or fails, or the program has no counterpart in clauses.
+            LimitReached: it takes too long.
+        """
+        from prag_asp.logic.formula.approximate import Estimate, Tolerance
+        from prag_asp.space.engines.sharp import estimate_words
+
+        tolerance = Tolerance(epsilon, delta)
+        level, first = _level(by), self._prefix(by, prefix)
+        if self.length < self._shared.fewest_actions:
+            return Estimate(0, tolerance)
+        shared = self._shared
+        return estimate_words(shared.model, level, self.length, first, tolerance, seed, shared.limits)
 
     def words(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
         """Yield plans, tasks or skeletons as texts of actions or as names, in rank order, lazily, each once.

@@ -116,3 +116,9 @@ def test_standard_output_that_is_closed_takes_nothing_and_breaks_nothing(questio
 def test_help_loads_no_solver() -> None:
     done = run_apart("models", "count", "--help")
     assert done.returncode == 0 and "FILE" in done.stdout
+
+
+@pytest.mark.parametrize("command", [("models", "count", "queens.lp"), ("count", "hanoi", "--length", "1")])
+def test_a_constant_is_set_once(command: tuple[str, ...], queens: str) -> None:
+    done = run(*command, "-c", "n=4", "-c", "n=5", cwd=Path(queens).parent)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "--const n: it is set twice; give it once\n")

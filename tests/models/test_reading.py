@@ -102,8 +102,7 @@ def test_answer_sets_come_in_an_order_that_is_always_the_same() -> None:
 
 
 def test_without_the_counter_a_diagram_counts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prag_asp.models.answer_sets.has_ganak", lambda: False)
-    monkeypatch.setattr("prag_asp.logic.formula.counter.has_ganak", lambda: False)
+    monkeypatch.setattr("prag_asp.logic.formula.counter.find_spec", lambda name: None)
     assert answer_sets(text="{a(1..50)}. :- a(1), a(2).").count() == 3 * 2**48
     with pytest.raises(EngineError, match="engine ganak: the package pyganak is missing; pip install"):
         answer_sets(text="{a}.", engine="ganak").count()
@@ -127,3 +126,23 @@ def test_clingo_tells_on_the_way_how_many_answer_sets_there_are_at_least() -> No
         bounds = [int(words.split()[2].replace(",", "")) for words in told]
         assert 0 < bounds[0] <= bounds[1] <= bounds[2] < 2**80
         assert told == [f"at least {bound:,} answer set{'s' if bound > 1 else ''}" for bound in bounds]
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ("", ""),
+        ("weight(heads(3),3).", "no rule derives heads(3), so that its weight counts for nothing; did you"),
+        (
+            "weight(x,3). weight(y,3). weight(z,0).",
+            "no rule derives x, so that its weight counts for nothing, and 2 other ",
+        ),
+    ],
+)
+def test_a_weight_of_an_atom_that_no_rule_derives_is_noted(more: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "coins.lp").write_text(f"{{heads(1..2)}}. weight(heads(1),2).\n{more}")
+    notes: list[str] = []
+    assert answer_sets(tmp_path / "coins.lp", weighted=True, tell=notes.append).total() == 6
+    weighed = [note for note in notes if "no rule derives" in note]
+    assert len(weighed) == bool(told)
+    assert all(note.startswith(f"{tmp_path / 'coins.lp'}:2: {told}") for note in weighed)

@@ -9,12 +9,15 @@ from collections.abc import Callable
 
 from tests.orbits.case import Clause, Plan
 
+Kind = Callable[[random.Random, Plan, Plan, dict[str, str]], Clause]
 
-def draw_clauses(chance: random.Random, actions: Plan, fluents: Plan, entities: dict[str, str]) -> tuple[Clause, ...]:
-    kinds = [begins, has, lacks, pairs, uses, avoids, matches, part, starts, after, ends, ends, achieves,
-             nontrivial, loop_free]  # fmt: skip
-    drawn = chance.choices(kinds, k=chance.choice([0, 1, 1, 1, 2, 2]))
-    chosen = [draw(chance, actions, fluents, entities) for draw in drawn]
+
+def draw_clauses(
+    chance: random.Random, actions: Plan, fluents: Plan, entities: dict[str, str], first: Kind | None = None
+) -> tuple[Clause, ...]:
+    """Draw none to two clauses, or, with a kind that comes first, that and none to two more."""
+    drawn = chance.choices(KINDS, k=chance.choice([0, 1, 1, 1, 2, 2]))
+    chosen = [draw(chance, actions, fluents, entities) for draw in ([first, *drawn] if first else drawn)]
     return tuple({clause.words: clause for clause in chosen}.values())
 
 
@@ -162,3 +165,8 @@ def nontrivial(*_: object) -> Clause:
 
 def loop_free(*_: object) -> Clause:
     return Clause("loop-free")
+
+
+KINDS: tuple[Kind, ...] = (begins, has, lacks, pairs, uses, avoids, matches, part, starts, after, ends, ends, achieves,
+                           nontrivial, loop_free)  # fmt: skip
+"""Every kind of condition; one that has most meanings stands twice."""

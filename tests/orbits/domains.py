@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from tests.brute_force import Action, Toy, Values
 from tests.orbits.case import Case, Names
-from tests.orbits.conditions import draw_clauses
+from tests.orbits.conditions import Kind, draw_clauses
 
 CLASSES = {"x": "c", "y": "d"}
 SCHEMES = {"a": "X", "b": "X", "t": "XZ", "u": "XY", "n": ""}
@@ -105,7 +105,22 @@ def draw_redundant(chance: random.Random) -> Case:
             return case
 
 
-def draw_any(chance: random.Random, invariants: int | None = None, disturbances: int | None = None) -> Case:
+def draw_closed(chance: random.Random, kind: Kind) -> Case:
+    """Draw a small domain whose initial state is given whole, under a condition of a kind and perhaps others."""
+    while True:
+        case = draw_any(chance, closed=True, kind=kind)
+        if case.sensible:
+            return case
+
+
+def draw_any(
+    chance: random.Random,
+    invariants: int | None = None,
+    disturbances: int | None = None,
+    *,
+    closed: bool | None = None,
+    kind: Kind | None = None,
+) -> Case:
     numbers = chance.choice([(2, 0), (2, 1), (3, 0), (2, 2), (3, 1)])
     names_of = zip(CLASSES, numbers, strict=True)
     entities = {f"{letter}{i}": CLASSES[letter] for letter, n in names_of for i in range(1, n + 1)}
@@ -113,7 +128,7 @@ def draw_any(chance: random.Random, invariants: int | None = None, disturbances:
     lifted = ["p(X)", "q(X)", "g", "s(Y)", *(["l(X,Z)"] if relation else ["r(X)"] if numbers[0] == 2 else [])]
     fluents = tuple(dict.fromkeys(put(each, names) for each in lifted for names in ground(each, entities)))
     place = {fluent: i for i, fluent in enumerate(fluents)}
-    closed = chance.random() < 0.4
+    closed = chance.random() < 0.4 if closed is None else closed
     names, actions = [], []
     schemes = [scheme for scheme in sorted(SCHEMES) if "Y" not in SCHEMES[scheme] or numbers[1]]
     for scheme in chance.sample(schemes, chance.randint(1, 3)):
@@ -141,7 +156,7 @@ def draw_any(chance: random.Random, invariants: int | None = None, disturbances:
         ending_text, ending = ENDINGS[2]
     for _ in range(chance.choice([0, 0, 1, 1, 2]) if disturbances is None else disturbances):
         toy = disturbed(toy, chance)
-    clauses = draw_clauses(chance, tuple(names), fluents, entities)
+    clauses = draw_clauses(chance, tuple(names), fluents, entities, kind)
     return Case(toy, entities, fluents, tuple(names), clauses, ending_text, lambda state: ending(entities, state))
 
 

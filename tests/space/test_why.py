@@ -14,7 +14,7 @@ from prag_asp import QueryError, TaskSpace, fewest_changes, load_domain, why_emp
 from tests.brute_force import Action, Toy, term
 from tests.chance import examples
 from tests.domains import domain_of
-from tests.strategies import toys
+from tests.strategies import hierarchies, toys
 
 ROOMS = """\
 class(room). class(door). entity((hall;lab;vault), room). entity((wood;steel), door).
@@ -160,10 +160,17 @@ def test_conditions_are_reasons_where_the_space_has_a_task_without_them(rooms: P
 
 
 def test_what_is_declared_alone_may_leave_no_task() -> None:
-    composites = "fluent(f). action(a). composite(c). stage(c,1,a). stage(c,2,a)."
-    found = why_empty(TaskSpace(domain_of(composites), 3))
+    space = TaskSpace(domain_of("fluent(f). initially(f,true)."), 3)
+    found = why_empty(space)
     assert found is not None and not found.lines and not found.conditions
-    assert fewest_changes(TaskSpace(domain_of(composites), 3)) == ()
+    assert fewest_changes(space) == ()
+
+
+def test_composites_alone_may_leave_no_task() -> None:
+    space = TaskSpace(domain_of("fluent(f). action(a). composite(c). stage(c,1,a). stage(c,2,a)."), 3)
+    found = why_empty(space)
+    assert found is not None and [line.line for line in found.lines] == [1]
+    assert fewest_changes(space) == (found.lines,)
 
 
 def test_what_is_no_action_and_no_step_is_refused() -> None:
@@ -172,3 +179,33 @@ def test_what_is_no_action_and_no_step_is_refused() -> None:
         with pytest.raises(QueryError, match=told):
             why_empty(space, action=action, step=step)
     assert why_empty(space, action="grasp", step=2) is None
+
+
+GROUPED = "composite(trip). stage(trip,1,go(hall,lab)). stage(trip,2,go(lab,vault)). free(unlock(wood)).\n"
+
+
+def test_composites_that_leave_no_task_are_told_by_their_line(tmp_path: Path) -> None:
+    """Two doors are locked and one key opens one of them; with a key that stays, they are opened on the way."""
+    text = ROOMS.replace("(locked(D);key),false", "locked(D),false") + GROUPED
+    (tmp_path / "domain.lp").write_text(text)
+    space = TaskSpace(load_domain(tmp_path), 4)
+    found = why_empty(space)
+    assert found is not None
+    line = len(ROOMS.splitlines()) + 1
+    (told,) = (each for each in found.lines if each.text.startswith("composite(trip)."))
+    assert (told.path, told.line) == (tmp_path / "domain.lp", line)
+    assert (told,) in fewest_changes(space)
+    assert TaskSpace(load_domain(tmp_path, flat=True), 4).count() > 0
+
+
+@pytest.mark.slow
+@settings(max_examples=examples(25), suppress_health_check=list(HealthCheck))
+@given(hierarchies(closed=True), st.integers(1, 3))
+def test_composites_are_a_change_where_the_domain_without_them_has_a_plan(toy: Toy, length: int) -> None:
+    space = TaskSpace(domain_of(toy.text(), "at_most"), length)
+    if next(toy.plans(length), None) is not None:
+        assert why_empty(space) is None
+        return
+    flat = next(replace(toy, composites=()).plans(length), None) is not None
+    single = [each[0] for each in fewest_changes(space) if len(each) == 1]
+    assert any("as --flat lifts them" in each.text for each in single) == flat

@@ -13,8 +13,9 @@ import click
 
 from prag_asp.cli import complete, options
 from prag_asp.cli.asked import given, parse_constant_options
-from prag_asp.cli.options import Function, bundled
+from prag_asp.cli.options import Approximation, Function, bundled
 from prag_asp.cli.terminal import progress, say, tell_line
+from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of
 from prag_asp.models import ENGINES
 
@@ -80,9 +81,19 @@ def models() -> None:
 
 @models.command()
 @_asks
-def count(*, asked: AskedModels) -> None:
-    """Print the exact number of answer sets; with --weighted, the exact sum of their weights."""
+@options.approximation
+def count(*, asked: AskedModels, approximation: Approximation) -> None:
+    """Print the exact number of answer sets; with --weighted, the exact sum of their weights.
+
+    With --approximate, prints about how many there are, with bounds that hold with a probability that is told.
+    """
+    estimate = approximation.asked(asked.engine)
+    if estimate is not None and asked.weighted:
+        raise QueryError("--approximate: it estimates numbers, not weights; leave out --weighted")
     with asked.answer_sets() as found:
+        if estimate is not None:
+            say(str(found.estimate(**estimate)))
+            return
         say(_spelled(found.total()) if asked.weighted else digits_of(found.count()))
 
 

@@ -16,8 +16,8 @@ Word = tuple[int, ...]
 
 EMPTY: Node = 0
 
-LOOK = 2048
-"""New nodes between two looks at the limits."""
+LOOK = 4096
+"""Entries of nodes that are worked on between two looks at the limits, be it for a new node or for one there is."""
 
 CROWDED = 200_000
 """Nodes up to which nothing is thrown away."""
@@ -39,6 +39,7 @@ class Diagrams:
         self.digits = digits
         self._last = digits - 1
         self._look = look
+        self._worked = 0
         self._children: dict[Node, dict[int, int]] = {}
         self._made: dict[tuple[int, frozenset[tuple[int, int]]], Node] = {}
         self._highest = 0
@@ -71,6 +72,7 @@ class Diagrams:
         def total(level: int, node: Node) -> int:
             if node not in known:
                 below = self._children[node].values()
+                self._work(len(below))
                 known[node] = sum(below) if level == self._last else sum(total(level + 1, each) for each in below)
             return known[node]
 
@@ -78,10 +80,12 @@ class Diagrams:
 
     def join(self, first: Node, second: Node) -> Node:
         """Return the union of two sets."""
+        self._work(1)
         return self._either("join", 0, first, second, lambda a, b: 1)
 
     def add(self, first: Node, second: Node) -> Node:
         """Return the sum of two diagrams."""
+        self._work(1)
         return self._either("add", 0, first, second, lambda a, b: a + b)
 
     def sum(self, several: Iterable[Node]) -> Node:
@@ -94,14 +98,17 @@ class Diagrams:
 
     def within(self, states: Node, node: Node) -> Node:
         """Return a diagram with 0 for all words that are not in a set."""
+        self._work(1)
         return self._within(0, states, node)
 
     def minus(self, first: Node, second: Node) -> Node:
         """Return what a set has that another has not."""
+        self._work(1)
         return self._minus(0, first, second)
 
     def having(self, node: Node, level: int, mask: int) -> Node:
         """Return a diagram with 0 for all words without a bit, given as a mask, in the digit of a level."""
+        self._work(1)
         return self._having(0, node, level, mask)
 
     def mapped(self, node: Node, number: Callable[[int], int]) -> Node:
@@ -184,8 +191,16 @@ class Diagrams:
         self._known.clear()
         self._crowded = max(CROWDED, 2 * len(kept))
 
+    def _work(self, entries: int) -> None:
+        """Look at the limits where so many more entries make it time to."""
+        self._worked += entries
+        if self._worked >= LOOK:
+            self._worked = 0
+            self._look()
+
     def _node(self, level: int, below: dict[int, Node]) -> Node:
         """Return the node of a mapping, which is kept and no longer changed."""
+        self._work(1 + len(below))
         if EMPTY in below.values():
             below = {digit: each for digit, each in below.items() if each}
         if not below:
@@ -196,8 +211,6 @@ class Diagrams:
             self._highest = found = self._highest + 1
             self._made[key] = found
             self._children[found] = below
-            if found % LOOK == 0:
-                self._look()
         return found
 
     def _either(self, kind: str, level: int, first: Node, second: Node, both: Callable[[int, int], int]) -> Node:

@@ -56,13 +56,14 @@ def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
     excluded = _never_together(walked[np.array([item[0] for item in items], dtype=np.intp)].astype(np.float64))
     groups: list[list[int]] = []
     for number in range(len(items)):
+        look()
         home = next((group for group in groups if all(excluded[number, other] for other in group)), None)
         if home is None:
             groups.append([number])
         else:
             home.append(number)
     found = [tuple(place for number in group for place in items[number]) for group in groups]
-    found = _in_order(found or [()], transition)
+    found = _in_order(found or [()], transition, look)
     while len(found) > MOST_DIGITS:
         found = [sum(found[place : place + 2], ()) for place in range(0, len(found), 2)]
     return Digits(tuple(found))
@@ -103,18 +104,21 @@ def _never_together(true: NDArray[np.float64]) -> NDArray[np.bool_]:
     return never
 
 
-def _in_order(groups: list[tuple[int, ...]], transition: Transition) -> list[tuple[int, ...]]:
+def _in_order(groups: list[tuple[int, ...]], transition: Transition, look: Callable[[], None]) -> list[tuple[int, ...]]:
     """Return groups so that those that an action changes lie near each other: each goes to the middle of its actions.
 
     The heuristic FORCE of Aloul, Markov and Sakallah (2003).
     """
     group_of = {place: number for number, places in enumerate(groups) for place in places}
-    joined = {frozenset(group_of[place] for place in transition.places_set(transition.move(letter)))
-              for letter in range(len(transition.actions))}  # fmt: skip
+    joined: set[frozenset[int]] = set()
+    for letter in range(len(transition.actions)):
+        look()
+        joined.add(frozenset(group_of[place] for place in transition.places_set(transition.move(letter))))
     edges = sorted(sorted(each) for each in joined if len(each) > 1)
     position = dict(enumerate(range(len(groups))))
     best, least = list(range(len(groups))), _span(edges, position)
     for _ in range(ROUNDS if edges else 0):
+        look()
         pulled: dict[int, list[float]] = {}
         for edge in edges:
             middle = sum(position[number] for number in edge) / len(edge)

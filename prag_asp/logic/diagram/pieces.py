@@ -55,8 +55,8 @@ class SetStep:
         values.evaluate(self.transition.final_strata, step.final_bodies.__getitem__)
         return self.diagrams.minus(states, self.diagrams.union(map(values.body, step.final)))
 
-    def pieces(self, states: Node) -> Iterator[Piece]:
-        """Yield what each action makes of a set of states, in order of the actions.
+    def pieces(self, states: Node, look: Callable[[], None]) -> Iterator[Piece]:
+        """Yield what each action makes of a set of states, in order of the actions; `look` is called before each.
 
         The pieces of one action have no state in common.
         """
@@ -68,6 +68,7 @@ class SetStep:
         everywhere = self.diagrams.union(broken.values())
         own = [self.diagrams.having(states, *self.digits.at[place]) for place in range(len(rules.written))]
         for letter in range(len(self.transition.actions)):
+            look()
             move = self.transition.move(letter)
             if move.impossible:
                 continue

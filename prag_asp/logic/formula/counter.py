@@ -1,68 +1,145 @@
-"""Exact projected model counting by Ganak, in a process of its own that can be killed.
+"""Projected model counting by native code, exact by Ganak or approximate by ApproxMC, in a process that can be killed.
 
-Ganak is native code that hears neither Ctrl-C nor a time limit, and that ends the process where its input is wrong.
+Such code hears neither Ctrl-C nor a time limit, and ends the process where its input is wrong.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import chain
 from tempfile import TemporaryFile
-from typing import IO
+from time import monotonic
+from typing import IO, Any
 
 from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clauses import Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.processes.children import Children, Ended
+from prag_asp.processes.children import Child, Children, Ended, answered
 
-SHARP = "sharp"
-"""The engine of task spaces that counts so."""
+
+@dataclass(frozen=True)
+class Counter:
+    """A program that counts: the package that it is in, the extra that installs that, and the module that runs it."""
+
+    name: str
+    package: str
+    extra: str
+    module: str
+
+
+GANAK = Counter("Ganak", "pyganak", "sharp", "prag_asp.logic.formula.ganak")
+APPROXMC = Counter("ApproxMC", "pyapproxmc", "approximate", "prag_asp.logic.formula.approxmc")
+
+SHARP = "engine sharp"
+"""What counts so in task spaces, as messages have it."""
 
 LARGEST = 2**24
-"""Variables that Ganak is given at most: beyond, it takes memory without bound, or aborts."""
+"""Variables that a counter is given at most: beyond, Ganak takes memory without bound, or aborts."""
 
 
 def has_ganak() -> bool:
     """Tell whether Ganak is installed."""
-    return find_spec("pyganak") is not None
+    return find_spec(GANAK.package) is not None
 
 
-def require_ganak(engine: str = SHARP) -> None:
-    """Refuse to go on where Ganak is not installed.
+def require_counter(counter: Counter = GANAK, asked: str = SHARP) -> None:
+    """Refuse to go on where a counter is not installed; `asked` is what the user has asked for.
 
     Raises:
         EngineError: it is not.
     """
-    if not has_ganak():
-        raise EngineError(f"engine {engine}: the package pyganak is missing; pip install 'prag_asp[sharp]'")
+    if find_spec(counter.package) is None:
+        raise EngineError(f"{asked}: the package {counter.package} is missing; pip install 'prag_asp[{counter.extra}]'")
 
 
 def count_models(
-    cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, engine: str = SHARP
+    cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, asked: str = SHARP
 ) -> int:
     """Return the number of assignments of the shown variables that a model with the literals assumed has.
 
-    Messages speak of the engine that the user has chosen.
+    Messages speak of what the user has `asked` for.
 
     Raises:
         EngineError: Ganak is missing, cannot take the formula, or fails.
         LimitReached: it has not finished after `seconds`.
     """
-    require_ganak(engine)
+    return int(counted(GANAK, cnf, assumptions, seconds, asked))
+
+
+def counted(
+    counter: Counter, cnf: Cnf, assumptions: Sequence[Literal], seconds: float | None, asked: str, *more: object
+) -> Any:
+    """Return what a counter answers of a formula with literals assumed; `more` is what it is told besides.
+
+    Raises:
+        EngineError: it is missing, cannot take the formula, or fails.
+        LimitReached: it has not finished after `seconds`.
+    """
+    require_counter(counter, asked)
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-    refuse_what_ganak_cannot_take(cnf.variables, clauses, cnf.shown, engine)
-    with TemporaryFile() as complaints, Children("prag_asp.logic.formula.ganak", complaints.fileno()) as children:
+    refuse_what_cannot_be_counted(cnf.variables, clauses, cnf.shown, counter, asked)
+    with TemporaryFile() as complaints, Children(counter.module, complaints.fileno()) as children:
         try:
-            ganak = children.start()
-            ganak.send((cnf.variables, cnf.shown, clauses))
-            return int(ganak.receive(seconds))
+            child = children.start()
+            child.send((cnf.variables, cnf.shown, clauses, *more))
+            return child.receive(seconds)
         except TimeoutError:
-            told = f"engine {engine}: no count after {seconds:.3g} s"
-            raise LimitReached(f"{told}; allow more (--time), or choose a smaller length", 0) from None
+            told = f"{asked}: no count after {seconds:.3g} s"
+            raise LimitReached(f"{told}; allow more (--time), or ask for less", 0) from None
         except Ended as ended:
             said = _last_line(complaints)
-            raise EngineError(f"engine {engine}: Ganak ended {ended} ({said}); choose another engine") from None
+            raise EngineError(f"{asked}: {counter.name} ended {ended} ({said}); choose another engine") from None
+
+
+class CountBeside:
+    """Counts the models of a formula in a process of its own while this one does something else, as a context.
+
+    `cnf` and the literals assumed come from `formula`, which is called when the counter is started: by the first
+    question after `patience` seconds. What fails is no error, but leaves the question open.
+    """
+
+    def __init__(
+        self,
+        formula: Callable[[], tuple[Cnf, Sequence[Literal]]],
+        patience: float,
+        begins: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._formula, self._begins = formula, begins
+        self._due: float | None = monotonic() + patience
+        self._running = ExitStack()
+        self._child: Child | None = None
+
+    def __enter__(self) -> CountBeside:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._running.close()
+
+    def __call__(self) -> int | None:
+        """Return the number of models once it is known; the first call that is late enough starts the counter."""
+        try:
+            if self._child is not None and answered([self._child], 0):
+                return int(self._child.receive())
+            if self._due is not None and monotonic() >= self._due:
+                self._due = None
+                self._start()
+        except (EngineError, Ended):
+            self._running.close()
+            self._child = None
+        return None
+
+    def _start(self) -> None:
+        cnf, assumptions = self._formula()
+        clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
+        refuse_what_cannot_be_counted(cnf.variables, clauses, cnf.shown)
+        complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
+        child = self._running.enter_context(Children(GANAK.module, complaints.fileno())).start()
+        child.send((cnf.variables, cnf.shown, clauses))
+        self._child = child
+        self._begins()
 
 
 def _last_line(complaints: IO[bytes]) -> str:
@@ -72,19 +149,23 @@ def _last_line(complaints: IO[bytes]) -> str:
     return lines[-1] if lines else "nothing said"
 
 
-def refuse_what_ganak_cannot_take(
-    variables: int, clauses: Iterable[Sequence[Literal]], shown: Sequence[Literal], engine: str = SHARP
+def refuse_what_cannot_be_counted(
+    variables: int,
+    clauses: Iterable[Sequence[Literal]],
+    shown: Sequence[Literal],
+    counter: Counter = GANAK,
+    asked: str = SHARP,
 ) -> None:
-    """Refuse a formula that Ganak would miscount or abort on.
+    """Refuse a formula that a counter would miscount or abort on.
 
     Raises:
         EngineError: it has no variables or too many, an empty clause, or a literal of none of its variables.
     """
     if not 0 < variables <= LARGEST:
-        raise EngineError(f"engine {engine}: a formula of {variables:,} variables; Ganak takes 1 to {LARGEST:,}")
+        raise EngineError(f"{asked}: a formula of {variables:,} variables; {counter.name} takes 1 to {LARGEST:,}")
     for clause in clauses:
         if not clause:
-            raise EngineError(f"engine {engine}: a clause is empty, which Ganak may overlook")
+            raise EngineError(f"{asked}: a clause is empty, which {counter.name} may overlook")
     for literal in chain(shown, *clauses):
         if not 0 < abs(literal) <= variables:
-            raise EngineError(f"engine {engine}: the literal {literal} is none of the {variables:,} variables")
+            raise EngineError(f"{asked}: the literal {literal} is none of the {variables:,} variables")

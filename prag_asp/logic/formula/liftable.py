@@ -3,7 +3,8 @@
 A line restricts where plans are at most lost by it: a constraint, and what states a precondition, an initial value, an
 invariant, a goal. Each such line gets an atom, and holds where that is true. A postcondition does two things: it
 changes a fluent, and says to what. Where it is lifted, a second atom, ``LOOSE``, says what is left of it: nothing, or
-a fluent that may have any value afterwards. What declares entities, fluents and actions stays.
+a fluent that may have any value afterwards. Composites are lifted all at once, as ``--flat`` does: what tests that a
+plan is a concatenation of them are constraints. What declares entities, fluents and actions stays.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 from clingo.ast import AST, ASTType
 
 from prag_asp.program.parse import parse_sources
-from prag_asp.program.sources import ADDED, Program, Source, owned
+from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
 
 KEPT, LOOSE = "__kept", "__loose"
@@ -27,7 +28,7 @@ RESTRICTING = frozenset([
 ])  # fmt: skip
 """What only restricts plans where it is stated."""
 
-EFFECT = ("postcondition", 3)
+EFFECT, COMPOSITE = ("postcondition", 3), ("composite", 1)
 RULES = "rules"
 """The folder of encodings whose files a domain asks for, each of them by one line."""
 
@@ -63,10 +64,13 @@ def liftable(program: Program) -> LiftableProgram:
 def _guarded(source: Source, own: bool, program: Program, lines: list[Line]) -> Source:
     """Return a source with its restricting statements under an atom each, those of a rule asked for under one."""
     asked = not own and source.path.parent.name == RULES
-    if source.path == ADDED or not (own or asked):
+    composed = _composing(program) if not own and source.path.name == HIERARCHY else None
+    if source.path == ADDED or not (own or asked or composed):
         return source
     statements, _ = parse_sources([(source, own)])
-    if asked and any(map(_restricts, statements)):
+    if composed:
+        lines.append(composed)
+    elif asked and any(map(_restricts, statements)):
         lines.append(_asking(source, program))
     texts = list[str]()
     for statement in statements:
@@ -86,6 +90,15 @@ def _asking(source: Source, program: Program) -> Line:
             if path.resolve() == source.path.resolve():
                 return Line(other.path, line, f'#include "{RULES}/{path.name}".')
     return Line(source.path, 1, f"the rule {source.path.stem}")
+
+
+def _composing(program: Program) -> Line | None:
+    """Return the first line that declares a composite, which stands for all of them; None where there is none."""
+    statements, _ = parse_sources((source, own) for source, own in owned(program) if own and source.path != ADDED)
+    for statement in statements:
+        if any(atom.signature == COMPOSITE for atom in statement.heads):
+            return Line(statement.path, statement.line, f"{statement.node} (with all composites, as --flat lifts them)")
+    return None
 
 
 def _restricts(statement: Statement) -> bool:

@@ -87,6 +87,13 @@ class Layers:
             self._tell(f"{len(self._rows) - 1} steps before the end: {len(self.diagrams):,} nodes")
         return self._rows[left]
 
+    def rows_so_far(self, length: int) -> list[Node]:
+        """Return the rows of a length for 0, 1, ... letters left, as far as they are known; where none is, the first.
+
+        They are right for what has been found: no number in them is too large.
+        """
+        return self._rows if self._covered >= length else [self._step.accepted(self.reached)]
+
     def back(self, row: Node, letters: Collection[int] | None = None) -> Node:
         """Return what states have by the edges with some letters, or all, if those after them have `row`."""
         found = []
@@ -103,7 +110,7 @@ class Layers:
         """Find what is reached within `length` steps."""
         while self._depth < length and self._frontier:
             pieces: list[Piece] = []
-            for piece in self._step.pieces(self._frontier):
+            for piece in self._step.pieces(self._frontier, self._look):
                 pieces.append(piece)
                 self._look()
             images = [self.diagrams.image(piece.states, piece.changes) for piece in pieces]

@@ -12,8 +12,8 @@ from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEng
 from prag_asp.space.limits import UNLIMITED, Limits
 
 AUTO = "auto"
-CHOICE, OTHERWISE = "prag_asp.space.engines.auto.AutoEngine", "clingo"
-"""What ``auto`` tries first, and what takes over where a step is no function of the state."""
+CHOICE, OTHERWISE = "prag_asp.space.engines.auto.AutoEngine", "prag_asp.space.engines.auto.searching_engine"
+"""What ``auto`` tries first, and what takes over where a step is no function of the state: clingo."""
 
 
 def select(
@@ -22,7 +22,7 @@ def select(
     """Return the engine of a name.
 
     ``auto`` is the automaton, diagrams where its states would be too many, clingo where a step is no function of the
-    state.
+    state, with the counter of the engine sharp beside it.
 
     Raises:
         QueryError: there is no such engine.
@@ -33,8 +33,8 @@ def select(
             return _loaded(CHOICE)(model, level, progress, limits)
         except EngineError as error:
             if progress:
-                progress(Note(f"note: engine {OTHERWISE}, because {error}"))
-            return engine_class(OTHERWISE)(model, level, progress, limits)
+                progress(Note(f"note: engine clingo, because {error}"))
+            return _loaded(OTHERWISE)(model, level, progress, limits)
     if name not in ENGINES:
         raise QueryError(f"no engine {name!r}; there are {', '.join((AUTO, *ENGINES))}")
     return engine_class(name)(model, level, progress, limits)

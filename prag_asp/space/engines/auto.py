@@ -1,15 +1,16 @@
 """The choice of an engine: states are listed if that will end in the memory there is; else they become diagrams.
 
-Whether it will is estimated by what was measured: how many states each step has added so far.
+Whether it will is estimated by what was measured: how many states each step has added so far. Where there are no states
+to list, clingo enumerates, and once that takes longer, a model counter counts as well: the first that is done answers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from prag_asp.errors import LimitReached
+from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.model import Model
 from prag_asp.processes.machine import usual_memory
 from prag_asp.processes.stage import Note
@@ -20,6 +21,15 @@ from prag_asp.space.engines.protocol import Engine, Letters, Level, Progress
 from prag_asp.space.engines.reach import Reach, Unfit
 from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights
+
+if TYPE_CHECKING:
+    from prag_asp.logic.formula.clauses import Literal
+    from prag_asp.logic.formula.cnf import Cnf
+    from prag_asp.logic.formula.counter import CountBeside
+    from prag_asp.space.engines.clingo import ClingoEngine
+
+PATIENCE = 2.0
+"""Seconds for which clingo enumerates alone: it finds some 100,000 words in each."""
 
 EARLY, SURE = 64, 4
 """No forecast counts before the states listed take this share of the memory, nor one of less than so many times it."""
@@ -102,7 +112,7 @@ class AutoEngine:
         except LimitReached as reached:
             if not self._too_long(length):
                 raise
-            found = 0 if prefix else self._found(length)
+            found = max(reached.at_least, 0 if prefix else self._found(length))
             raise stopped_at(str(reached).partition(" was reached")[0], found, self._asked[1], length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -163,3 +173,29 @@ class AutoEngine:
         if level == "skeleton" or self._unfit is None:  # what was listed has no names yet
             return 0
         return count_within(self._unfit[1].completions, length, limits.begin().to_close().spent)[0]
+
+
+def searching_engine(
+    model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+) -> ClingoEngine:
+    """Return clingo, with a model counter beside it that counts as well where one is installed."""
+    from prag_asp.logic.formula.counter import CountBeside, has_ganak
+    from prag_asp.space.engines.clingo import ClingoEngine
+    from prag_asp.space.engines.formula import word_formula
+
+    def beside(length: int, prefix: Letters) -> CountBeside:
+        def formula() -> tuple[Cnf, Sequence[Literal]]:
+            words = word_formula(model, level, length)
+            beginning = words.beginning(prefix)
+            if beginning is None:
+                raise EngineError("no word begins so")
+            return words.cnf, beginning
+
+        def begins() -> None:
+            if progress:
+                why = f"clingo has not found all words after {PATIENCE:g} s; the first that is done answers"
+                progress(Note(f"note: engine sharp as well, because {why}"))
+
+        return CountBeside(formula, PATIENCE, begins)
+
+    return ClingoEngine(model, level, progress, limits, beside if has_ganak() else None)

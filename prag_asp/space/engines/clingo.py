@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
 
 import clingo
@@ -22,12 +23,25 @@ POLL = 0.2
 """Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
 
 
+Ask = Callable[[], "int | None"]
+"""Returns a number that somebody else has found, None as long as there is none."""
+
+Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
+"""Counts the words of a length that begin with a prefix, while clingo does so too: the first that is done answers."""
+
+
 class ClingoEngine:
     """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self,
+        model: Model,
+        level: Level,
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+        beside: Beside | None = None,
     ) -> None:
+        self._beside: Beside = beside or (lambda length, prefix: nullcontext(lambda: None))
         self._model = model
         self._limits = limits
         self._level = level
@@ -50,7 +64,8 @@ class ClingoEngine:
         if self._progress:
             self._progress(f"enumerating answer sets for length {length}")
         stage("enumerating answer sets")
-        found, stopped = plans.count(assumptions, budget)
+        with self._beside(length, prefix) as ask:
+            found, stopped = plans.count(assumptions, budget, ask)
         if stopped:
             raise stopped_at(stopped, found, self._level, length)
         return found
@@ -157,24 +172,26 @@ class _Unrolled:
         with uninterrupted():  # for an error in what it calls at the end, clingo ends the process
             return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
 
-    def count(self, assumptions: Sequence[int], budget: Budget) -> tuple[int, str | None]:
+    def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, str | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
 
-        Those found until then are counted.
+        Those found until then are counted, unless `ask` knows the number before all are found.
         """
         self._limit(0)
-        stopped = None
+        stopped, known = None, None
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    stopped = budget.spent()
-                    if stopped:
+                    stopped, known = budget.spent(), ask()
+                    if stopped or known is not None:
                         handle.cancel()
                         break
             except BaseException:
                 handle.cancel()
                 raise
             handle.get()
+        if known is not None:
+            return known, None
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
         return int(self._control.statistics["summary"]["models"]["enumerated"]), stopped
 

@@ -56,7 +56,7 @@ class Reach:
 
     `letters` are the texts of the letters and `names` those of their actions' names. `merged` is what walks along words
     where states were merged; `stopped` says which limit ended the exploration, in words, and is empty where nothing is
-    missing up to the automaton's horizon.
+    missing up to the automaton's horizon. With `sets`, the automaton's states are sets of the domain's.
     """
 
     letters: tuple[str, ...]
@@ -64,6 +64,7 @@ class Reach:
     completions: Completions
     merged: Merged | None = None
     stopped: str = ""
+    sets: bool = False
 
     @classmethod
     def of_merged(cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stopped: str = "") -> Reach:
@@ -72,8 +73,8 @@ class Reach:
 
     @property
     def states(self) -> int:
-        """The number of states."""
-        return self.completions.automaton.states
+        """The number of the domain's states that are listed."""
+        return 0 if self.sets else self.completions.automaton.states
 
     def covers(self, length: int) -> bool:
         """Return whether all words of a length are known."""

@@ -1,13 +1,18 @@
-"""The sharp engine: an exact model counter on the unrolled program, for state graphs that are too large to explore."""
+"""The sharp engine: an exact model counter on the unrolled program, for state graphs that are too large to explore.
+
+Beside it stands a counter that is not exact, for what no engine counts.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import takewhile
 
-from prag_asp.logic.formula.counter import count_models, require_ganak
+from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
+from prag_asp.logic.formula.counter import count_models, require_counter
 from prag_asp.logic.model import Model
 from prag_asp.processes.stage import stage
+from prag_asp.space.engines.formula import word_formula
 from prag_asp.space.engines.protocol import Letters, Level, Progress
 from prag_asp.space.engines.sat import SatEngine
 from prag_asp.space.limits import UNLIMITED, Limits
@@ -27,7 +32,7 @@ class SharpEngine:
     def __init__(
         self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
-        require_ganak()
+        require_counter()
         self._progress = progress
         self._level = level
         self._limits = limits
@@ -93,3 +98,28 @@ class SharpEngine:
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by finding them all: the counter's weights are not exact."""
         return self._sat.weighed(length, weights, goals=goals)
+
+
+def estimate_words(
+    model: Model,
+    level: Level,
+    length: int,
+    prefix: Letters,
+    tolerance: Tolerance,
+    seed: int = 0,
+    limits: Limits = UNLIMITED,
+) -> Estimate:
+    """Return about how many words of a length begin with a prefix.
+
+    Raises:
+        QueryError: the seed is out of range.
+        EngineError: ApproxMC is not installed, or the program has no counterpart in clauses.
+        LimitReached: it takes too long.
+    """
+    budget = limits.begin()
+    formula = word_formula(model, level, length)
+    beginning = formula.beginning(prefix)
+    if beginning is None:
+        return Estimate(0, tolerance)
+    stage("estimating the number of models")
+    return estimate_models(formula.cnf, tolerance, seed, beginning, budget.left())

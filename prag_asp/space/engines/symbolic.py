@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm, prod
 
-import numpy as np
-
-from prag_asp.logic.diagram.diagrams import EMPTY, Node
+from prag_asp.errors import LimitReached
 from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
-from prag_asp.space.automaton.automaton import Automaton, Completions
+from prag_asp.space.automaton.automaton import Completions
+from prag_asp.space.automaton.beam import count_along
 from prag_asp.space.automaton.layers import LayeredWords, Layers
+from prag_asp.space.automaton.sets import NOTHING, SetWords
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Engine, Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import Allow, Explorer, Halt, Reach
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.limits import MOST_CLOSING, UNLIMITED, Budget, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights, edge_weights, refuse_weights, weighing_facts
 
-NOTHING = Automaton(np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64),
-                    np.zeros(0, dtype=np.bool_))  # fmt: skip
 NO_PATHS = Completions(NOTHING)
 """Of what is never listed."""
 
@@ -58,7 +56,7 @@ class SymbolicEngine:
         """Return the number of words of a length.
 
         Raises:
-            LimitReached: a limit ended the count; nothing is known then.
+            LimitReached: a limit ended the count; the error has the number of words that were found.
         """
         return self._answers.count(length, prefix)
 
@@ -108,9 +106,24 @@ class _Paths:
         """Return the number of words of a length.
 
         Raises:
-            LimitReached: a limit ended the count; nothing is known then.
+            LimitReached: a limit ended the count; the error has the number of words that were found.
         """
-        return self._words(length, prefix).total
+        try:
+            return self._words(length, prefix).total
+        except LimitReached as reached:
+            limit = str(reached).partition(" was reached")[0]
+            raise stopped_at(limit, self._found(length, prefix), self._level, length) from None
+
+    def _found(self, length: int, prefix: Letters) -> int:
+        """Return how many words there are at least, by what was found before a limit was reached."""
+        if self._layers is None or len(prefix) > length:
+            return 0
+        self._budget = closing(self._budget)
+        try:
+            sets = [self._matching(text) for text in prefix]
+            return count_along(self._layers, length, sets, self._budget.spent)
+        except LimitReached:
+            return 0
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -197,54 +210,48 @@ class SetExplorer(Explorer):
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
-        """Return what is reached within `length` steps, or nothing where the budget is spent before."""
+        """Return what is reached within `length` steps, or what was found until the budget was spent."""
         actions = list(map(action_name, transition.actions))
         letters = tuple(sorted(set(actions)))
         names = [letters.index(name) for name in actions]
-
-        def look() -> None:
-            stopped = budget.spent()
-            if stopped:
-                raise _Spent(stopped)
-
+        watch = _Watch(budget)
+        found = SetWords()
         try:
-            layers = Layers(transition, look, self.tell or (lambda words: None))
-            automaton = set_automaton(layers, names, length) if layers.inhabited else NOTHING
-        except _Spent as spent:
-            return Reach(letters, letters, NO_PATHS, None, str(spent))
-        return Reach(letters, letters, Completions(automaton))
+            layers = Layers(transition, watch.look, self.tell or (lambda words: None))
+            if layers.inhabited:
+                try:
+                    layers.extend(length)
+                except _Spent:
+                    watch.close()
+                found.follow(layers, names, length)
+        except _Spent:
+            watch.close()
+        return Reach(letters, letters, Completions(found.automaton), None, watch.stopped, sets=True)
 
 
 class _Spent(Exception):
-    """A limit, given in words, is reached."""
+    """A limit is reached."""
 
 
-def set_automaton(layers: Layers, names: Sequence[int], length: int) -> Automaton:
-    """Return the automaton of the skeletons of up to some length; `names` has the number of each letter's name."""
-    layers.extend(length)
-    start = layers.only_start()
-    numbers: dict[Node, int] = {start: 0}
-    degrees: list[int] = []
-    letters: list[int] = []
-    targets: list[int] = []
-    frontier = [start]
-    for _ in range(length):
-        following: list[Node] = []
-        for states in frontier:
-            by_name: dict[int, Node] = {}
-            for letter, image in layers.images(states):
-                name = names[letter]
-                by_name[name] = layers.diagrams.join(by_name.get(name, EMPTY), image)
-            for name, image in sorted(by_name.items()):
-                if image not in numbers:
-                    numbers[image] = len(numbers)
-                    following.append(image)
-                letters.append(name)
-                targets.append(numbers[image])
-            degrees.append(len(by_name))
-        frontier = following
-    degrees += [0] * len(frontier)
-    accepting = [layers.accepts(states) for states in numbers]
-    offsets = np.concatenate([[0], np.cumsum(degrees)]).astype(np.int64)
-    return Automaton(offsets, np.array(letters, dtype=np.int64), np.array(targets, dtype=np.int64),
-                     np.array(accepting, dtype=np.bool_), horizon=length if frontier else None)  # fmt: skip
+@dataclass
+class _Watch:
+    """Looks at the limits; `stopped` is the first one that was reached, in words."""
+
+    budget: Budget
+    stopped: str = ""
+
+    def look(self) -> None:
+        """Raise an error where the time is over."""
+        spent = self.budget.spent()
+        if spent:
+            self.stopped = self.stopped or spent
+            raise _Spent
+
+    def close(self) -> None:
+        """Go on for a little while, to tell what was found."""
+        self.budget = closing(self.budget)
+
+
+def closing(budget: Budget) -> Budget:
+    """Return the little time in which what was found is told once a limit is reached, be it one of memory alone."""
+    return Limits(seconds=MOST_CLOSING).begin() if budget.limits.seconds is None else budget.to_close()

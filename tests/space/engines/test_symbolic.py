@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from math import comb, factorial
 from typing import Any
@@ -26,6 +27,7 @@ from tests.strategies import hierarchies, symmetric_texts, toys
 
 LENGTH = 3
 UNCACHED = Limits(cached=False)
+ONE_SECOND = Limits(seconds=1, cached=False)
 
 CARRIED = """
 initially(F,false) :- fluent(F), not initially(F,true).
@@ -224,8 +226,48 @@ def test_a_limit_ends_it_with_one_line(by: Level) -> None:
         holds(at(T,P+1),V,t) :- occurs(swap(P),t), holds(at(T,P),V,t-1), P < 26.
         changed(at(T,P..P+1),t) :- occurs(swap(P),t), entity(T,thing)."""
     space = TaskSpace(domain_of(text), 325, engine="symbolic", limits=Limits(seconds=0.5, cached=False))
-    with pytest.raises(LimitReached, match=rf"^the time limit of 0.5 s was reached: there are at least 0 {by}s of "):
+    with pytest.raises(LimitReached, match=rf"^the time limit of 0.5 s was reached: there are at least \d+ {by}s of "):
         space.count(by)
+
+
+@dataclass(frozen=True)
+class Looks:
+    """Limits, and a budget, that are spent after so many looks; then there is time to tell what was found."""
+
+    left: list[int]
+    limits: Limits = ONE_SECOND
+    seconds: float | None = 1
+    cached: bool = False
+
+    def begin(self) -> Looks:
+        return self
+
+    def spent(self) -> str | None:
+        self.left[0] -= 1
+        return None if self.left[0] >= 0 else "the time limit of 1 s"
+
+    def to_close(self) -> Looks:
+        return Looks([10**9])  # more than are needed
+
+
+@pytest.mark.parametrize("by", LEVELS)
+def test_at_a_limit_it_tells_how_many_there_are_at_least(by: Level, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whenever it is ended, there are no more words than it says, and the later it is the more it knows."""
+    monkeypatch.setattr("prag_asp.logic.diagram.diagrams.LOOK", 100)
+    text = CARRIED.format(things=2, places=3).replace("goal(at(thing(I),place(I+1)), true)", "seen(I)")
+    exact = TaskSpace(domain_of(text), 6, limits=UNCACHED).count(by)
+    told = []
+    for looks in (0, 1, *range(3, 1000, 12)):
+        space = TaskSpace(domain_of(text), 6, engine="symbolic", limits=Looks([looks]))  # type: ignore[arg-type]
+        try:
+            assert space.count(by) == exact
+            break
+        except LimitReached as reached:
+            told.append(reached.at_least)
+    else:
+        pytest.fail("so many looks do not do")
+    assert max(told) > 0
+    assert all(found <= exact for found in told), told
 
 
 def narrow(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,39 @@
+"""What a process that counts about does: hand formulas to ApproxMC, native code that may end the process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+from typing import Any
+
+from prag_asp.errors import EngineError
+
+
+def answers(messages: Iterator[Any]) -> Iterator[int]:
+    """Yield about how many models each formula has.
+
+    A message is the number of its variables, those shown, its clauses, epsilon, delta and the seed.
+
+    Raises:
+        EngineError: ApproxMC fails.
+    """
+    for variables, shown, clauses, epsilon, delta, seed in messages:
+        try:
+            import pyapproxmc  # noqa: PLC0415
+
+            counter = pyapproxmc.Counter(seed=seed, epsilon=epsilon, delta=delta)
+            counter.add_clauses([*map(list, clauses), *_mentioning(shown, variables)])
+            cells, parities = counter.count(list(shown))
+        except Exception as error:
+            what = f"{type(error).__name__}: {error}"
+            raise EngineError(f"--approximate: ApproxMC failed ({what}); leave it out") from error
+        yield int(cells) << int(parities)
+
+
+def _mentioning(shown: list[int], variables: int) -> Iterator[list[int]]:
+    """Yield clauses that say nothing, but have each variable shown.
+
+    The package drops one that no clause has, or none any more once units are propagated, and the factor of 2 with it.
+    A new variable that it implies, and that is not projected on, keeps it and adds no model.
+    """
+    return ([-variable, fresh] for variable, fresh in zip(shown, count(variables + 1), strict=False))
