@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
@@ -202,7 +203,15 @@ class Manifest(msgspec.Struct):
 def share_of(some: int, whole: int) -> Share:
     """Return which share some are of the whole."""
     share = Fraction(some, whole) if whole else Fraction(0)
-    return Share(digits_of(share.numerator), digits_of(share.denominator), float(share))
+    return Share(digits_of(share.numerator), digits_of(share.denominator), rate_of(some, whole))
+
+
+def rate_of(some: int, whole: int) -> float:
+    """Return the same as a float; what a stranger claims may be beyond all floats."""
+    try:
+        return some / whole if whole else 0.0
+    except OverflowError:
+        return math.inf
 
 
 def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
@@ -212,7 +221,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
         into = found.setdefault(each.length, LengthTally(each.length))
         for name in ("drawn", "feasible", "not_found", "infeasible", "witnesses"):
             setattr(into, name, getattr(into, name) + getattr(each, name))
-        into.pass_rate = into.feasible / into.drawn if into.drawn else 0.0
+        into.pass_rate = rate_of(into.feasible, into.drawn)
         causes = {cause.cause: cause.count for cause in into.causes}
         for cause in each.causes:
             causes[cause.cause] = causes.get(cause.cause, 0) + cause.count
