@@ -69,7 +69,8 @@ def _shape_problems(code: str, table: Mapping[str, Any]) -> Iterator[Fault]:
         yield Fault((code, "words", name), text)
     if code not in shipped_languages() and not words:
         has = f"those that have words are {listed(shipped_languages())}"
-        yield Fault((code,), f"no words of the language {key_shown(code)}; {did_you_mean(code, shipped_languages(), has)}")
+        hint = did_you_mean(code, shipped_languages(), has)
+        yield Fault((code,), f"no words of the language {key_shown(code)}; {hint}")
 
 
 class _Judge:
