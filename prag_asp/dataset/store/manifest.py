@@ -12,6 +12,7 @@ import msgspec
 
 from prag_asp.dataset.store.description import read_description, write_description
 from prag_asp.dataset.store.kept import KeptDomain, KeptFile
+from prag_asp.errors import QueryError
 from prag_asp.fields import Whole
 from prag_asp.integers import digits_of, number_of
 from prag_asp.space.drawing.deal import ALL, Deal
@@ -198,6 +199,17 @@ class Manifest(msgspec.Struct):
     def size(self) -> int:
         """How many tasks there are in the space."""
         return sum(number_of(space.tasks) for space in self.spaces)
+
+
+def require_parts(manifest: Manifest, folder: Path) -> None:
+    """Check that a data set has the parts that were asked for.
+
+    Raises:
+        QueryError: it has others.
+    """
+    names = [part.name for part in manifest.parts]
+    if not names or sorted(names) != sorted(manifest.asked.split):
+        raise QueryError(f"{folder / NAME}: parts: are not those of asked.split; copy the data set once more")
 
 
 def share_of(some: int, whole: int) -> Share:

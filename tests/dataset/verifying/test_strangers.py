@@ -125,6 +125,12 @@ def test_what_cannot_be_looked_at_is_one_line(strange: Path, planted: tuple[Chan
     assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
 
 
+def test_a_run_does_not_go_on_where_dataset_json_has_lost_its_parts(strange: Path) -> None:
+    said(lambda told: told.update(parts=[]))(strange)
+    with pytest.raises(QueryError, match=r"parts: are not those of asked\.split"):
+        generate(TaskSpace(load_domain("blocks"), 3), strange, tasks=4, physics=False, shard=2)
+
+
 def test_a_domain_that_lies_elsewhere_is_not_read_whatever_dataset_json_says(strange: Path, tmp_path: Path) -> None:
     said(lambda told: told["domain"].update(files=[]))(strange)
     with pytest.raises(DomainError, match=r"domain\.lp: is none of the files that dataset\.json names"):
