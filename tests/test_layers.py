@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import prag_asp
+from prag_asp import TaskSpace, load_domain
 from prag_asp.cli import cli
 from prag_asp.cli.registry import COMMANDS
 
@@ -301,10 +302,10 @@ def test_counting_loads_only_those_of_our_own_modules_that_count() -> None:
 
 def test_a_count_that_was_kept_loads_no_code_for_merged_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
-    count = ("count", "tabletop", "--length", "5", "--by", "plan")
-    loaded_by(*count)
+    monkeypatch.setattr("prag_asp.space.engines.automaton.WORTH_KEEPING", -1.0)
+    TaskSpace(load_domain("tabletop"), 5).count("plan")
     assert list(tmp_path.iterdir())
-    loaded = loaded_by(*count)
+    loaded = loaded_by("count", "tabletop", "--length", "5", "--by", "plan")
     assert "prag_asp.space.engines.stored" in loaded
     assert not loaded & {"prag_asp.space.automaton.merged", "prag_asp.logic.symmetry.patterns"}
 

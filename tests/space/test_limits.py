@@ -64,9 +64,15 @@ def test_words_and_ranks_are_refused_where_some_are_missing() -> None:
 
 def test_clingo_says_how_many_it_has_enumerated() -> None:
     domain = domain_of(LAMPS.replace("K", "12"))
-    with pytest.raises(LimitReached, match=r"at least \d+ plans of length 12") as reached:
-        TaskSpace(domain, 12, engine="clingo", limits=Limits(seconds=0.5)).count("plan")
-    assert 0 < reached.value.at_least < 12**12
+
+    def found(seconds: float) -> int:
+        with pytest.raises(LimitReached, match=r"at least \d+ plans of length 12") as reached:
+            TaskSpace(domain, 12, engine="clingo", limits=Limits(seconds=seconds)).count("plan")
+        return reached.value.at_least
+
+    # A machine that stands still finds none in the first half second.
+    some = (at_least for seconds in (0.5, 5, 50, 500) if (at_least := found(seconds)))
+    assert 0 < next(some) < 12**12
 
 
 @pytest.mark.parametrize("stop_after", [0, 1, 5, 29])
@@ -131,11 +137,11 @@ def test_the_command_prints_the_lower_bound_and_exits_with_its_own_code(
 
     folder = tmp_path / "lamps"
     folder.mkdir()
-    (folder / "domain.lp").write_text(LAMPS.replace("K", "17") + TOGETHER)
-    assert cli.main(["count", str(folder), "--length", "17", "--by", "plan", "--time", "0.1s"]) == 3
+    (folder / "domain.lp").write_text(LAMPS.replace("K", "40") + TOGETHER)
+    assert cli.main(["count", str(folder), "--length", "40", "--by", "plan", "--time", "0.1s"]) == 3
     out, err = capfd.readouterr()
     assert re.fullmatch(r"at least \d+\n", out) and "the time limit of 0.1 s was reached" in err
-    assert cli.main(["count", str(folder), "--length", "17", "--by", "plan", "--time", "0.1s", "--upto"]) == 3
+    assert cli.main(["count", str(folder), "--length", "40", "--by", "plan", "--time", "0.1s", "--upto"]) == 3
     out, _ = capfd.readouterr()
     assert out.startswith("length  plans\n") and re.fullmatch(r" +\d+  at least \d+", out.splitlines()[-1])
-    assert cli.main(["sample", str(folder), "--length", "17", "--time", "0.1s"]) == 3
+    assert cli.main(["sample", str(folder), "--length", "40", "--time", "0.1s"]) == 3
