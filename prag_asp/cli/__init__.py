@@ -40,11 +40,19 @@ def main() -> None:
         write_line(out_of_memory())
         code = Exit.LIMIT
     finally:  # All is told, and Python would tell of what it is torn from.
-        from prag_asp.cli.ending import deafen
-
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        deafen()
+        _hear_nothing()
     sys.exit(code)
+
+
+def _hear_nothing() -> None:
+    """Ignore signals from here on; a command that has told all tells nothing of memory that is refused now."""
+    try:
+        from prag_asp.cli.ending import deafen, ignore
+
+        ignore(signal.SIGINT)
+        deafen()
+    except (MemoryError, SystemError, ImportError):
+        return
 
 
 def _command() -> Command:

@@ -41,8 +41,13 @@ DEADLY = frozenset(["_pyclingo_solve_event_callback", "_pyclingo_logger_callback
 NO_MEMORY = (MemoryError, SystemError)
 """What is raised where the system refuses memory; the second by native code that does not say why it failed."""
 
-REFUSALS = ("can't allocate lock", "can't start new thread", "Cannot allocate memory", "failed to map segment")
-"""What Python and the loader of libraries say of it in other errors."""
+REFUSALS = (
+    "can't allocate lock", "can't start new thread", "Cannot allocate memory", "failed to map segment",
+    "not PosixPath",  # which is a path all the same: there was no memory for its text
+    "error in callback",  # of clingo, whose other errors come with what it was told
+    "A loop/promoter has already been registered",  # of NumPy, which could not take down that it has
+)  # fmt: skip
+"""What Python, its libraries and the loader of these say of it in other errors."""
 
 GENERATED = "<"
 """How the name of a file begins that is none: code that Python writes for itself has no mistake but want of memory."""
@@ -194,6 +199,14 @@ def limits() -> tuple[float | None, int, float]:
     return _command.seconds, _command.memory or usual_memory(), _command.begun
 
 
+def ignore(number: int) -> None:
+    """Hear a signal no more; where memory is refused, that is so all the same, or it ends what is ending."""
+    try:
+        signal.signal(number, signal.SIG_IGN)
+    except NO_MEMORY:  # mostly for the name of what heard it before
+        return
+
+
 def deafen() -> None:
     """Hear nothing more: the command is about to say why it ends, and ends by that alone.
 
@@ -202,7 +215,7 @@ def deafen() -> None:
     if _command.board is None:
         return
     for number in ASKED:
-        signal.signal(number, signal.SIG_IGN)
+        ignore(number)
     if _command.asked is not None:
         sys.unraisablehook = lambda dropped: None
 

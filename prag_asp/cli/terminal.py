@@ -93,13 +93,17 @@ class Command(click.Group):
 
 @contextmanager
 def _insisting() -> Iterator[None]:
-    """Have an interruption that Python drops, since it comes while a value is being freed, come again after that."""
+    """Have an interruption that Python drops, since it comes while a value is being freed, come again after that.
+
+    Of memory that is refused just then, nothing is told: what is freed has been of use.
+    """
     usual = sys.unraisablehook
 
     def again(dropped: sys.UnraisableHookArgs) -> None:
         number = next((each for each, kind in ASKED.items() if type(dropped.exc_value) is kind), None)
         if number is None:
-            if ending.asked_for() is None:  # otherwise it comes of what was torn half-way
+            torn = ending.asked_for() is not None  # it comes of what was left half-way
+            if not torn and not isinstance(dropped.exc_value, NO_MEMORY):
                 usual(dropped)
             return
         if ending.supervised():

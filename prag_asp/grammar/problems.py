@@ -12,7 +12,7 @@ from prag_asp.grammar.template import Template, agrees, parse_template
 from prag_asp.grammar.whole import form_problems, kind_problems
 from prag_asp.grammar.words import shipped_languages
 from prag_asp.program.facts import Facts
-from prag_asp.program.settings import Settings
+from prag_asp.program.settings import Settings, key_shown
 from prag_asp.wording import did_you_mean, listed
 
 FACT_KEYS = ("is", "not", "where", "of", "silent")
@@ -61,7 +61,7 @@ def _shape_problems(code: str, table: Mapping[str, Any]) -> Iterator[Fault]:
     for part, value in table.items():
         if part not in PARTS:
             hint = did_you_mean(part, PARTS)
-            yield Fault((code, part), f"a language has no {part}; {hint}")
+            yield Fault((code, part), f"a language has no {key_shown(part)}; {hint}")
         elif not isinstance(value, Mapping):
             yield Fault((code, part), f"{part} is no table; write [language.{code}.{part}] with a name = ... below it")
     words = table.get("words", {})
@@ -69,7 +69,8 @@ def _shape_problems(code: str, table: Mapping[str, Any]) -> Iterator[Fault]:
         yield Fault((code, "words", name), text)
     if code not in shipped_languages() and not words:
         has = f"those that have words are {listed(shipped_languages())}"
-        yield Fault((code,), f"no words of the language {code}; {did_you_mean(code, shipped_languages(), has)}")
+        hint = did_you_mean(code, shipped_languages(), has)
+        yield Fault((code,), f"no words of the language {key_shown(code)}; {hint}")
 
 
 class _Judge:
@@ -104,7 +105,7 @@ class _Judge:
         for name, given in self._entries("actions"):
             if name not in arities:
                 hint = did_you_mean(name, arities, f"actions are {listed(arities)}")
-                yield self._fault("actions", name, f"there is no action {name}; {hint}")
+                yield self._fault("actions", name, f"there is no action {key_shown(name)}; {hint}")
             else:
                 yield from self._sentences("actions", name, given, arities[name])
 
@@ -113,7 +114,7 @@ class _Judge:
         for name, given in self._entries("facts"):
             if name not in arities:
                 hint = did_you_mean(name, arities, f"fluents are {listed(arities)}")
-                yield self._fault("facts", name, f"there is no fluent {name}; {hint}")
+                yield self._fault("facts", name, f"there is no fluent {key_shown(name)}; {hint}")
                 continue
             table = given if isinstance(given, Mapping) else {"is": given}
             unknown = next((key for key in table if key not in FACT_KEYS), None)
@@ -136,7 +137,7 @@ class _Judge:
             unknown = next((key for key in table if key not in ("noun", "gender", *words.cases)), None)
             if name not in known:
                 hint = did_you_mean(name, known, "give the name of a class or an entity")
-                yield self._fault("nouns", name, f"there is no class or entity {name}; {hint}")
+                yield self._fault("nouns", name, f"there is no class or entity {key_shown(name)}; {hint}")
             elif unknown is not None:
                 hint = did_you_mean(unknown, ("noun", "gender", *words.cases))
                 yield self._fault("nouns", name, f"the noun of {name} has no {unknown}; {hint}")
@@ -152,7 +153,7 @@ class _Judge:
         for name, given in self._entries("values"):
             if name not in known:
                 hint = did_you_mean(name, known, f"arguments that are no entities are {listed(known)}")
-                yield self._fault("values", name, f"no action or fluent has the argument {name}; {hint}")
+                yield self._fault("values", name, f"no action or fluent has the argument {key_shown(name)}; {hint}")
             elif not isinstance(given, str) or not given.strip():
                 yield self._fault("values", name, f"the word for {name} is none; write it in quotes")
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
 from prag_asp.program.problem import Problem
-from prag_asp.program.syntax import TIMED_PARTS, Statement, below, names, spelled
+from prag_asp.program.syntax import TIMED_PARTS, Statement, below, names, runs_no_code, spelled
 from prag_asp.wording import nearest
 
 REFUSED: Mapping[ASTType, str] = {
@@ -65,12 +64,11 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 def _refused(statement: Statement) -> Iterator[Problem]:
     if statement.kind in REFUSED:
         yield statement.problem(REFUSED[statement.kind])
-    if statement.is_rule and re.search("[@&]", statement.text):
+    yield from (statement.problem(runs_no_code(name)) for name in statement.scripts)
+    if statement.is_rule and "&" in statement.text:
         for node in below(statement.node):
             if node.ast_type == ASTType.TheoryAtom:
                 yield statement.problem(REFUSED[ASTType.TheoryAtom])
-            elif node.ast_type == ASTType.Function and node.external:
-                yield statement.problem(f"@{node.name} calls a script: a domain runs no code; write plain rules")
 
 
 def _part_problems(statement: Statement) -> Iterator[Problem]:

@@ -10,7 +10,7 @@ from prag_asp.atom import atom_of
 from prag_asp.program.facts import Facts
 from prag_asp.program.names import ambiguity, named, shared_names
 from prag_asp.program.problem import Problem
-from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
+from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, key_shown, weight_of
 from prag_asp.wording import did_you_mean, is_misspelt
 
 TYPES: Mapping[str, tuple[type, str]] = {
@@ -27,7 +27,7 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
     path = settings.path
     for key, value in table.items():
         if key not in KEYS:
-            text = f"unknown key {key}; {did_you_mean(key, KEYS)}"
+            text = f"unknown key {key_shown(key)}; {did_you_mean(key, KEYS)}"
             yield Problem(path, settings.line_of(key), text, "" if is_misspelt(key, KEYS) else "no-effect")
         elif not isinstance(value, TYPES[key][0]):
             yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
@@ -38,7 +38,7 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
             yield Problem(
                 path,
                 settings.line_of("weights", key),
-                f"the weight of {key} is {_shown(value)}; make it a number from 0 to 1e{MAX_EXPONENT}",
+                f"the weight of {key_shown(key)} is {_shown(value)}; make it a number from 0 to 1e{MAX_EXPONENT}",
             )
     for key, value in _entries(table, "language"):
         several = isinstance(value, list) and bool(value) and all(isinstance(each, str) for each in value)
@@ -46,7 +46,7 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
             yield Problem(
                 path,
                 settings.line_of("language", key),
-                f"{key} is {_shown(value)}; make it a sentence in quotes",
+                f"{key_shown(key)} is {_shown(value)}; make it a sentence in quotes",
             )
 
 
@@ -75,11 +75,11 @@ def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
         for part in parts:
             if len(parts) > 1 and part not in actions:
                 hint = did_you_mean(part, actions, f"actions are {', '.join(sorted(actions))}")
-                text = f"weight of {key}: there is no action {part or '(empty)'}; {hint}"
+                text = f"weight of {key}: there is no action {key_shown(part)}; {hint}"
                 yield _problem(settings, "weights", key, text)
             elif part not in known:
                 hint = did_you_mean(part, known, "give the name of an action, a class or an entity")
-                text = f"weight of {part}: no action, class or entity has that name; {hint}"
+                text = f"weight of {key_shown(part)}: no action, class or entity has that name; {hint}"
                 yield _problem(settings, "weights", key, text)
             elif len(parts) == 1 and part in shared:
                 yield _problem(settings, "weights", key, f"weight of {part}: {ambiguity(part, facts)}")
@@ -95,7 +95,7 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     for name in settings.language:
         if name not in arities:
             hint = did_you_mean(name, arities, "give the name of an action or a fluent")
-            text = f"sentence of {name}: no action or fluent has that name; {hint}"
+            text = f"sentence of {key_shown(name)}: no action or fluent has that name; {hint}"
             yield _problem(settings, "language", name, text, "" if is_misspelt(name, arities) else "no-effect")
         elif not all(_is_template(sentence, arities[name]) for sentence in _sentences(settings.grammar[name])):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"

@@ -99,6 +99,11 @@ def weight_key(key: str) -> str:
     return ">".join(part.strip() for part in key.split(">"))
 
 
+def key_shown(key: str) -> str:
+    """Return a key as messages name it: in quotes where nobody would see it."""
+    return key if key.strip() else f'"{key}"'
+
+
 def weight_of(value: object) -> Fraction | None:
     """Return the exact value of a weight, None where it is not a number that is finite and not negative."""
     if isinstance(value, bool) or not isinstance(value, int | Decimal):

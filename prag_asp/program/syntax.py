@@ -106,6 +106,13 @@ class Statement:
     def _head(self) -> tuple[list[AtomNode], list[AtomNode]]:
         return head_atoms(self.node.head) if self.is_rule else ([], [])
 
+    @cached_property
+    def scripts(self) -> tuple[str, ...]:
+        """The names of the functions that it has clingo call, as in ``@name(X)``."""
+        if "@" not in self.text:
+            return ()
+        return tuple(n.name for n in below(self.node) if n.ast_type == ASTType.Function and n.external)
+
     def problem(self, text: str, line: int | None = None, name: str = "") -> Problem:
         """Return a problem of this statement: an error, or the warning of a name."""
         return Problem(self.path, self.line if line is None else line, text, name)
@@ -205,6 +212,11 @@ def below(node: AST) -> Iterator[AST]:
         node = stack.pop()
         yield node
         stack += children_of(node)
+
+
+def runs_no_code(name: str) -> str:
+    """Return what is told of a statement that has clingo call a function of this name."""
+    return f"@{name} calls a script: a domain runs no code; write plain rules"
 
 
 def spelled(signature: Signature) -> str:

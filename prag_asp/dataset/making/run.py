@@ -29,6 +29,7 @@ from prag_asp.dataset.store.manifest import (
     PartNote,
     SpaceNote,
     read_manifest,
+    require_parts,
     write_manifest,
 )  # fmt: skip
 from prag_asp.dataset.store.told import Told, telling_of
@@ -134,6 +135,8 @@ class Run:
             manifest = Manifest(FORMAT, VERSION, False, identity, 0, asked, self._told, spaces, notes)
         elif manifest.identity != identity:
             raise OutputError(f"{self._folder}: {difference(manifest, self._told.name, asked)}; give a new folder")
+        else:
+            require_parts(manifest, self._folder)
         for note in manifest.parts:
             rows = note.rows("tasks") + (note.tail.rows("tasks") if note.tail else 0)
             if rows > wanted.of(shares[note.name]):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.dataset.store.entry import Entry, entry_of
 from prag_asp.dataset.store.kept import kept_domain
-from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest
+from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest, require_parts
 from prag_asp.errors import QueryError
 from prag_asp.fields import decoded
 from prag_asp.integers import number_of
@@ -57,10 +57,8 @@ class Dataset:
             raise QueryError(f"{path}: is no data set, for it has no {NAME}; make one with prag-asp generate -o {path}")
         if not manifest.complete:
             raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
-        names = tuple(part.name for part in manifest.parts)
-        if not names or {*names} != {*manifest.asked.split} or len(names) > len({*names}):
-            raise QueryError(f"{path / NAME}: parts: are not those of asked.split; copy the data set once more")
-        return cls(path, manifest, trust, names)
+        require_parts(manifest, path)
+        return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.folder, self.manifest, self.trust, self.parts, self.conditions)

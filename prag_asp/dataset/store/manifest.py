@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
@@ -11,6 +12,7 @@ import msgspec
 
 from prag_asp.dataset.store.description import read_description, write_description
 from prag_asp.dataset.store.kept import KeptDomain, KeptFile
+from prag_asp.errors import QueryError
 from prag_asp.fields import Whole
 from prag_asp.integers import digits_of, number_of
 from prag_asp.space.drawing.deal import ALL, Deal
@@ -199,10 +201,29 @@ class Manifest(msgspec.Struct):
         return sum(number_of(space.tasks) for space in self.spaces)
 
 
+def require_parts(manifest: Manifest, folder: Path) -> None:
+    """Check that a data set has the parts that were asked for.
+
+    Raises:
+        QueryError: it has others.
+    """
+    names = [part.name for part in manifest.parts]
+    if not names or sorted(names) != sorted(manifest.asked.split):
+        raise QueryError(f"{folder / NAME}: parts: are not those of asked.split; copy the data set once more")
+
+
 def share_of(some: int, whole: int) -> Share:
     """Return which share some are of the whole."""
     share = Fraction(some, whole) if whole else Fraction(0)
-    return Share(digits_of(share.numerator), digits_of(share.denominator), float(share))
+    return Share(digits_of(share.numerator), digits_of(share.denominator), rate_of(some, whole))
+
+
+def rate_of(some: int, whole: int) -> float:
+    """Return the same as a float; what a stranger claims may be beyond all floats."""
+    try:
+        return some / whole if whole else 0.0
+    except OverflowError:
+        return math.inf
 
 
 def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
@@ -212,7 +233,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
         into = found.setdefault(each.length, LengthTally(each.length))
         for name in ("drawn", "feasible", "not_found", "infeasible", "witnesses"):
             setattr(into, name, getattr(into, name) + getattr(each, name))
-        into.pass_rate = into.feasible / into.drawn if into.drawn else 0.0
+        into.pass_rate = rate_of(into.feasible, into.drawn)
         causes = {cause.cause: cause.count for cause in into.causes}
         for cause in each.causes:
             causes[cause.cause] = causes.get(cause.cause, 0) + cause.count

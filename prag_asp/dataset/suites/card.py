@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator
 
 from prag_asp.dataset.store.card import TABLES
+from prag_asp.dataset.store.manifest import rate_of
 from prag_asp.dataset.suites.note import SuiteNote, SuitePart
 from prag_asp.integers import grouped, number_of
 from prag_asp.wording import plural
@@ -45,7 +46,7 @@ def _text(note: SuiteNote) -> Iterator[str]:
     yield "| part | what | lengths | tasks | of all tasks of the part | phrasings |"
     yield "|---|---|---|---|---|---|"
     for part in note.parts:
-        share = f"{100 * part.tasks / number_of(part.size):.3g} % of {grouped(number_of(part.size))}"
+        share = f"{rate_of(100 * part.tasks, number_of(part.size)):.3g} % of {grouped(number_of(part.size))}"
         words = f"{part.language} {part.phrasings}".strip()
         link = f"[{part.name}]({part.name}/README.md)"
         yield f"| {link} | {part.about} | {_lengths(part)} | {part.tasks:,} | {share} | {words} |"

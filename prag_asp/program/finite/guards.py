@@ -15,12 +15,13 @@ from itertools import chain
 
 from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, Sign, UnaryOperator
 
+from prag_asp.errors import DomainError
 from prag_asp.program.finite.arithmetic import OPERATIONS, divides, leaves, read_expression
 from prag_asp.program.finite.checks import WIDEST, BoundReached, Site, too_wide
 from prag_asp.program.finite.endless import Endless, endless_rules
 from prag_asp.program.parse import number_problem, parse_sources
 from prag_asp.program.sources import ADDED, Program, Source, owned
-from prag_asp.program.syntax import Statement, children_of, variables
+from prag_asp.program.syntax import Statement, children_of, runs_no_code, variables
 
 OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
 """What the text of a rule has, as clingo writes it, wherever there is arithmetic; more may have it."""
@@ -48,12 +49,14 @@ def guarded(program: Program) -> Guarded:
 
     Raises:
         BoundReached: a number is out of range, or an interval has too many numbers.
+        DomainError: a statement calls a function.
     """
     for source in program.sources:
         problem = number_problem(source)
         if problem:
             raise BoundReached(str(problem))
     read = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
+    _require_no_scripts(chain.from_iterable(read.values()))
     endless: dict[Statement, list[Endless]] = {}
     for each in endless_rules(chain.from_iterable(read.values())):
         endless.setdefault(each.rule, []).append(each)
@@ -67,6 +70,17 @@ def guarded(program: Program) -> Guarded:
         sources.append(Source(source.path, writer.written(source.text)))
     endless_steps = any(statement.timed for statement in endless)
     return Guarded(Program(tuple(sources)).text, tuple(sites), endless_steps)
+
+
+def _require_no_scripts(statements: Iterable[Statement]) -> None:
+    """Check that nothing of an author's calls the functions by which checks are made, whoever grounds it.
+
+    Raises:
+        DomainError: a statement calls a function.
+    """
+    for statement in statements:
+        for name in statement.scripts if statement.own else ():
+            raise DomainError(str(statement.problem(runs_no_code(name))))
 
 
 class _Writer:

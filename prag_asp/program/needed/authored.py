@@ -109,7 +109,7 @@ def _objection_to_form(statement: Statement) -> str | None:
         plain = literal.ast_type == ASTType.Literal and literal.atom.ast_type in PLAIN
         if not plain or literal.sign == Sign.DoubleNegation:
             return "an aggregate or a condition may see every entity"
-    if any(node.ast_type == ASTType.Function and node.external for node in below(statement.node)):
+    if statement.scripts:
         return "a function of a script may see every entity"
     if statement.literals and any(map(_turns_around, _computed(statement))):
         return "a minus makes other names of names"

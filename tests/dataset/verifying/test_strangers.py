@@ -71,6 +71,10 @@ def pipe(folder: Path) -> None:
 
 FOUND: dict[str, tuple[Change, str]] = {
     "more draws than rows": (shard(end=10**18), "dataset.json: parts, train: shard 1 has too many draws for its rows"),
+    "more tasks than a float holds": (
+        said(lambda told: told["parts"][0]["shards"][0]["tally"][0].update(feasible=10**400)),
+        "dataset.json: parts, train: lengths is not what its shards add up to",
+    ),
     "no files": (shard(files={}), "dataset.json: parts, train: the tally of shard 1 has 2 tasks; there are 0"),
     "no share": (said(lambda told: told.update(covered=None)), "dataset.json: covered is not the share"),
     "no share of a part": (part(covered=None), "dataset.json: parts, train: covered is not what its shards add up to"),
@@ -119,6 +123,12 @@ def test_what_cannot_be_looked_at_is_one_line(strange: Path, planted: tuple[Chan
     change(strange)
     done = run("verify", str(strange))
     assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_a_run_does_not_go_on_where_dataset_json_has_lost_its_parts(strange: Path) -> None:
+    said(lambda told: told.update(parts=[]))(strange)
+    with pytest.raises(QueryError, match=r"parts: are not those of asked\.split"):
+        generate(TaskSpace(load_domain("blocks"), 3), strange, tasks=4, physics=False, shard=2)
 
 
 def test_a_domain_that_lies_elsewhere_is_not_read_whatever_dataset_json_says(strange: Path, tmp_path: Path) -> None:
