@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from errno import EMFILE, ENOSPC
+
 import pytest
 
 from prag_asp import EngineError, TaskSpace, answer_sets
 from prag_asp.logic.formula import counter
+from prag_asp.logic.formula.cnf import Cnf
 from tests.domains import domain_of
 from tests.models.test_approximate import LINKED
 from tests.processes import children
@@ -44,6 +47,49 @@ def test_a_counter_that_fails_leaves_the_question_to_clingo(fails: bool, monkeyp
     space = TaskSpace(domain_of(APART), 0)
     assert [space.at(length).count("plan") for length in (2, 4, 8)] == [16, 144, 4**2 * 3**6]
     assert space.at(3).count("plan", ["d", "d"]) == 3
+
+
+@needs_ganak
+@pytest.mark.parametrize(
+    ("what", "error"),
+    [
+        ("logic.formula.counter.TemporaryFile", OSError(ENOSPC, "No space left on device")),
+        ("processes.children.Pipe", OSError(EMFILE, "Too many open files")),
+        ("processes.children.Child.send", MemoryError()),
+        ("processes.children.Child.receive", MemoryError()),
+    ],
+)
+def test_where_there_is_no_room_for_a_counter_the_count_goes_on_alone(
+    what: str, error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried: list[str] = []
+
+    def no_room(*_: object) -> None:
+        tried.append(what)
+        raise error
+
+    before = set(children())
+    monkeypatch.setattr(f"prag_asp.{what}", no_room)
+    with counter.CountBeside(lambda: (Cnf(2, ((1, 2),), {}, (1, 2)), ()), 0) as beside:
+        assert beside() is None
+        while beside._child is not None:
+            beside._child.line.poll(600)
+            assert beside() is None
+        assert beside() is None
+    assert tried == [what]
+    assert set(children()) <= before
+
+
+@needs_ganak
+def test_an_error_in_who_is_told_of_a_counter_is_no_failure_of_the_counter() -> None:
+    def tell() -> None:
+        raise BrokenPipeError
+
+    before = set(children())
+    formula = Cnf(2, ((1, 2),), {}, (1, 2))
+    with pytest.raises(BrokenPipeError), counter.CountBeside(lambda: (formula, ()), 0, tell) as beside:
+        beside()
+    assert set(children()) <= before
 
 
 @needs_ganak

@@ -120,15 +120,18 @@ class CountBeside:
 
     def __call__(self) -> int | None:
         """Return the number of models once it is known; the first call that is late enough starts the counter."""
+        due = self._due is not None and monotonic() >= self._due
         try:
             if self._child is not None and answered([self._child], 0):
                 return int(self._child.receive())
-            if self._due is not None and monotonic() >= self._due:
+            if due:
                 self._due = None
                 self._start()
-        except (EngineError, Ended):
+        except (EngineError, Ended, OSError, MemoryError):  # the last two: there is no room
             self._running.close()
             self._child = None
+        if due and self._child is not None:
+            self._begins()  # an error in what it calls is no failure of the counter
         return None
 
     def _start(self) -> None:
@@ -139,7 +142,6 @@ class CountBeside:
         child = self._running.enter_context(Children(GANAK.module, complaints.fileno())).start()
         child.send((cnf.variables, cnf.shown, clauses))
         self._child = child
-        self._begins()
 
 
 def _last_line(complaints: IO[bytes]) -> str:
