@@ -57,7 +57,7 @@ goal(lit(2),true).
 
 
 def test_explain_names_a_smallest_set_of_changes_or_says_that_there_is_none(tmp_path: Path) -> None:
-    lamps, pairs = tmp_path / "lamps.lp", tmp_path / "pairs.lp"
+    lamps, pairs, stuck = (tmp_path / f"{name}.lp" for name in ("lamps", "pairs", "stuck"))
     lamps.write_text(LAMPS)
     done = run("explain", str(lamps), "--length", "0", "--fewest-changes")
     together, *lines = done.stdout.splitlines()[1:]
@@ -65,12 +65,16 @@ def test_explain_names_a_smallest_set_of_changes_or_says_that_there_is_none(tmp_
     numbers = [int(line.split(":")[1]) for line in lines]
     assert len(numbers) == 2 and sum(number in (2, 4) for number in numbers) == 1
     pairs.write_text("fluent(f). action(a). postcondition(a,f,true). composite(c). stage(c,(1;2),a).\n")
-    for option, told in (
-        ([], "no line forbids it: what the domain declares leaves none, whatever its lines say of it"),
-        (["--fewest-changes"], "there is none even without all the lines that restrict plans"),
+    stuck.write_text("fluent(f). action(a). initially(f,false).\n#program step(t). s(t) :- not s(t), occurs(a,t).\n")
+    composed = f"  {pairs}:1: composite(c). (with all composites, as --flat lifts them)"
+    for path, option, told in (
+        (pairs, [], ["these lines leave none together:", composed]),
+        (pairs, ["--fewest-changes"], ["there is one without any one of these lines:", composed]),
+        (stuck, [], ["no line forbids it: what the domain declares leaves none, whatever its lines say of it"]),
+        (stuck, ["--fewest-changes"], ["there is none even without all the lines that restrict plans"]),
     ):
-        done = run("explain", str(pairs), "--length", "3", *option)
-        assert (done.returncode, done.stdout.splitlines()[1:]) == (1, [told])
+        done = run("explain", str(path), "--length", "3", *option)
+        assert (done.returncode, done.stdout.splitlines()[1:]) == (1, told)
 
 
 def test_explain_refuses_what_does_not_go_together() -> None:

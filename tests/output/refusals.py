@@ -26,6 +26,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NoReturn
 
 from prag_asp.cli.exits import Exit
+from prag_asp.space.engines import automaton
 from tests.fuzz.isolated import Limits, Ran, command, run, warm
 from tests.output.faults import content
 
@@ -75,13 +76,24 @@ class Refused:
         return (self.code, len(lines)) in ((Exit.LIMIT, 1), (Exit.DONE, 0))
 
 
+def keeping(arguments: tuple[str, ...]) -> Callable[[], None]:
+    """Return what runs a command that keeps what it has explored, however soon that was done."""
+
+    def work() -> None:
+        automaton.WORTH_KEEPING = -1.0
+        begin()
+
+    begin = command(arguments)
+    return work
+
+
 def divided(arguments: tuple[str, ...], pick: Pick, home: Path) -> Callable[[], None]:
     """Return what runs a command up to its first file, and from there with each allocation refused that is picked."""
 
     def work() -> None:
         from prag_asp.cli import ending, supervision
 
-        begin, open_really, divides, tell = command(arguments), os.open, True, list[int]()
+        begin, open_really, divides, tell = keeping(arguments), os.open, True, list[int]()
         supervision.supervise = lambda: ending.begin(ending.Board())  # its process would not divide with the command
 
         def opened(path: Any, flags: int, *more: Any, **others: Any) -> int:
@@ -184,7 +196,7 @@ def _second(
     left = content(folder)
     cut = [file for file, text in left.items() if ".part" not in file and not file.endswith(".run")]
     assert all(left[file] in (before.get(file), whole.get(file)) for file in cut), (name, cut)
-    second = run(command(arguments), folder, LIMITS, variables=VARIABLES)
+    second = run(keeping(arguments), folder, LIMITS, variables=VARIABLES)
     assert content(folder) == whole, (name, sorted(left), second)
     return second
 
