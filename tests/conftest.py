@@ -6,6 +6,7 @@ import gc
 import os
 import secrets
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import pytest
 from hypothesis import is_hypothesis_test
 
 from tests import chance as chances
+from tests.processes import children
 
 os.environ["PRAG_ASP_CACHE"] = ""
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):  # processes that tests start need not compile the package each time
@@ -106,3 +108,10 @@ def _has_examples(item: pytest.Item) -> bool:
 def chance() -> chances.Chance:
     """Seeds, generators and numbers of examples that are the same in every run, or fresh."""
     return chances.now()
+
+
+@pytest.fixture
+def started() -> Callable[[], list[int]]:
+    """Tell which processes a test has started and not seen end: one of a test before, in this process, may stay."""
+    before = set(children())
+    return lambda: [each for each in children() if each not in before]

@@ -63,12 +63,14 @@ def ends(work: str, *arguments: str) -> tuple[int, str]:
 
 def test_a_grounding_of_hours_ends_at_the_limit_of_time_with_one_line(tmp_path: Path) -> None:
     (tmp_path / "large.lp").write_text(PRODUCT)
-    begun = time.monotonic()
-    done = run_apart("count", "large.lp", "--length", "3", "--time", "5", cwd=tmp_path)
-    assert time.monotonic() - begun < 60
-    assert (done.returncode, done.stdout) == (3, "")
-    assert done.stderr.startswith("the time limit of 5 s was reached while grounding the domain, with ")
-    assert done.stderr.endswith("; allow more with --time\n") and done.stderr.count("\n") == 1
+    for seconds in (3, 15, 75):
+        done = run_apart("count", "large.lp", "--length", "3", "--time", str(seconds), cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (3, "")
+        assert done.stderr.startswith(f"the time limit of {seconds} s was reached")
+        assert done.stderr.endswith("; allow more with --time\n") and done.stderr.count("\n") == 1
+        if " while grounding the domain, with " in done.stderr:
+            return
+    pytest.fail(f"a machine that is so slow that it does not come to ground anything: {done.stderr}")
 
 
 @pytest.mark.parametrize("command", ["check", "count", "sample", "export", "stats"])
@@ -159,10 +161,13 @@ def test_a_command_that_does_not_hear_is_ended_soon(
 def test_a_second_ctrl_c_does_not_ask() -> None:
     with interruptible(_waiting(600, SWALLOWS), Path()) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
-        os.killpg(process.pid, signal.SIGINT)
-        time.sleep(2 * SOON)
-        assert interrupt(process) == "interrupted\n"
+        until = time.monotonic() + 300
+        while process.poll() is None and time.monotonic() < until:
+            # Where the machine stands still, what is sent before and after it comes at once, and is one wish.
+            os.killpg(process.pid, signal.SIGINT)
+            time.sleep(2 * SOON)
         assert process.returncode == 130
+        assert process.communicate()[1] == "interrupted\n"
 
 
 def _waiting(seconds: float, work: str) -> list[str]:
@@ -302,10 +307,12 @@ def test_figures_are_told_where_foreign_code_turns_an_interruption_into_a_mistak
 def test_a_limit_that_strikes_while_a_command_is_ending_already_adds_no_line(raised: str) -> None:
     work = f"""
     import atexit
+    from prag_asp.cli import ending
     from prag_asp.errors import LimitReached
     atexit.register(time.sleep, 2)
+    atexit.register(ending.limit, 0.3)
     raise {raised}"""
-    code, said = ends(work, "--time", "0.3")
+    code, said = ends(work)
     assert (code, said) == (3, "own line\n" if "own" in raised else "")
 
 
@@ -313,12 +320,12 @@ def test_a_machine_that_stands_still_takes_nothing_of_the_time_that_a_command_ha
     work = """
     try: print("begun", flush=True); time.sleep(60)
     except KeyboardInterrupt: time.sleep(0.7); print("ended", flush=True); raise"""
-    with interruptible(_waiting(1, work), Path()) as process:
+    with interruptible(_waiting(3, work), Path()) as process:
         assert process.stdout is not None and process.stdout.readline() == "begun\n"
         os.killpg(process.pid, signal.SIGINT)
         time.sleep(0.3)
         os.killpg(process.pid, signal.SIGSTOP)
-        time.sleep(2)
+        time.sleep(4)
         os.killpg(process.pid, signal.SIGCONT)
         out, err = process.communicate(timeout=300)
         assert (out, err.lstrip()) == ("ended\n", "interrupted\n")
@@ -387,7 +394,10 @@ def test_a_closed_stream_is_not_taken_for_something_else(closed: int, tmp_path: 
 
 def test_a_terminal_stops_a_command_and_lets_it_go_on(tmp_path: Path) -> None:
     """A shell with job control starts the command, Ctrl-Z stops it, fg lets it go on, Ctrl-C ends it."""
-    work = "print('begun', flush=True); time.sleep(2); print('done', flush=True); time.sleep(600)"
+    work = """import os
+    print('begun', flush=True)
+    while not os.path.exists('stopped'): time.sleep(0.05)
+    print('done', flush=True); time.sleep(600)"""
     (tmp_path / "command.py").write_text(DEAF.format(work=work))
     shell, terminal = pty.fork()
     if shell == 0:
@@ -396,6 +406,7 @@ def test_a_terminal_stops_a_command_and_lets_it_go_on(tmp_path: Path) -> None:
     try:
         _type(terminal, f"PS1='> '; {sys.executable} command.py domains; echo code $?\n", "begun\r")
         _type(terminal, "\x1a", "Stopped")
+        (tmp_path / "stopped").touch()
         _type(terminal, "fg\n", "done\r")
         _type(terminal, "\x03", "interrupted")
         _type(terminal, "echo still $((6 * 7))\n", "still 42")

@@ -10,7 +10,7 @@ import pytest
 
 from prag_asp.cli import terminal
 from tests.commands import PRAG, ok, run, run_apart
-from tests.processes import interrupt, interruptible, terminate
+from tests.processes import gone, interrupt, interruptible, terminate
 from tests.processes import workers as at_work
 
 
@@ -137,7 +137,7 @@ def test_a_validation_that_is_told_to_end_ends_as_an_interrupted_one_and_its_wor
     assert process.returncode == 143
     assert err.startswith(tuple("123456789")) and "budget 10 x 10" in err and err.endswith("terminated\n")
     assert len(helpers) == (2 if workers == "2" else 0)
-    assert not any(Path(f"/proc/{helper}").exists() for helper in helpers)
+    assert gone(helpers)
 
 
 def test_drawing_that_is_told_to_end_leaves_whole_lines_and_says_how_far_it_came(tmp_path: Path) -> None:

@@ -23,14 +23,14 @@ from tests.processes import children, gone, interrupt, interruptible
 ROOT = Path(__file__).parents[2]
 
 
-def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tabletop, chance):
+def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tabletop, chance, started):
     tasks = list(islice(random_tasks("tabletop", 4, chance.seed(3)), 24))
     alone = list(validate_tasks(tasks, tabletop, seed=chance.seed(7), workers=1))
     together = list(validate_tasks(tasks, tabletop, seed=chance.seed(7), workers=2))
     assert _lines(tasks, alone) == _lines(tasks, together)
     assert [v.index for v in alone] == list(range(24))
     assert sum(v.feasible for v in alone) > 20
-    assert not children()
+    assert not started()
 
 
 def _lines(tasks, verdicts):
@@ -51,7 +51,7 @@ def test_the_order_of_the_tasks_does_not_change_a_byte(name, request, chance):
         assert _lines(tasks, [found[index] for index in range(20)]) == _lines(tasks, in_order)
 
 
-def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop):
+def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop, started):
     read = count()
 
     def endless():
@@ -64,23 +64,23 @@ def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop):
         assert len(list(islice(verdicts, 6))) == 6
         verdicts.close()
     assert next(read) < 60
-    assert not children()
+    assert not started()
 
 
-def test_a_killed_worker_costs_nothing_but_time(tabletop, chance):
+def test_a_killed_worker_costs_nothing_but_time(tabletop, chance, started):
     tasks = list(islice(random_tasks("tabletop", 3, chance.seed(5)), 30))
     expected = _lines(tasks, validate_tasks(tasks, tabletop, seed=chance.seed(2)))
     verdicts = validate_tasks(tasks, tabletop, seed=chance.seed(2), workers=2)
     found = [next(verdicts)]
-    os.kill(children()[0], signal.SIGKILL)
+    os.kill(started()[0], signal.SIGKILL)
     found += islice(verdicts, 14)
-    os.kill(children()[-1], signal.SIGKILL)
+    os.kill(started()[-1], signal.SIGKILL)
     found += verdicts
     assert _lines(tasks, found) == expected
 
 
 @pytest.mark.parametrize(("last", "how"), [("exit 3", "with code 3"), ("kill -9 $$", "by SIGKILL")])
-def test_workers_that_always_die_end_in_a_clear_error(tabletop, monkeypatch, tmp_path, last, how):
+def test_workers_that_always_die_end_in_a_clear_error(tabletop, monkeypatch, tmp_path, last, how, started):
     dying = tmp_path / "python"
     dying.write_text(f"#!/bin/sh\n{last}\n")
     dying.chmod(0o755)
@@ -89,7 +89,7 @@ def test_workers_that_always_die_end_in_a_clear_error(tabletop, monkeypatch, tmp
     with pytest.raises(WorkerError, match=f"workers died 2 times in a row around task 0, the last {how}; is there"):
         list(validate_tasks([stacking()], tabletop, seed=0, workers=2))
     assert issubclass(WorkerError, PragError)
-    assert not children()
+    assert not started()
 
 
 def test_a_worker_that_cannot_be_started_is_a_clear_error(tabletop, monkeypatch):
@@ -105,7 +105,7 @@ def test_an_error_of_a_task_reaches_the_caller_from_a_worker(tabletop):
             list(validate_tasks([unknown], tabletop, seed=0, workers=workers))
 
 
-def test_an_error_comes_after_the_verdicts_on_the_tasks_before_however_many_workers(tabletop):
+def test_an_error_comes_after_the_verdicts_on_the_tasks_before_however_many_workers(tabletop, started):
     unknown = task(state("on_top(apple_1,table_1)"), ("x(panda)", state("-on_top(apple_1,table_1)")))
     tasks = [_hopeless(), *[stacking()] * 7, unknown, *[stacking()] * 12]
     for workers in (1, 2):
@@ -113,7 +113,7 @@ def test_an_error_comes_after_the_verdicts_on_the_tasks_before_however_many_work
         assert [verdict.index for verdict in islice(verdicts, 8)] == list(range(8))
         with pytest.raises(SceneError, match="apple_1"):
             next(verdicts)
-    assert not children()
+    assert not started()
 
 
 def test_no_workers_are_refused(tabletop):
@@ -160,20 +160,20 @@ def test_an_interrupt_ends_all_processes_and_so_does_killing_the_first(killed, t
         assert len(workers) == 2 and gone(workers)
 
 
-def test_a_scene_that_cannot_be_built_is_one_clear_error_however_many_workers(tabletop):
+def test_a_scene_that_cannot_be_built_is_one_clear_error_however_many_workers(tabletop, started):
     broken = replace(tabletop, shapes={**tabletop.shapes, "cube_1": Shape("box", (math.nan, 0.05, 0.05))})
     for workers in (1, 2):
         with pytest.raises(SceneError) as caught:
             list(validate_tasks([stacking()] * 20, broken, seed=0, workers=workers))
         assert "cube_1" in str(caught.value) and "\n" not in str(caught.value)
-    assert not children()
+    assert not started()
 
 
-def test_what_breaks_a_worker_at_its_start_is_told_and_not_tried_again(tabletop):
+def test_what_breaks_a_worker_at_its_start_is_told_and_not_tried_again(tabletop, started):
     unknown = replace(tabletop, robots={"panda": Mount("no_such_robot")})
     with pytest.raises(SceneError, match=r"the scene cannot be built: KeyError: 'no_such_robot'"):
         list(validate_tasks([stacking()], unknown, seed=0, workers=2))
-    assert not children()
+    assert not started()
 
 
 def _hopeless():
@@ -184,11 +184,11 @@ def _hopeless():
 
 
 @pytest.mark.parametrize("way", ["close", "abandon", "interrupt"])
-def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way):
+def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way, started):
     endless = chain([stacking()] * 4, repeat(_hopeless()))
     verdicts = validate_tasks(endless, tabletop, seed=0, workers=2, budget=Budget(100_000, 100))
     next(verdicts)
-    assert children()
+    assert started()
     begun = time.monotonic()
     if way == "close":
         verdicts.close()
@@ -199,7 +199,7 @@ def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way):
             _consume(verdicts)
         del verdicts
     assert time.monotonic() - begun < 60
-    assert not children()
+    assert not started()
 
 
 def _consume(verdicts):

@@ -7,7 +7,6 @@ import time
 import pytest
 
 from prag_asp import LimitReached, QueryError, bounded
-from tests.processes import children
 from tests.processes.bounded_calls import crash, fill, grow, refuse, total
 
 
@@ -28,12 +27,12 @@ def test_what_a_function_raises_is_raised() -> None:
         (crash, {}, r"the process ended by SIGSEGV"),
     ],
 )
-def test_a_limit_ends_it_whatever_it_does(function, limits, told) -> None:  # type: ignore[no-untyped-def]
+def test_a_limit_ends_it_whatever_it_does(function, limits, told, started) -> None:  # type: ignore[no-untyped-def]
     begun = time.monotonic()
     with pytest.raises(LimitReached, match=told):
         bounded(function, **limits)
     assert time.monotonic() - begun < 120
-    assert not children()
+    assert not started()
 
 
 def test_a_function_that_no_other_process_finds_is_refused() -> None:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -19,13 +20,13 @@ MODULE = "tests.answers"
 ROOT = Path(__file__).parents[2]
 
 
-def test_a_child_answers_what_it_is_sent_in_order() -> None:
+def test_a_child_answers_what_it_is_sent_in_order(started: Callable[[], list[int]]) -> None:
     with Children(MODULE) as ours:
         child = ours.start()
         for number in range(5):
             child.send(("echo", number))
         assert [child.receive(30) for _ in range(5)] == [0, 1, 2, 3, 4]
-    assert not children()
+    assert not started()
 
 
 def test_whoever_has_an_answer_is_found_among_many() -> None:
@@ -101,7 +102,7 @@ def test_a_child_that_ends_before_it_answers_is_told_with_how_it_did(wish: tuple
             child.send(("echo", 1))
 
 
-def test_an_answer_that_takes_too_long_is_waited_for_no_longer() -> None:
+def test_an_answer_that_takes_too_long_is_waited_for_no_longer(started: Callable[[], list[int]]) -> None:
     with Children(MODULE) as ours:
         child = ours.start()
         child.send(("sleep", 600))
@@ -109,15 +110,15 @@ def test_an_answer_that_takes_too_long_is_waited_for_no_longer() -> None:
         with pytest.raises(TimeoutError):
             child.receive(0.2)
     assert time.monotonic() - begun < 60
-    assert not children()
+    assert not started()
 
 
-def test_an_error_in_the_block_ends_children_in_whatever_they_do() -> None:
+def test_an_error_in_the_block_ends_children_in_whatever_they_do(started: Callable[[], list[int]]) -> None:
     with pytest.raises(RuntimeError, match="enough"), Children(MODULE) as ours:
         for _ in range(3):
             ours.start().send(("sleep", 60))
         raise RuntimeError("enough")
-    assert not children()
+    assert not started()
 
 
 @pytest.mark.parametrize("delay", [0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16])
@@ -136,7 +137,7 @@ def test_a_child_never_hears_ctrl_c_not_even_while_python_starts(
 
 
 def test_an_interruption_while_a_child_is_started_comes_when_it_is_known_and_ends_it(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, started: Callable[[], list[int]]
 ) -> None:
     begun: list[Child] = []
     start = subprocess.Popen
@@ -150,7 +151,7 @@ def test_an_interruption_while_a_child_is_started_comes_when_it_is_known_and_end
     monkeypatch.setattr(family.subprocess, "Popen", interrupted)
     with pytest.raises(KeyboardInterrupt), Children(MODULE) as ours:
         ours.start()
-    assert len(begun) == 1 and not children()
+    assert len(begun) == 1 and not started()
 
 
 def test_what_is_put_off_is_done_afterwards_and_the_handlers_are_as_before() -> None:

@@ -23,7 +23,7 @@ from prag_asp.space.engines import LEVELS, sharp
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.domains import domain_of
-from tests.processes import interrupt, interruptible, until_it_works, workers
+from tests.processes import gone, interrupt, interruptible, until_it_works, workers
 from tests.space.engines.test_engines import BEYOND, CARRIED, TWO
 from tests.space.test_known_counts import COUNTS
 from tests.strategies import toys
@@ -257,7 +257,7 @@ def test_an_interrupt_ends_a_count_at_once_and_leaves_no_process(engine: str, tm
         assert interrupt(process).strip() == "interrupted"
         assert time.monotonic() - begun < 60
         assert process.returncode == 130
-    assert not any(Path(f"/proc/{pid}").exists() for pid in mates)
+    assert gone(mates)
 
 
 @needs_ganak

@@ -54,6 +54,6 @@ def test_a_variable_of_no_clause_counts_twice_if_it_is_shown() -> None:
 def test_a_count_that_takes_too_long_ends_with_an_error_and_no_process() -> None:
     engine = SharpEngine(Model(load_domain("tabletop")), "plan", limits=Limits(seconds=1.5))
     before = set(children())
-    with pytest.raises(EngineError, match=r"no count after 1\.5 s"):
+    with pytest.raises(EngineError, match=r"no count after [\d.]+ s; allow more"):
         pytest.fail(f"it has counted {engine.count(30)}")
     assert set(children()) <= before
