@@ -16,10 +16,11 @@ from tests.processes import workers as at_work
 
 @pytest.fixture(scope="module")
 def many(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """A file with 800 tasks, more than can be validated before a test interrupts it."""
+    """A file with 800 tasks, each twenty times: more than can be validated before a test interrupts it."""
     file = tmp_path_factory.mktemp("many") / "tasks.jsonl"
     arguments = ["sample", "tabletop", "-n", "4", "--no-physics", "--count", "800", "--format", "jsonl"]
     ok(*arguments, "-o", str(file))
+    file.write_text(20 * file.read_text())
     return str(file)
 
 

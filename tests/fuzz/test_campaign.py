@@ -109,7 +109,7 @@ def test_a_finding_is_made_smaller_and_kept_with_its_command(tmp_path: Path) -> 
     odd = Mutant("logic", 8, {"own/domain.lp": text.encode(), "own/other": b"x"}, (("check", "own"),))
     finding = attempt(odd, Limits()).finding
     assert finding is not None and finding.what.startswith("leak")
-    least = shrunk(finding, Limits(), seconds=60)
+    least = shrunk(finding, Limits(), seconds=600)
     assert least.signature == finding.signature and "own/other" not in least.mutant.files
     assert len(least.mutant.files["own/domain.lp"]) < len(text) / 5
     folder = keep(least, tmp_path)
