@@ -37,14 +37,10 @@ def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
 
 
 class Unreached(NamedTuple):
-    """The actions that never occur, and the values of the goal that no state has.
-
-    Where all actions are such, `needed` is one of them, and the value of a fluent that it needs.
-    """
+    """The actions that never occur, and the values of the goal that no state has."""
 
     actions: tuple[clingo.Symbol, ...] = ()
     goal: tuple[tuple[clingo.Symbol, str], ...] = ()
-    needed: tuple[clingo.Symbol, clingo.Symbol, str] | None = None
 
 
 def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path) -> Unreached:
@@ -74,26 +70,15 @@ def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statem
         )
     never = tuple(action for action in facts.actions if (action,) not in reached) if reached else ()
     missing = tuple(each for each in facts.goal if (each[0], clingo.Function(each[1])) not in standing)
-    lacking = (
-        (action, *each)
-        for action in facts.actions
-        for each in facts.preconditions.get(action, ())
-        if (each[0], clingo.Function(each[1])) not in standing
-    )
-    return Unreached(never, missing, None if reached else next(lacking, None))
+    return Unreached(never, missing)
 
 
 def unreached_problems(found: Unreached, origins: Origins) -> Iterator[Problem]:
-    """Yield why no plan leads to the goal, or has a step."""
+    """Yield why no plan leads to the goal."""
     for fluent, value in found.goal[:1]:
         place = origins.place("goal", fluent, clingo.Function(value))
         told = f"the goal is never reached: it needs {fluent} = {value}, and nothing that can occur makes that so"
         yield Problem(*place, f"{told}; change the goal, or add an action", "no-plan")
-    if found.needed and not found.goal:
-        action, fluent, value = found.needed
-        place = origins.place("precondition", action, fluent, clingo.Function(value))
-        told = f"no action can ever occur: {action} cannot, for it needs {fluent} = {value}, and nothing makes that so"
-        yield Problem(*place, f"{told}; mend the conditions", "no-plan")
 
 
 def _is_in(model: clingo.Model, atom: clingo.SymbolicAtom) -> bool:

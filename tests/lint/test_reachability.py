@@ -293,20 +293,3 @@ def test_the_lines_that_keep_an_action_from_being_reached_are_named() -> None:
         assert domain is not None and [str(each) for each in domain.facts.unreached] == ["hatch", "lay"]
         changes = fewest_changes(TaskSpace(domain, 1), action="lay")
         assert [line.line for (line,) in changes] == [2, 3]
-
-
-def test_where_no_action_is_ever_reached_the_check_says_so_without_a_goal() -> None:
-    text = """
-    fluent(on; off). initially((on;off),false).
-    action(press; release).
-    precondition(press,on,true). postcondition(press,off,true).
-    precondition(release,off,true). postcondition(release,on,true).
-    """
-    with loaded(text) as domain:
-        assert domain is not None
-        (warning,) = domain.warnings
-        assert (warning.name, warning.line) == ("no-plan", 4)
-        assert warning.text.startswith("no action can ever occur: press cannot, for it needs on = true, and nothing")
-        assert [TaskSpace(domain, length).count() for length in (0, 1, 2)] == [1, 0, 0]
-    with loaded(text + "action(start). postcondition(start,on,true).") as domain:
-        assert domain is not None and domain.warnings == ()
