@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from decimal import Context, Decimal
+from decimal import MAX_EMAX, MAX_PREC, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 
 from prag_asp.errors import DomainError, QueryError
@@ -16,6 +16,9 @@ DIGITS = 2000
 
 LONGEST = 100
 """Characters that a factor may have."""
+
+EXACT = Context(prec=MAX_PREC, Emax=MAX_EMAX, Emin=MIN_EMIN)
+"""Sums keep all digits; no number has more than its text."""
 
 MOST_COST = 10_000
 """The greatest cost of an action that becomes a weight: the power of a factor has about as many digits as that."""
@@ -49,14 +52,14 @@ def cost_of(domain: DomainFile, problem: ProblemFile, action: str, terms: Sequen
     total = Decimal(0)
     for cost in schema.costs:
         if isinstance(cost.value, str):
-            total += Decimal(cost.value)
+            total = EXACT.add(total, Decimal(cost.value))
             continue
         function, arguments = cost.value
         key = function, tuple(given[each.name] if isinstance(each, Variable) else each for each in arguments)
         if key not in problem.costs:
             told = " ".join([key[0], *key[1]])
             raise DomainError(f"{action}: the problem has no value for ({told}), its cost; state it in :init")
-        total += Decimal(problem.costs[key])
+        total = EXACT.add(total, Decimal(problem.costs[key]))
     return total
 
 

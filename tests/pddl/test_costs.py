@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from decimal import Decimal
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
 from prag_asp.errors import QueryError
+from prag_asp.pddl import read
 from prag_asp.pddl.costs import factor_of, weight_of_cost
 
 
@@ -33,3 +35,14 @@ def test_costs_that_are_no_exact_weights_are_refused(factor: Fraction, cost: Dec
 def test_a_factor_that_has_millions_of_digits_is_refused_before_it_is_computed(factor: str) -> None:
     with pytest.raises(QueryError, match=r"it has too many digits; write a short one, such as 1/2 or 0.8"):
         factor_of(factor)
+
+
+def test_costs_with_many_digits_are_summed_exactly(tmp_path: Path) -> None:
+    long, short = "1" + "0" * 40, "0." + "0" * 30 + "1"
+    (tmp_path / "d.pddl").write_text(
+        f"""(define (domain d) (:predicates (p)) (:functions (total-cost) (far))
+        (:action go :effect (and (p) (increase (total-cost) {long}) (increase (total-cost) (far)))))"""
+    )
+    (tmp_path / "e.pddl").write_text(f"(define (problem e) (:domain d) (:init (= (far) {short})) (:goal (p)))")
+    found = read(tmp_path / "d.pddl", tmp_path / "e.pddl").cost("go", ())
+    assert Fraction(found) == 10**40 + Fraction(1, 10**31)

@@ -40,8 +40,9 @@ class Statistics:
 
     `words` counts those of positive weight and `total_weight` sums their weights. `entropy` is in bits, with 30 decimal
     places. The `expected` mappings hold the expected numbers of occurrences of an action, a name and two consecutive
-    names, without those that never occur; the `contains` mappings the probability that a word has an action, a name, an
-    entity, or an entity of a class, at all. Skeletons have names and pairs alone.
+    names; the `contains` mappings the probability that a word has an action, a name, an entity, or an entity of a
+    class, at all. Actions, names and pairs that never occur are in none of them; all entities and classes are in
+    theirs. Skeletons have names and pairs alone.
     """
 
     by: Level
@@ -86,6 +87,7 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
         return {key: 1 - Fraction(int(other.last_row(length)[0]), total) for key, other in others.items()}
 
     actions = {} if by == "skeleton" else shares(occurring, letters)
+    named = shares(by_name, names)
     return Statistics(
         by,
         length,
@@ -93,10 +95,10 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
         total * weighed.unit,
         entropy(weighed.automaton, passing, total),
         actions,
-        shares(by_name, names),
+        named,
         {(names[one], names[two]): Fraction(weight, total) for (one, two), weight in sorted(pairs.items())},
         containing({action: own[action] for action in actions}),
-        containing({name: set(np.flatnonzero(numbers == place).tolist()) for place, name in enumerate(names)}),
+        containing({name: set(np.flatnonzero(numbers == names.index(name)).tolist()) for name in named}),
         containing(entities),
         containing(classes),
     )

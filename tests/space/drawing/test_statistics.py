@@ -7,6 +7,7 @@ from collections import Counter
 from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.drawing.statistics import Statistics
+from prag_asp.space.engines.protocol import LEVELS
 from prag_asp.space.weighing.weights import Number
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
@@ -146,3 +148,19 @@ def test_the_weight_without_names_and_pairs_is_that_of_a_brute_force() -> None:
         assert space.weight_without(what, weights={"follow": 2}) == left
     with pytest.raises(QueryError, match="grsp"):
         space.weight_without(["grsp>move"])
+
+
+def test_names_and_actions_that_never_occur_have_no_share(tmp_path: Path) -> None:
+    (tmp_path / "domain.lp").write_text(
+        """
+        fluent(on; odd). initially((on;odd),false).
+        action(press). precondition(press,on,false). postcondition(press,on,true).
+        action(release). precondition(release,on,true). postcondition(release,on,false).
+        action(turn). precondition(turn,odd,true).
+        action(twist). precondition(twist,odd,true). postcondition(twist,odd,true).
+        """
+    )
+    space = TaskSpace(load_domain(tmp_path), 1)
+    for by in LEVELS:
+        found = space.statistics(by=by)
+        assert found.contains_name == found.expected_names == {"press": 1}
