@@ -11,9 +11,17 @@ from prag_asp import Dataset, Domain, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.store import strips
 from prag_asp.physics import Budget
+from tests.sharing import logic_shared
 
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""
+
+
+@pytest.fixture(scope="package", autouse=True)
+def logic() -> Iterator[None]:
+    """Compute once what logic says of a domain."""
+    with logic_shared():
+        yield
 
 
 @pytest.fixture(scope="package", autouse=True)
