@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -30,6 +31,14 @@ def few_pictures() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(strips, "STRIPS", 1)
         patch.setattr(strips, "STATES", 2)
+        yield
+
+
+@pytest.fixture(scope="package", autouse=True)
+def nothing_flushed() -> Iterator[None]:
+    """Leave it to the system when files reach the disk: no power is lost here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda descriptor: None)
         yield
 
 
