@@ -59,7 +59,11 @@ def _known(model: Model, engine: str, progress: Progress | None, limits: Limits,
 
 
 def _equal(one: load.Domain, other: load.Domain) -> bool:
-    return one is other or (one.program == other.program and one == other)
+    """Tell whether domains say the same, wherever they lie: a data set has a copy of its own, also of the encodings."""
+    if one is other:
+        return True
+    ours, theirs = ((each.name, each.constants, each.learned, each.program.text) for each in (one, other))
+    return ours == theirs and one.encodings in (other.encodings, data_folder("encodings")) and one.facts == other.facts
 
 
 def _check(program: Program, settings: Source) -> Checked:
