@@ -14,7 +14,7 @@ from prag_asp.space.engines.protocol import Level
 from tests.known_counts import known_counts
 from tests.spaces import with_engine
 
-ENUMERABLE, FOUND_ONE_BY_ONE = 10_000, 3000
+ENUMERABLE, FOUND_ONE_BY_ONE = 3000, 500
 """Above it, counting by enumeration, or by finding words one by one, takes too long for a test."""
 
 DIAGRAMS = 3
