@@ -183,8 +183,8 @@ def test_encodings_that_do_not_know_what_is_left_out_keep_it(tmp_path: Path) -> 
 
 
 @pytest.mark.slow
-def test_thousands_of_actions_of_which_half_never_occur_are_left_out(tmp_path: Path) -> None:
-    places = 45
+def test_hundreds_of_actions_of_which_half_never_occur_are_left_out(tmp_path: Path) -> None:
+    places = 20
     far = {(a, b) for a in range(places) for b in range(places) if a == b or (a * 7 + b * 3) % 2}
     for folder, moves in (("all", places**2), ("able", places**2 - len(far))):
         lines = [f"fluent(at({p})). initially(at({p}),{'true' if p == 0 else 'false'})." for p in range(places)]
@@ -201,5 +201,5 @@ def test_thousands_of_actions_of_which_half_never_occur_are_left_out(tmp_path: P
         (tmp_path / folder / "domain.lp").write_text("\n".join(lines), encoding="utf-8")
         assert sum(line.startswith("action(") for line in lines) == moves
     domain = load_domain(tmp_path / "all")
-    assert len(domain.facts.left_out) == len(domain.warnings) == len(far) > 1000
+    assert len(domain.facts.left_out) == len(domain.warnings) == len(far) > 200
     assert replace(domain.facts, left_out=()) == load_domain(tmp_path / "able").facts

@@ -69,7 +69,9 @@ def test_sat_agrees_with_brute_force_at_every_level(toy: Toy, data: st.DataObjec
         here = space.at(length)
         expected = [tuple(term(toy, i) for i in plan) for plan in toy.plans(length)]
         names = {tuple(action.partition("(")[0] for action in plan) for plan in expected}
-        assert [here.count(level) for level in LEVELS] == [len(expected), len(expected), len(names)]
+        assert [here.count("plan"), here.count("skeleton")] == [len(expected), len(names)]
+        if length == 4:
+            assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
         assert list(here.words("plan")) == sorted(expected)
         assert list(here.words("skeleton")) == sorted(names)
         word = tuple(term(toy, data.draw(st.integers(0, len(toy.actions) - 1))) for _ in range(length))
