@@ -49,18 +49,19 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "scene": GROUND - {"task"},
     "grammar": (GROUND - {"task"}) | {"program", "scene"},
     "lint": (GROUND - {"task"}) | {"program", "scene", "grammar"},
-    "pddl": GROUND | {"program"},
+    "pddl": (GROUND - {"task"}) | {"program"},
     "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "models": (GROUND - {"task"}) | {"program", "logic"},
+    "planners": GROUND | {"program", "domain", "logic"},
     "space": GROUND | {"program", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "pddl", "domain", "logic", "space", "models", "physics", "dataset", "analysis"}
-    | {"versions"},
+    | {"program", "scene", "grammar", "pddl", "domain", "logic", "space", "models", "planners", "physics", "dataset"}
+    | {"analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

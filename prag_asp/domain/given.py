@@ -15,6 +15,8 @@ from prag_asp.reading import STANDARD_INPUT
 if TYPE_CHECKING:
     from prag_asp.pddl import Imported
 
+BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
+
 
 @dataclass(frozen=True)
 class Given:
@@ -45,6 +47,8 @@ def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given
     named = [str(each) for each in given if not isinstance(each, Source) and not is_file_name(each)]
     if named and len(files) > 1:
         told = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
+        if any(Path(each).suffix == PDDL for each in given if not isinstance(each, Source)):
+            raise DomainError(f"{told}: {named[0]} is no file that ends in .pddl; {BOTH}")
         raise DomainError(f"{told}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
     if named:
         folder = domain_folder(named[0])
@@ -66,8 +70,7 @@ def _imported(files: Sequence[str | Path | Source]) -> Imported:
     """
     told = " ".join(map(str, files))
     if len(files) != 2:
-        hint = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
-        raise DomainError(f"{told}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {hint}")
+        raise DomainError(f"{told}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {BOTH}")
     from prag_asp.pddl import read
 
     return read(*map(str, files))

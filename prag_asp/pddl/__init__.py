@@ -1,4 +1,4 @@
-"""PDDL in and out: two files become a domain's logic program, and a domain or a task two files.
+"""PDDL in: a domain and a problem become a domain's logic program.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> space = TaskSpace(load_domain("domain.pddl", "problem.pddl"), length=4)  # doctest: +SKIP
@@ -13,11 +13,10 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.pddl.reading import Imported, read
-    from prag_asp.pddl.writing import Exported, write
 
-__all__ = ["Exported", "Imported", "read", "write"]
+__all__ = ["Imported", "read"]
 
-_HOMES = {"prag_asp.pddl.reading": ("Imported", "read"), "prag_asp.pddl.writing": ("Exported", "write")}
+_HOMES = {"prag_asp.pddl.reading": ("Imported", "read")}
 
 __getattr__ = names_from(__name__, _HOMES)
 

@@ -15,9 +15,11 @@ from prag_asp.pddl.formula import (
     literals,
     negated,
 )
+from prag_asp.pddl.layout import filled, heading, statement, wrapped
 from prag_asp.pddl.model import OBJECT, DomainFile, Effect, ProblemFile, Schema
 from prag_asp.pddl.names import TERMS, clingo_names
 from prag_asp.pddl.places import File, Line, Place
+from prag_asp.pddl.rivals import is_conditional, may_be_same, told_apart
 
 CLOSED = '#include "rules/closed_world.lp".'
 TRUTH = {True: "true", False: "false"}
@@ -56,16 +58,16 @@ class Translation:
         goal = self._goal()
         self._derive(END)
         lines = [f"% {title}", *self._changed_names(), "", CLOSED, "", *start[:-1]]
-        lines += _section("Actions") + (shown or ["", Line("#defined action/1.", Place("domain", 1))])
+        lines += heading("Actions") + (shown or ["", Line("#defined action/1.", Place("domain", 1))])
         if self._rules.parts[BASE]:
-            lines += [*_section("What actions ask of what never changes"), "", *self._rules.parts[BASE]]
+            lines += [*heading("What actions ask of what never changes"), "", *self._rules.parts[BASE]]
         if goal:
-            lines += [*_section("The goal"), "", *goal]
+            lines += [*heading("The goal"), "", *goal]
         if self._rules.parts[STEP]:
-            lines += _section("What depends on the state before a step")
+            lines += heading("What depends on the state before a step")
             lines += ["", "#program step(t).", *self._rules.parts[STEP]]
         if self._rules.parts[END]:
-            lines += [*_section("What the last state satisfies"), "", "#program check(t).", *self._rules.parts[END]]
+            lines += [*heading("What the last state satisfies"), "", "#program check(t).", *self._rules.parts[END]]
         return lines
 
     def _placed(self, lines: Iterable[str]) -> Iterator[str]:
@@ -156,7 +158,7 @@ class Translation:
         for kind, names in kinds.items():
             self._rules.at = places[kind]
             told = names[0] if len(names) == 1 else f"({'; '.join(names)})"
-            yield from _wrapped(f"entity({told}, {self.words.types[kind]}).")
+            yield from wrapped(f"entity({told}, {self.words.types[kind]}).")
 
     def _static(self) -> Iterator[str]:
         """Yield the facts of predicates that never change."""
@@ -170,7 +172,7 @@ class Translation:
             facts = dict.fromkeys(f"{self.words.atom(literal)}." for literal in found)
             if found:
                 self._at("problem", found[0].line)
-            yield from _filled(facts)
+            yield from filled(facts)
 
     def fluents(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
         """Return the types of the arguments of each predicate that actions change."""
@@ -182,7 +184,7 @@ class Translation:
             self._at("domain", self._domain.predicates[name].line)
             terms = [f"X{number}" if len(kinds) > 1 else "X" for number in range(1, len(kinds) + 1)]
             head = f"fluent({applied(self.words.predicates[name], terms)})"
-            yield _rule(head, map(self.words.is_a, terms, kinds))
+            yield statement(head, map(self.words.is_a, terms, kinds))
 
     def _initially(self) -> Iterator[str]:
         for literal in dict.fromkeys(self._problem.initial):
@@ -202,7 +204,7 @@ class Translation:
         body = self._without_object(body, fixed)
         if NEVER in body:
             body = [*map(self.words.belongs, action.parameters), NEVER]
-        yield _rule(f"action({term})", body)
+        yield statement(f"action({term})", body)
         plain: dict[bool, list[str]] = {True: [], False: []}
         rest: list[str] = []
         for part in parts:
@@ -236,7 +238,7 @@ class Translation:
         if simple is not None:
             variables, guard, literal = simple
             body = [f"action({term})", *map(self.words.belongs, variables), *self._bodies.body(guard, BASE)]
-            yield _rule(f"precondition({term}, {self.words.atom(literal)}, {TRUTH[literal.positive]})", body)
+            yield statement(f"precondition({term}, {self.words.atom(literal)}, {TRUTH[literal.positive]})", body)
             return
         for body in self._bodies.bodies(negated(formula), STEP):
             self._rules.add(STEP, "", [f"occurs({term},t)", *body])
@@ -261,14 +263,14 @@ class Translation:
         rest: list[str] = []
         for effect in action.effects:
             self._at("domain", effect.literal.line)
-            rivals = [] if effect.literal.positive else [each for each in added if _may_be_same(each, effect)]
+            rivals = [] if effect.literal.positive else [each for each in added if may_be_same(each, effect)]
             if effect in moving or not moving.isdisjoint(rivals):
                 self._step_effect(term, effect)
                 continue
-            unlike = _told_apart(self.words, effect, rivals)
+            unlike = told_apart(self.words, effect, rivals)
             if unlike is None:
                 continue
-            if not (effect.variables or _is_conditional(effect) or unlike):
+            if not (effect.variables or is_conditional(effect) or unlike):
                 plain[effect.literal.positive].append(self.words.atom(effect.literal))
                 continue
             atom, value = self.words.atom(effect.literal), TRUTH[effect.literal.positive]
@@ -276,7 +278,7 @@ class Translation:
             body += self._bodies.body(effect.condition, BASE)
             body += [each if each != "" else f"not postcondition({term},{atom},true)" for each in unlike]
             if NEVER not in body:
-                rest.append(Line(_rule(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
+                rest.append(Line(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
         self._at("domain", min((each.literal.line for each in action.effects), default=action.line))
         yield from self._valued("postcondition", term, plain)
         yield from dict.fromkeys(rest)
@@ -341,7 +343,7 @@ class Translation:
             ):
                 variables, guard, literal = simple
                 body = [*map(self.words.belongs, variables), *self._bodies.body(guard, BASE)]
-                fact = _rule(f"goal({self.words.atom(literal)}, {TRUTH[literal.positive]})", body)
+                fact = statement(f"goal({self.words.atom(literal)}, {TRUTH[literal.positive]})", body)
                 facts.append(Line(fact, self._rules.at))
                 continue
             for body in self._bodies.bodies(negated(part), END):
@@ -361,72 +363,3 @@ def _quantified(formula: Formula) -> Iterator[Variable]:
 def _is_opposite(literal: Literal, other: Literal) -> bool:
     same = (literal.predicate, literal.terms) == (other.predicate, other.terms)
     return same and literal.positive != other.positive
-
-
-def _is_conditional(effect: Effect) -> bool:
-    return next(conjuncts(effect.condition), None) is not None
-
-
-def _may_be_same(effect: Effect, other: Effect) -> bool:
-    """Tell whether two effects may speak of the same fluent."""
-    one, two = effect.literal, other.literal
-    return one.predicate == two.predicate and all(
-        left == right or isinstance(left, Variable) or isinstance(right, Variable)
-        for left, right in zip(one.terms, two.terms, strict=True)
-    )
-
-
-def _told_apart(words: Vocabulary, effect: Effect, rivals: Iterable[Effect]) -> list[str] | None:
-    """Return what keeps a deletion from what is added at once, None where it is always added.
-
-    Terms differ; an empty text stands for what has to be looked up, for the rival has variables or conditions.
-    """
-    found = []
-    for rival in rivals:
-        pairs = [
-            (words.term(left), words.term(right))
-            for left, right in zip(effect.literal.terms, rival.literal.terms, strict=True)
-            if left != right
-        ]
-        if rival.variables or _is_conditional(rival):
-            found.append("")
-        elif not pairs:
-            return None
-        elif len(pairs) == 1:
-            found.append(f"{pairs[0][0]} != {pairs[0][1]}")
-        else:
-            left, right = (",".join(side) for side in zip(*pairs, strict=True))
-            found.append(f"({left}) != ({right})")
-    return list(dict.fromkeys(found))
-
-
-def _rule(head: str, body: Iterable[str]) -> str:
-    told = ", ".join(dict.fromkeys(body))
-    return f"{head} :- {told}." if told else f"{head}."
-
-
-def _section(title: str) -> list[str]:
-    return ["", f"% {title} ".ljust(110, "-")]
-
-
-def _filled(facts: Iterable[str], width: int = 110) -> Iterator[str]:
-    """Yield facts, several in a line."""
-    line = ""
-    for fact in facts:
-        if line and len(line) + len(fact) >= width:
-            yield line
-            line = ""
-        line = f"{line} {fact}".strip()
-    if line:
-        yield line
-
-
-def _wrapped(statement: str, width: int = 110) -> Iterator[str]:
-    """Yield a statement in lines that are not too long, broken after blanks."""
-    line = ""
-    for word in statement.split(" "):
-        if line and len(line) + len(word) >= width:
-            yield line
-            line = "   "
-        line = f"{line} {word}" if line else word
-    yield line

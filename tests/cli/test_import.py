@@ -74,6 +74,10 @@ def test_a_domain_and_a_task_are_exported_as_pddl(tmp_path: Path) -> None:
     assert run("count", *task, "-n", "2", "--by", "plan", cwd=tmp_path).stdout == "1\n"
     done = run("export", "pddl", "blocks", "-o", "out", cwd=tmp_path)
     assert done.stderr == "out: exists already; choose another name, or remove it first\n"
+    for given, word in (((), "(when "), (("--unconditional",), "-2\n")):
+        asked = ("blocks", "--rule", "at_most(stack,1)", *given, "-o", f"once{len(given)}")
+        assert run("export", "pddl", *asked, cwd=tmp_path).returncode == 0
+        assert word in (tmp_path / asked[-1] / "domain.pddl").read_text()
     done = run("export", "pddl", "prag", "-o", "open", cwd=tmp_path)
     assert done.returncode == 2 and "its world is open" in done.stderr and not (tmp_path / "open").exists()
 

@@ -59,7 +59,9 @@ def formula(draw: Random, names: list[str], depth: int, rules: bool) -> str:
 
 
 def effect(draw: Random, names: list[str], depth: int, rules: bool) -> str:
-    kind = draw.choice(("forall", "when", "atom", "atom")) if depth else "atom"
+    kind = draw.choice(("forall", "when", "and", "atom", "atom")) if depth else "atom"
+    if kind == "and":
+        return f"(and {' '.join(effect(draw, names, depth - 1, rules) for _ in range(draw.randint(0, 2)))})"
     if kind == "forall":
         return f"(forall (?w - {draw.choice(TYPES)}) {effect(draw, [*names, '?w'], depth - 1, rules)})"
     if kind == "when":

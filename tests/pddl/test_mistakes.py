@@ -152,6 +152,18 @@ def test_the_order_of_sections_changes_nothing(data: DataObject, tmp_path_factor
     assert read(*written(folder, *texts)).text == read(*written(folder, GOOD, PROBLEM)).text
 
 
+def test_effects_within_effects_are_read_as_one_list(tmp_path: Path) -> None:
+    effects = "(and (not (p ?x)) (forall (?z) (and (p ?x) (when (and (q ?x ?y) (p ?x)) (and (q ?y ?x) (p k))))))"
+    nested = (
+        "(and (and) (and (and (not (p ?x)))) (forall (?z) (and (and (p ?x)) "
+        "(and (when (and (and (q ?x ?y)) (p ?x)) (and (and (q ?y ?x)) (and (p k))))))))"
+    )
+    head = "(define (domain d) (:constants k) (:predicates (p ?x) (q ?x ?y)) (:action act :parameters (?x ?y) :effect"
+    problem = "(define (problem e) (:domain d) (:init (p k)) (:goal (p k)))"
+    flat, same = (read(*written(tmp_path, f"{head} {each}))", problem)).text for each in (effects, nested))
+    assert flat == same
+
+
 def test_what_no_machine_holds_is_told_before_it_is_made(tmp_path: Path) -> None:
     problem = PROBLEM.replace("(:objects o - b)", f"(:objects {' '.join(f'o{n}' for n in range(5000))} o - b)")
     binary = GOOD.replace("(and (not (p ?x))", "(and (not (p ?x)) (q ?x ?y)")
@@ -203,6 +215,9 @@ def test_a_domain_is_two_files_in_their_order(tmp_path: Path) -> None:
         load_domain(problem, domain)
     with pytest.raises(DomainError, match=r"missing.pddl:1: cannot be read: No such file"):
         load_domain(domain, tmp_path / "missing.pddl")
+    for files in ((domain, tmp_path), (tmp_path, problem)):
+        with pytest.raises(DomainError, match=rf"{tmp_path} is no file that ends in .pddl; give a domain, then"):
+            load_domain(*files)
 
 
 def test_logic_of_ones_own_joins_files_of_pddl(tmp_path: Path) -> None:

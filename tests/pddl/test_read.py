@@ -51,6 +51,18 @@ def test_random_tasks_have_the_plans_of_a_forward_search(seed: int, tmp_path_fac
         assert found == counts[: most + 1], f"{seed}\n{domain}\n{problem}\n{read(*paths).text}"
 
 
+@settings(max_examples=examples(4))  # a fresh run takes forty
+@given(seed=integers(0, 10**6))
+def test_every_engine_counts_imported_tasks_as_a_forward_search_does(
+    seed: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    task = random_task(seed)
+    counts = Search(*task).count(3)
+    loaded = load_domain(*written(tmp_path_factory.mktemp("random"), *task))
+    for engine in ("automaton", "clingo", "sat", "sharp", "symbolic"):
+        assert [TaskSpace(loaded, n, engine=engine).count(by="plan") for n in range(4)] == counts, (seed, engine)
+
+
 @pytest.mark.parametrize(
     "goal",
     [

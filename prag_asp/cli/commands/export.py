@@ -77,17 +77,22 @@ def dimacs(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
 @names_tasks
 @click.option("--positive", is_flag=True, help="No negative conditions: predicates such as not-on say what is not so.")
 @click.option(
+    "--unconditional",
+    is_flag=True,
+    help="No conditional effects and no disjunctions: a copy of an action for each case.",
+)
+@click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files,
     help="New folder, written whole or not at all: domain.pddl, problem.pddl, and plan.txt of a task; of several tasks "
     "domain_1.pddl, ..., numbered by rank or by their order in the file.",
 )  # fmt: skip
-def pddl(*, asked: Asked, chosen: Chosen, positive: bool, output: str) -> None:
+def pddl(*, asked: Asked, chosen: Chosen, positive: bool, unconditional: bool, output: str) -> None:
     """Write a domain, or tasks of it, as domains and problems of PDDL.
 
     They have the same plans. What a task leaves open of its initial state is false in PDDL, and a comment says so.
     """
     from prag_asp.output import building, replace_file
-    from prag_asp.pddl import write
+    from prag_asp.planners import write
 
     folder = Path(output)
     if folder.exists():
@@ -101,7 +106,7 @@ def pddl(*, asked: Asked, chosen: Chosen, positive: bool, output: str) -> None:
         with building(folder, [file.format(mark) for mark in marks for file in files]) as part:
             for number, (mark, task) in enumerate(zip(marks, tasks, strict=True)):
                 tell("tasks written", number, len(marks))
-                found = write(domain.name, domain.program, domain.facts, task, negative=not positive)
+                found = write(domain, task, negative=not positive, conditional=not unconditional)
                 texts = (found.domain, found.problem, "".join(f"{step}\n" for step in found.plan))
                 for file, text in zip(files, texts, strict=False):
                     replace_file(part / file.format(mark), text.encode(), follow=False)

@@ -118,10 +118,30 @@ def _arrange_action(result: Arranged, text: str, span: Span, parts: list[Span], 
     for word in ACTION:
         if word in given:
             (begin, _), (_, end) = given[word]
-            result.take(begin, end)
+            for piece in _flat(text, begin, end) if word == ":effect" else [(begin, end)]:
+                result.take(*piece)
         elif word == ":parameters":
             result.insert(":parameters ()", parts[1][1])
     result.take(span[1] - 1, span[1])
+
+
+def _flat(text: str, start: int, end: int) -> Iterator[Span]:
+    """Yield a text in pieces without the ``(and ...)`` right within another one: effects of the grammar have none."""
+    heads: list[tuple[str, bool]] = []
+    begin = start
+    for token in TOKEN.finditer(text, start, end):
+        if token[0] == "(":
+            word = TOKEN.search(text, token.end(), end)
+            head = word[0] if word else ""
+            within = head == "and" and bool(heads) and heads[-1][0] == "and"
+            heads.append((head, within))
+            if word and within:
+                yield begin, token.start()
+                begin = word.end()
+        elif token[0] == ")" and heads.pop()[1]:
+            yield begin, token.start()
+            begin = token.end()
+    yield begin, end
 
 
 def _items(text: str, start: int, end: int) -> Iterator[Span]:

@@ -1,4 +1,4 @@
-"""A domain as ground actions that PDDL can say: what has to hold before each, and what it makes so.
+"""A domain without rules over time as ground actions: what has to hold before each, and what it makes so.
 
 An invariant that an action might break becomes a condition on the state before it: where the action makes one of two
 literals false that may not both be, it needs the other one, unless it makes that true itself.
@@ -6,29 +6,30 @@ literals false that may not both be, it needs the other one, unless it makes tha
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import clingo
 
+from prag_asp.atom import Atom, symbol_of
 from prag_asp.errors import DomainError
-from prag_asp.pddl.pairs import MOST, Pairs, Values
+from prag_asp.planners.actions import Case, Effect, Ground, GroundAction, Proposition
+from prag_asp.planners.pairs import MOST, Pairs, Values
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program, owned
+from prag_asp.task import Task
 
 NOT_OVER_TIME = ("closed_world", "canonical_names", "closed_invariants", "weights")
 """Rules of the encodings that say nothing about which plans there are."""
-
 
 Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
 """What actions make of fluents that they may change."""
 
 
-@dataclass(frozen=True)
-class GroundAction:
+class _Stated(NamedTuple):
     """An action with the values of fluents that it needs, and those that it makes."""
 
     term: clingo.Symbol
@@ -36,28 +37,48 @@ class GroundAction:
     after: Values
 
 
-def ground_actions(
-    name: str, program: Program, facts: Facts, state: Values, outcomes: Outcomes | None = None
-) -> list[GroundAction]:
+def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> Ground:
     """Return all actions that may occur from a first state on; what it does not name is false.
 
     With `outcomes`, effects that are unknown have these values, false where there is none.
 
     Raises:
-        DomainError: the domain says what PDDL cannot: rules over time, composites, and, without `outcomes`, effects
-            that are unknown.
+        DomainError: an effect is unknown, and there are no `outcomes`.
     """
-    for path, line in _rules_over_time(program):
-        raise DomainError(f"{path}:{line}: PDDL cannot say this rule over time; leave it out, or export without it")
-    if facts.composites:
-        raise DomainError(f"{name}: PDDL cannot say which actions make a composite; export with --flat")
     found = [each for action in facts.actions if (each := _stated(action, facts, outcomes)) is not None]
     pairs = None
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
         pairs = Pairs(whole, [(each.before, each.after) for each in found])
     graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
-    return [safe for each in found if (safe := _safe(each, graph, clauses, pairs)) is not None]
+    safe = (each for stated in found if (each := _safe(stated, graph, clauses, pairs)) is not None)
+    initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
+    wanted = {Proposition(fluent): value for fluent, value in goal.items()}
+    return Ground(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), wanted)
+
+
+def _action(stated: _Stated) -> GroundAction:
+    before = {Proposition(fluent): value for fluent, value in stated.before.items()}
+    effects = tuple(Effect((), (Proposition(fluent), value)) for fluent, value in stated.after.items())
+    return GroundAction(stated.term, (Case(before, (), effects),))
+
+
+def outcomes_of(task: Task, facts: Facts) -> Outcomes:
+    """Return what the actions of a task make of fluents that they may change, where that is known.
+
+    Raises:
+        DomainError: an action occurs twice, and has to make something else of a fluent each time.
+    """
+    found: dict[tuple[clingo.Symbol, clingo.Symbol], bool] = {}
+    for atom, state in zip(task.actions, task.states, strict=True):
+        action, known = symbol_of(atom), values_of(state)
+        for fluent, value in facts.postconditions.get(action, ()):
+            if value != "unknown" or fluent not in known:
+                continue
+            if found.setdefault((action, fluent), known[fluent]) != known[fluent]:
+                told = f"{action} occurs twice, and {fluent} is true after one and false after the other"
+                raise DomainError(f"{told}, which PDDL cannot say; choose another task")
+    return found
 
 
 def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
@@ -68,7 +89,8 @@ def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
     )
 
 
-def _rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
+def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
+    """Yield where rules stand that say which plans there are beside what each action states."""
     for source, own in owned(program):
         if own or (source.path.parent.name == "rules" and source.path.stem not in NOT_OVER_TIME):
             statements, _ = parse_sources([(source, own)])
@@ -86,7 +108,7 @@ def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
     return found
 
 
-def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> GroundAction | None:
+def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _Stated | None:
     """Return an action as the domain states it, None where it contradicts itself.
 
     Raises:
@@ -107,15 +129,15 @@ def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> G
     for fluent, value in facts.preconditions.get(action, ()):
         if before.setdefault(fluent, value == "true") != (value == "true"):
             return None
-    return GroundAction(action, before, after)
+    return _Stated(action, before, after)
 
 
 def _safe(
-    action: GroundAction,
+    action: _Stated,
     graph: Mapping[FluentValue, tuple[FluentValue, ...]],
     clauses: Mapping[FluentValue, list[FluentValue]],
     pairs: Pairs | None,
-) -> GroundAction | None:
+) -> _Stated | None:
     """Return an action that also needs what keeps the invariants, None where it always breaks one."""
     before = dict(action.before)
     known = entailed(before.items(), graph)
@@ -129,4 +151,14 @@ def _safe(
                 continue
             if before.setdefault(other, needed) != needed:
                 return None
-    return GroundAction(action.term, before, action.after)
+    return _Stated(action.term, before, action.after)
+
+
+def known_values(given: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
+    """Return what the contract states of fluents as truths."""
+    return {fluent: value == "true" for fluent, value in given}
+
+
+def values_of(state: Mapping[Atom, bool]) -> dict[clingo.Symbol, bool]:
+    """Return a state of a task by clingo's terms."""
+    return {symbol_of(fluent): value for fluent, value in state.items()}

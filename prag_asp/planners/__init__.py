@@ -1,0 +1,26 @@
+"""PDDL out: a domain or a task as two files that other planners read.
+
+>>> from prag_asp import load_domain
+>>> found = write(load_domain("blocks"))
+>>> found.problem.splitlines()[0]
+'(define (problem blocks-task)'
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from prag_asp.lazy import names_from
+
+if TYPE_CHECKING:
+    from prag_asp.planners.writing import Exported, write
+
+__all__ = ["Exported", "write"]
+
+_HOMES = {"prag_asp.planners.writing": ("Exported", "write")}
+
+__getattr__ = names_from(__name__, _HOMES)
+
+
+def __dir__() -> list[str]:
+    return __all__

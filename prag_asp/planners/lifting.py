@@ -1,0 +1,102 @@
+"""Ground actions that are alike up to their arguments as one action with parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import clingo
+
+FEW = 4
+"""Actions with parameters that those of one name become at most."""
+
+Literal = tuple[str, tuple[str, ...], bool]
+"""A predicate, its terms, and whether it is asserted; a term is the name of an object or a variable."""
+
+Clause = tuple[Literal, ...]
+
+
+class Written(NamedTuple):
+    """A case of an action in PDDL's names: all that it needs, clauses, and effects with their conditions."""
+
+    before: Clause
+    clauses: tuple[Clause, ...]
+    after: tuple[tuple[Clause, Literal], ...]
+
+    @property
+    def meant(self) -> Hashable:
+        """What is the same for cases that differ in the order alone."""
+        after = frozenset((frozenset(where), made) for where, made in self.after)
+        return frozenset(self.before), frozenset(map(frozenset, self.clauses)), after
+
+    @property
+    def conditions(self) -> Iterator[Literal]:
+        """All literals that are asked for."""
+        yield from self.before
+        for clause in (*self.clauses, *(where for where, _ in self.after)):
+            yield from clause
+
+    def renamed(self, names: Mapping[str, str]) -> Written:
+        """Return a case with other terms."""
+
+        def literal(given: Literal) -> Literal:
+            return given[0], tuple(names.get(term, term) for term in given[1]), given[2]
+
+        def clause(literals: Clause) -> Clause:
+            return tuple(map(literal, literals))
+
+        after = ((clause(where), literal(made)) for where, made in self.after)
+        return Written(clause(self.before), tuple(map(clause, self.clauses)), tuple(after))
+
+
+class Instance(NamedTuple):
+    """A ground action: the objects that stand for its arguments, and its cases."""
+
+    term: clingo.Symbol
+    arguments: tuple[str, ...]
+    cases: tuple[Written, ...]
+
+
+def variable(number: int) -> str:
+    """Return the name of a parameter."""
+    return f"?x{number + 1}"
+
+
+def alike(instances: Sequence[Instance]) -> list[list[Instance]]:
+    """Return actions in groups: one if they are alike, else those that are the same with variables for arguments.
+
+    Where that makes many groups, whose numbers would say nothing to a reader, each action is one of its own.
+    """
+    if lifted(instances) is not None:
+        return [list(instances)]
+    groups: dict[Hashable, list[Instance]] = {}
+    for each in instances:
+        pattern = tuple(each.arguments.index(argument) for argument in each.arguments)
+        own = each._replace(arguments=tuple(dict.fromkeys(each.arguments)))
+        form = tuple(case.meant for case in _with_variables(own))
+        groups.setdefault((pattern, frozenset(form)), []).append(own)
+    return list(groups.values()) if len(groups) <= FEW else [[each] for each in instances]
+
+
+def _with_variables(instance: Instance) -> tuple[Written, ...]:
+    names = {argument: variable(number) for number, argument in enumerate(instance.arguments)}
+    return tuple(case.renamed(names) for case in instance.cases)
+
+
+def lifted(instances: Sequence[Instance]) -> tuple[Written, ...] | None:
+    """Return the cases with variables that all of some actions have, None where there are none."""
+    arity = len(instances[0].arguments)
+    model = next((each for each in instances if len(set(each.arguments)) == arity), None)
+    if model is None:
+        return None
+    found, names = _with_variables(model), [*map(variable, range(arity))]
+    for each in instances:
+        made = [case.renamed(dict(zip(names, each.arguments, strict=True))) for case in found]
+        if {case.meant for case in made} != {case.meant for case in each.cases} or any(map(_collapsed, made)):
+            return None
+    return found
+
+
+def _collapsed(case: Written) -> bool:
+    """Tell whether two effects have become one: a variable stands for the same object as another."""
+    return len(set(case.after)) < len(case.after)

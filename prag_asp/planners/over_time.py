@@ -1,0 +1,222 @@
+"""A domain with rules over time as ground actions: conditions and effects that depend on the state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import clingo
+
+from prag_asp.domain.load import Domain
+from prag_asp.errors import DomainError
+from prag_asp.logic.diagram.functions import FALSE, TRUE, Cube, Functions, Node, TooLarge
+from prag_asp.logic.ground.program import with_facts
+from prag_asp.logic.model import Model
+from prag_asp.logic.step.transition import Transition
+from prag_asp.planners.actions import CARRIED, Case, Effect, Ground, GroundAction, Proposition, Value
+from prag_asp.planners.evaluation import After, StepFunctions, holds
+from prag_asp.planners.implied import Implied
+
+MOST_NODES = 1_000_000
+"""Nodes of diagrams that are made at most."""
+
+MOST_CASES = 1000
+"""Copies of one action that are made at most, one for each case of its conditions."""
+
+REACHED = Proposition(clingo.Function("goal-reached"), CARRIED)
+"""That the goal holds, where it is no conjunction."""
+
+OPPOSITE = {True: "false", False: "true"}
+
+Change = tuple[Value, Node]
+"""A value that an action makes, and in which states before it."""
+
+
+def ground_over_time(
+    domain: Domain, stated: Mapping[clingo.Symbol, bool], goal: Mapping[clingo.Symbol, bool] | None, *, whole: bool
+) -> Ground:
+    """Return a domain from a first state on, of which `stated` names what is not false.
+
+    With a `goal`, the last state has these values as well. Where `whole`, no effect has a condition and no condition a
+    disjunction: an action has as many cases as there are ways in which they come out (Nebel 2000).
+
+    Raises:
+        EngineError: a step is not a function of the state and the action.
+        DomainError: an action has too many cases, or depends on the state in too many ways.
+    """
+    values = {fluent: stated.get(fluent, False) for fluent in domain.facts.fluents}
+    initially = tuple((fluent, OPPOSITE[not value]) for fluent, value in values.items())
+    program = with_facts(domain.program, [f"initially({fluent},{value})." for fluent, value in initially])
+    model = Model(replace(domain, program=program, facts=replace(domain.facts, initially=initially)))
+    symbols = [holds(fluent, value) for fluent in values for value in OPPOSITE.values()]
+    transition = model.transition(tasks=False, labels=symbols)
+    unknown: set[clingo.Symbol] = set()
+    while True:
+        step = _Step(domain, transition, frozenset(unknown))
+        found = step.ground(goal or {}, whole=whole)
+        if not step.unknown:
+            return found
+        unknown |= step.unknown
+
+
+class _Step:
+    """The actions of a step; in `unknown` are fluents, taken for known, that some of them may leave unknown."""
+
+    def __init__(self, domain: Domain, transition: Transition, unknown: frozenset[clingo.Symbol]) -> None:
+        self._name = domain.name
+        self._terms = transition.actions
+        self._preconditions = domain.facts.preconditions
+        self._functions = Functions(MOST_NODES)
+        self._implied = Implied(domain.facts, unknown)
+        try:
+            self._step = StepFunctions(transition, unknown, self._functions)
+        except TooLarge:
+            raise self._too_large("a step") from None
+        self._propositions = self._step.propositions
+        self._numbers = {each: number for number, each in enumerate(self._propositions)}
+        self.unknown: set[clingo.Symbol] = set()
+
+    def ground(self, goal: Mapping[clingo.Symbol, bool], *, whole: bool) -> Ground:
+        """Return what is written of the domain, if no fluent is left unknown that was taken for known."""
+        first = self._step.first
+        initial = {self._propositions[number] for number, value in first.items() if value}
+        propositions = [*self._propositions]
+        try:
+            demands = [*self._clauses(self._step.refused_at_end())]
+            demands += [(self._value(self._step.opposed(fluent, OPPOSITE[value])),) for fluent, value in goal.items()]
+        except TooLarge:
+            raise self._too_large("the goal") from None
+        wanted, clauses = self._implied.units(demands)
+        end = None
+        if whole and clauses:
+            end = self._functions.all(map(self._clause, demands))
+            wanted, clauses = {REACHED: True}, ()
+            propositions.append(REACHED)
+            initial |= {REACHED} if self._functions.where(end, first) == TRUE else set()
+        actions = []
+        for letter, term in enumerate(self._terms):
+            try:
+                cases = tuple(self._cases(letter, end, whole=whole))
+            except TooLarge:
+                raise self._too_large(str(term)) from None
+            if cases:
+                actions.append(GroundAction(term, cases))
+        return Ground(tuple(propositions), frozenset(initial), tuple(actions), wanted, clauses)
+
+    def _too_large(self, what: str) -> DomainError:
+        told = f"{what} depends on the state in more ways than can be written"
+        return DomainError(f"{self._name}: {told}; let its rules read fewer fluents at once")
+
+    def _cases(self, letter: int, end: Node | None, *, whole: bool) -> Iterator[Case]:
+        """Yield the cases of an action, none where it never occurs."""
+        tried = self._step.tried(letter)
+        if tried is None:
+            return
+        before, clauses = self._implied.units(self._clauses(tried.refused))
+        if () in clauses:
+            return
+        self.unknown |= self._left_unknown(tried.after, tried.refused)
+        fixed = self._implied.fixed(before, self._propositions)
+        stated = self._preconditions.get(self._terms[letter], ())
+        before = self._implied.needed(before, {(Proposition(fluent), value == "true") for fluent, value in stated})
+        changes = [*self._changes(tried.after, fixed)]
+        if end is not None:
+            changes += self._reaching(tried.after, end, fixed)
+        changes = [(made, where) for made, where in changes if where != FALSE]
+        if whole:
+            yield from self._split(str(self._terms[letter]), before, clauses, changes)
+            return
+        cubes = ((made, cube) for made, where in changes for cube in self._functions.cubes(where))
+        yield Case(before, clauses, tuple(Effect(tuple(map(self._value, cube)), made) for made, cube in cubes))
+
+    def _left_unknown(self, after: After, refused: Iterable[Node]) -> set[clingo.Symbol]:
+        """Return the fluents that are not either true or false after a step."""
+        found = {each: self._step.undecided(each, after) for each in self._step.changed(after)}
+        wrong = {each: where for each, where in found.items() if where != FALSE}
+        if not wrong:
+            return set()
+        allowed = self._functions.all(map(self._functions.opposite, refused))
+        return {
+            self._propositions[each].term
+            for each, where in wrong.items()
+            if self._where(self._functions.choice(where, allowed, FALSE), {}) != FALSE
+        }
+
+    def _changes(self, after: After, fixed: Mapping[int, bool]) -> Iterator[Change]:
+        """Yield where each proposition becomes true, and where false.
+
+        No state is in both, for planners do not agree on what then happens.
+        """
+        functions = self._functions
+        for number in self._step.changed(after):
+            proposition, own = self._propositions[number], functions.variable(number)
+            found = functions.where(self._step.becomes(number, after), fixed)
+            if number in fixed:
+                changed = not fixed[number]
+                yield (proposition, changed), self._where(found if changed else functions.opposite(found), fixed)
+                continue
+            was_false, was_true = (functions.where(found, {number: value}) for value in (False, True))
+            gained = self._where(was_false, {**fixed, number: False})
+            lost = self._where(functions.opposite(was_true), {**fixed, number: True})
+            if functions.choice(gained, lost, FALSE) != FALSE:
+                gained, lost = functions.choice(own, FALSE, gained), functions.choice(own, lost, FALSE)
+            yield (proposition, True), gained
+            yield (proposition, False), lost
+
+    def _reaching(self, after: After, end: Node, fixed: Mapping[int, bool]) -> Iterator[Change]:
+        """Yield where an action reaches the goal, which `end` tells of a state, and where it does not."""
+        states = {number: self._step.becomes(number, after) for number in self._functions.variables([end])}
+        reached = self._functions.where(self._functions.composed(end, states), fixed)
+        yield (REACHED, True), self._where(reached, fixed)
+        yield (REACHED, False), self._where(self._functions.opposite(reached), fixed)
+
+    def _split(
+        self,
+        name: str,
+        before: Mapping[Proposition, bool],
+        clauses: Iterable[Sequence[Value]],
+        changes: Sequence[Change],
+    ) -> Iterator[Case]:
+        """Yield a case for each way in which the conditions of an action come out."""
+        functions = self._functions
+        may = functions.all(map(self._clause, clauses))
+        kept = [(made, functions.choice(may, where, FALSE)) for made, where in changes]
+        read = (may, *(where for _, where in kept))
+
+        def possible(cube: Cube) -> bool:
+            return self._implied.possible([*map(self._value, cube), *before.items()])
+
+        for number, (cube, (occurs, *constants)) in enumerate(functions.cases(read, possible)):
+            if number == MOST_CASES:
+                told = f"{name} depends on {len(functions.variables(read))} fluents, which makes more than"
+                hint = "let it keep its conditional effects"
+                raise DomainError(f"{self._name}: {told} {MOST_CASES:,} copies of it; {hint}")
+            if occurs == TRUE:
+                made = [made for (made, _), constant in zip(kept, constants, strict=True) if constant == TRUE]
+                case = {**before, **dict(map(self._value, cube))}
+                yield Case(case, (), tuple(Effect((), each) for each in made))
+
+    def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
+        """Return where a function is true, without states that contradict some values by the invariants."""
+        given = [*map(self._value, fixed.items())]
+        functions = self._functions
+        return functions.any(
+            functions.all(functions.variable(number, value=value) for number, value in cube)
+            for cube in functions.cubes(function)
+            if self._implied.possible([*map(self._value, cube), *given])
+        )
+
+    def _clauses(self, refused: Iterable[Node]) -> Iterator[tuple[Value, ...]]:
+        """Yield clauses that say together that no function of some is true, without what invariants say."""
+        for function in refused:
+            for cube in self._functions.cubes(function):
+                values = [*map(self._value, cube)]
+                if self._implied.possible(values):
+                    yield tuple((proposition, not value) for proposition, value in values)
+
+    def _clause(self, clause: Iterable[Value]) -> Node:
+        """Return the function of a clause."""
+        return self._functions.any(self._functions.variable(self._numbers[each], value=value) for each, value in clause)
+
+    def _value(self, literal: tuple[int, bool]) -> Value:
+        return self._propositions[literal[0]], literal[1]
