@@ -11,11 +11,12 @@ from prag_asp.program.settings import Settings
 from prag_asp.program.sources import Program, Source, core_sources, read_sources
 
 ENCODINGS = data_folder("encodings")
+CORE, HIERARCHY = core_sources(ENCODINGS), read_sources(ENCODINGS / "hierarchy.lp", ENCODINGS)
 
 
 def domain_of(text: str, *rules: str) -> Domain:
     """Return the domain of a text, with rules by their names."""
     added = tuple(s for rule in rules for s in read_sources(ENCODINGS / "rules" / f"{rule}.lp", ENCODINGS))
-    hierarchy = read_sources(ENCODINGS / "hierarchy.lp", ENCODINGS) if "composite(" in text else ()
-    program = Program((*core_sources(ENCODINGS), *hierarchy, Source(Path("domain.lp"), text), *added))
+    hierarchy = HIERARCHY if "composite(" in text else ()
+    program = Program((*CORE, *hierarchy, Source(Path("domain.lp"), text), *added))
     return Domain("toy", Path(), ENCODINGS, program, ground_facts(program), Settings(Path("domain.toml")))

@@ -24,7 +24,7 @@ def check_known_counts(folder: Path, simulation: Simulation, level: str, twins: 
     """Check the counts of a level against a simulation of the domain, in which `twins` are interchangeable."""
     known = known_counts(folder)[level]
     told, _, by = level.rpartition(".")
-    simulated = simulation.flat() if told else simulation
+    simulated = simulation.flat if told else simulation
     longest = max(known)
     if by == "task":
         found = simulated.tasks(longest, twins)

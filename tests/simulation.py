@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 Act = tuple[str, ...]
 """An action: its name, then what it speaks of."""
@@ -15,13 +16,17 @@ Configuration = tuple[Hashable, frozenset[Word]]
 
 @dataclass(frozen=True)
 class Simulation:
-    """A start, what an action makes of a state (None where it is invalid), and the units that plans are made of."""
+    """A start, what an action makes of a state (None where it is invalid), and the units that plans are made of.
+
+    What was found of a configuration is kept for all questions.
+    """
 
     start: Hashable
     actions: tuple[Act, ...]
     step: Callable[[Hashable, Act], Hashable | None]
     units: tuple[Word, ...]
 
+    @cached_property
     def flat(self) -> Simulation:
         return Simulation(self.start, self.actions, self.step, tuple((action,) for action in self.actions))
 
@@ -30,6 +35,17 @@ class Simulation:
         kept = tuple(action for action in self.actions if not set(things) & set(action))
         units = tuple(unit for unit in self.units if set(unit) <= set(kept))
         return Simulation(self.start, kept, self.step, units)
+
+    @cached_property
+    def _known(self) -> dict[Configuration, list[tuple[str, Configuration]]]:
+        return {}
+
+    def following(self, configuration: Configuration) -> list[tuple[str, Configuration]]:
+        """Return what each action that is possible makes of a configuration, with its name."""
+        if configuration not in self._known:
+            found = ((action[0], self.after(configuration, action)) for action in self.actions)
+            self._known[configuration] = [(name, reached) for name, reached in found if reached is not None]
+        return self._known[configuration]
 
     def after(self, configuration: Configuration, action: Act) -> Configuration | None:
         state, left = configuration
@@ -47,10 +63,8 @@ class Simulation:
             counts.append(sum(number for (_, left), number in layer.items() if () in left))
             following: dict[Configuration, int] = {}
             for configuration, number in layer.items():
-                for action in self.actions:
-                    reached = self.after(configuration, action)
-                    if reached is not None:
-                        following[reached] = following.get(reached, 0) + number
+                for _, reached in self.following(configuration):
+                    following[reached] = following.get(reached, 0) + number
             layer = following
         return counts
 
@@ -67,14 +81,11 @@ class Simulation:
             counts.append(sum(n for group, n in layer.items() if any(() in left for _, left in group)))
             following: dict[frozenset[Configuration], int] = {}
             for group, number in layer.items():
-                for name in sorted({action[0] for action in self.actions}):
-                    reached = frozenset(
-                        found
-                        for configuration in group
-                        for action in self.actions
-                        if action[0] == name and (found := self.after(configuration, action)) is not None
-                    )
-                    if reached:
-                        following[reached] = following.get(reached, 0) + number
+                by_name: dict[str, set[Configuration]] = {}
+                for configuration in group:
+                    for name, reached in self.following(configuration):
+                        by_name.setdefault(name, set()).add(reached)
+                for found in map(frozenset, by_name.values()):
+                    following[found] = following.get(found, 0) + number
             layer = following
         return counts

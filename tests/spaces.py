@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 
-from prag_asp import TaskSpace
+from prag_asp import Domain, TaskSpace
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.space.shared import Shared
 
@@ -14,3 +14,9 @@ def with_engine(space: TaskSpace, engine: str) -> TaskSpace:
     other = copy(space)
     other._shared = Shared(space._shared.model, engine, None, UNLIMITED)
     return other
+
+
+def with_engines(domain: Domain, *engines: str) -> list[TaskSpace]:
+    """Return the space of a domain with each engine, of length 0: `at` another length, it uses what it has found."""
+    space = TaskSpace(domain, 0)
+    return [with_engine(space, engine) for engine in engines]

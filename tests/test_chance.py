@@ -46,11 +46,13 @@ def run(folder: Path, text: str, *options: str) -> subprocess.CompletedProcess[s
     """Run a file of tests with the conftest of these, in a folder of its own."""
     (folder / "conftest.py").write_text(CONFTEST)
     (folder / "test_it.py").write_text(text)
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir", str(folder)]
+    plugins = ("-p", "no:cacheprovider", "-p", "hypothesispytest")
+    command = [sys.executable, "-m", "pytest", *plugins, "-c", os.devnull, "--rootdir", str(folder)]
     return subprocess.run(
         [*command, "--found", str(folder / "found"), *options, "test_it.py"],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        # Others that happen to be installed are not loaded: half of the time of a start.
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         capture_output=True,
         text=True,
         timeout=120,
@@ -80,7 +82,7 @@ def test_a_fresh_run_draws_anew_ten_times_as_often_in_random_tests_alone_and_its
 ) -> None:
     usual = drawn(tmp_path)
     (tmp_path / "plain.txt").unlink()
-    fresh, other = drawn(tmp_path, "--fresh", "-n", "2"), drawn(tmp_path, "--fresh")
+    fresh, other = drawn(tmp_path, "--fresh", "-p", "xdist", "-n", "2"), drawn(tmp_path, "--fresh")
     for part in (0, 1):
         assert len(fresh[part]) == 10 * len(usual[part])
         # Hypothesis likes to draw a number again, so that not all differ.

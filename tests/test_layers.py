@@ -76,8 +76,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "shared", "task_space", "task_spaces", "ordered", "why",
     ),
     "physics": (
-        "bullet", "required", "robot", "written", "witness", "situation", "predicates", "facts", "world", "proofs",
-        "search", "motion", "checks", "demonstration", "filming", "pictures", "verdict",
+        "bullet", "required", "lent", "robot", "written", "witness", "situation", "predicates", "facts", "world",
+        "proofs", "search", "motion", "checks", "demonstration", "filming", "pictures", "verdict",
         "cascade", "validator", "worker", "checker", "pool", "passing",
     ),
     "rl": (

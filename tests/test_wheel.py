@@ -68,9 +68,10 @@ def test_a_package_index_shows_the_readme(wheel: Path) -> None:
 def test_the_wheel_works_in_a_fresh_environment(wheel: Path, tmp_path: Path) -> None:
     empty = tmp_path / "empty"
     empty.mkdir()
-    call(sys.executable, "-m", "venv", tmp_path / "venv", cwd=empty)
+    call(sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv", cwd=empty)
     home = tmp_path / "venv" / "bin"
-    call(home / "pip", "install", "--quiet", "--no-compile", wheel, cwd=empty)
+    pip = (sys.executable, "-m", "pip", "--python", home / "python")
+    call(*pip, "install", "--quiet", "--no-compile", wheel, cwd=empty)
     assert call(home / "prag-asp", "count", "prag", "-n", "15", "--by", "skeleton", cwd=empty) == "4266036480\n"
     assert "tabletop" in call(home / "prag-asp", "domains", cwd=empty)
     tasks = call(home / "prag-asp", "sample", "tabletop", "-n", "3", "--count", "2", "--rule", "no_undo", cwd=empty)

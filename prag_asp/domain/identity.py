@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -36,8 +37,14 @@ def domain_digest(domain: Domain) -> str:
 
 def code_digest(encodings: Path) -> str:
     """Return a digest of the code of this package and of a folder of encodings, which have a say in every result."""
-    files = [*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml"), *encodings.rglob("*.lp")]
-    return digest(sorted((path.name, _hashed(path)) for path in files))
+    return digest(sorted([*_own_code(), *((path.name, _hashed(path)) for path in encodings.rglob("*.lp"))]))
+
+
+@cache
+def _own_code() -> list[tuple[str, str]]:
+    """Return the names and the digests of the files of this package: once, as a process reads its code once."""
+    files = [*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml")]
+    return [(path.name, _hashed(path)) for path in files]
 
 
 def digest(values: object) -> str:

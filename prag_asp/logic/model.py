@@ -113,6 +113,16 @@ class Model:
         left = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
         return self if len(left) == len(sources) else Model(replace(self.domain, program=Program(left)))
 
+    @cached_property
+    def _task_step(self) -> NormalStep:
+        """One step of tasks in normal form, made once for all engines."""
+        return self._stratified(self.task_program(0))
+
+    def _stratified(self, program: Program) -> NormalStep:
+        """Return one step of a program in normal form; what the library adds tells nothing of what a step reads."""
+        reads = read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
+        return stratified_step(ground_step(program, self.domain.facts, reads))
+
     def task_program(self, length: int) -> Program:
         """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""
         groups = self.groups(length)
@@ -130,11 +140,10 @@ class Model:
         """
         if self.obstacles:
             raise EngineError(self.obstacles[0])
-        program = self.task_program(0) if tasks else self.program
-        if weighed:
-            rules = read_sources(self.domain.encodings / "rules" / "weights.lp", self.domain.encodings)
-            program = with_facts(Program((*program.sources, *rules)), weighed)
-        if program is self.program:
-            return build_transition(self.step, labels)
-        reads = read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
-        return build_transition(stratified_step(ground_step(program, self.domain.facts, reads)), labels)
+        tells_apart = tasks and bool(self.groups(0))
+        if not weighed:
+            return build_transition(self._task_step if tells_apart else self.step, labels)
+        program = self.task_program(0) if tells_apart else self.program
+        rules = read_sources(self.domain.encodings / "rules" / "weights.lp", self.domain.encodings)
+        weighing = with_facts(Program((*program.sources, *rules)), weighed)
+        return build_transition(self._stratified(weighing), labels)

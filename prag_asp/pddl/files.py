@@ -12,6 +12,7 @@ from prag_asp.pddl.model import OBJECT, Cost, Derived, DomainFile, Effect, Probl
 from prag_asp.pddl.scopes import Scope
 from prag_asp.pddl.syntax.nodes import Node, Word
 from prag_asp.pddl.syntax.parsing import parse
+from prag_asp.program.finite.components import components
 from prag_asp.wording import did_you_mean, plural
 
 TOTAL = "total-cost"
@@ -125,10 +126,11 @@ class _DomainReader(_Reader):
             for each in above:
                 self._types.setdefault(each, ())
                 lines.setdefault(each, name.line)
-        for kind_name, line in lines.items():
-            around = self._circle(kind_name)
-            if around:
-                self.refuse(line, f"types go around in a circle, {' - '.join(around)}; leave one of these out")
+        groups = components(lines, self._types.__getitem__)
+        circular = {name for group in groups for name in group if len(group) > 1 or name in self._types[name]}
+        for kind_name in filter(circular.__contains__, lines):
+            around = " - ".join(self._circle(kind_name))
+            self.refuse(lines[kind_name], f"types go around in a circle, {around}; leave one of these out")
 
     def _circle(self, name: str) -> list[str]:
         """Return a way from a type back to itself, nothing where there is none."""

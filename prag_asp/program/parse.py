@@ -61,6 +61,7 @@ def _depth_problem(source: Source) -> Problem | None:
     return None
 
 
+@lru_cache(maxsize=64)
 def number_problem(source: Source) -> Problem | None:
     """Return the first number of a source that clingo would change without a word."""
     for position, digits in too_large(blanked(source.text)):

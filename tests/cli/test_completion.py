@@ -18,6 +18,7 @@ import pytest
 
 from prag_asp.program.paths import shipped_domains
 from prag_asp.space.engines import AUTO, ENGINES
+from tests.warm import warm_commands
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 300.0
@@ -30,8 +31,7 @@ def asked(*words: str, shell: str = "bash", cwd: Path = ROOT) -> list[str]:
     if shell == "fish":
         told = {"COMP_WORDS": " ".join(["prag-asp", *words]), "COMP_CWORD": words[-1]}
     done = subprocess.run(
-        [sys.executable, "-m", "prag_asp"],
-        env={**os.environ, **told, "_PRAG_ASP_COMPLETE": f"{shell}_complete", "PYTHONPATH": str(ROOT)},
+        [warm_commands() / "prag-asp"], env={**os.environ, **told, "_PRAG_ASP_COMPLETE": f"{shell}_complete"},
         cwd=cwd, capture_output=True, text=True, timeout=PATIENCE, check=True,
     )  # fmt: skip
     assert done.stderr == ""
@@ -161,14 +161,10 @@ class Terminal:
 
 
 @contextmanager
-def bash(folder: Path) -> Iterator[Terminal]:
+def bash() -> Iterator[Terminal]:
     """Start a bash in which prag-asp is a command with completion."""
-    (folder / "bin").mkdir()
-    command = folder / "bin" / "prag-asp"
-    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m prag_asp "$@"\n', encoding="utf-8")
-    command.chmod(0o755)
-    path = f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
-    changed = {"PATH": path, "PS1": "$ ", "TERM": "dumb", "INPUTRC": "/dev/null", "PYTHONPATH": str(ROOT)}
+    path = f"{warm_commands()}{os.pathsep}{os.environ['PATH']}"
+    changed = {"PATH": path, "PS1": "$ ", "TERM": "dumb", "INPUTRC": "/dev/null"}
     file, end = pty.openpty()
     shell = subprocess.Popen(
         ["bash", "--norc", "--noprofile", "-i"],
@@ -186,8 +182,8 @@ def bash(folder: Path) -> Iterator[Terminal]:
         os.close(file)
 
 
-def test_bash_completes_words_as_they_are_typed(tmp_path: Path) -> None:
-    with bash(tmp_path) as terminal:
+def test_bash_completes_words_as_they_are_typed() -> None:
+    with bash() as terminal:
         terminal.type("prag-asp cou\t", "count ")
         terminal.type("tablet\t", "tabletop ")
         terminal.type("-n 1\n", r"\s15\s+\$ ")

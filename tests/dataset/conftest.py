@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,9 +12,17 @@ from prag_asp import Dataset, Domain, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.store import strips
 from prag_asp.physics import Budget
+from tests.sharing import logic_shared
 
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""
+
+
+@pytest.fixture(scope="package", autouse=True)
+def logic() -> Iterator[None]:
+    """Compute once what logic says of a domain."""
+    with logic_shared():
+        yield
 
 
 @pytest.fixture(scope="package", autouse=True)
@@ -22,6 +31,14 @@ def few_pictures() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(strips, "STRIPS", 1)
         patch.setattr(strips, "STATES", 2)
+        yield
+
+
+@pytest.fixture(scope="package", autouse=True)
+def nothing_flushed() -> Iterator[None]:
+    """Leave it to the system when files reach the disk: no power is lost here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda descriptor: None)
         yield
 
 

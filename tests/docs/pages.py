@@ -33,6 +33,9 @@ PAGES = tuple(sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *DOCS.rglob(
 FRESH = tuple(DOCS / "guides" / name for name in ("first_dataset.md", "formats.md", "datasets.md"))
 """Pages that a test follows word by word in an environment of their own, with what they say to install."""
 
+PROGRAMS = Path(sys.executable).parent
+"""Where the programs of this environment are, ``prag-asp`` among them."""
+
 TIMEOUT = 300
 """Seconds that one command of a page may take."""
 
@@ -88,8 +91,8 @@ def prepare(folder: Path) -> None:
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "*.png", "*.ipynb"))
 
 
-def run_page(page: Path, folder: Path) -> Iterator[Example]:
-    """Run the examples of a page in a prepared folder, and yield each with what it prints."""
+def run_page(page: Path, folder: Path, programs: Path = PROGRAMS) -> Iterator[Example]:
+    """Run the examples of a page in a prepared folder, with programs of another, and yield each with what it prints."""
     names: dict[str, Any] = {"__name__": "page"}
     for block in blocks(page):
         if block.title and not (ROOT / block.title).exists():
@@ -97,7 +100,7 @@ def run_page(page: Path, folder: Path) -> Iterator[Example]:
             with (folder / block.title).open("a", encoding="utf-8") as file:
                 file.write(block.text)
         elif block.language == "console":
-            yield from _run_commands(block, folder)
+            yield from _run_commands(block, folder, programs)
         elif block.language == "pycon":
             with _inside(folder):
                 yield from _run_session(block, names)
@@ -114,9 +117,9 @@ def _inside(folder: Path) -> Iterator[None]:
         os.chdir(before)
 
 
-def _run_commands(block: Block, folder: Path) -> Iterator[Example]:
+def _run_commands(block: Block, folder: Path, programs: Path) -> Iterator[Example]:
     """Run the commands of a console block."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    path = os.pathsep.join(map(str, (programs, PROGRAMS, os.environ["PATH"])))
     for source, line, shown in _commands(block):
         printed = subprocess.run(
             ["bash", "-c", source],

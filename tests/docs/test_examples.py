@@ -10,6 +10,7 @@ import pytest
 
 from prag_asp import TaskSpace, load_domain, load_scene
 from tests.docs.pages import FENCE, FRESH, PAGES, ROOT, Block, blocks, prepare, run_page
+from tests.warm import warm_commands
 
 BLOCKS = [block for page in PAGES for block in blocks(page)]
 DISHES = ROOT / "examples" / "dishes"
@@ -57,7 +58,7 @@ def test_the_examples_of_a_page_print_what_it_shows(
 ) -> None:
     monkeypatch.setenv("PRAG_ASP_CACHE", cache)
     prepare(tmp_path)
-    wrong = [str(example) for example in run_page(page, tmp_path) if not example.right]
+    wrong = [str(example) for example in run_page(page, tmp_path, warm_commands()) if not example.right]
     assert not wrong, "\n\n".join(["write them anew: python -m tests.docs.pages", *wrong])
 
 

@@ -18,6 +18,8 @@ READER = ("__init__.py", "docs/__init__.py", "docs/pages.py")
 HERE = ("VIRTUAL_ENV", "PYTHONPATH", "PYTHONPYCACHEPREFIX")
 """Variables that lead back to the environment of the tests."""
 
+BEGIN, INSTALL = "python3 -m venv .venv", ".venv/bin/pip install "
+
 RUN = """
 import sys
 from pathlib import Path
@@ -41,17 +43,27 @@ def test_the_pages_on_data_sets_need_what_they_say_and_no_more(tmp_path: Path) -
         shutil.copy(ROOT / "tests" / name, reader / "tests" / name)
     for name in ("docs", "encodings", "examples"):
         (reader / name).symlink_to(clone / name)
-    said = [block.text for page in FRESH for block in blocks(page) if block.language == "sh"]
-    assert said[0].startswith("python3 -m venv .venv")
+    said = "".join(block.text for page in FRESH for block in blocks(page) if block.language == "sh").splitlines()
+    assert said[0].startswith(BEGIN)
     outside = {name: value for name, value in os.environ.items() if name not in HERE}
     outside["PIP_NO_COMPILE"] = "1"  # most modules of large packages are never imported
-    call(["sh", "-ec", "".join(said)], clone, outside)
+    call(["sh", "-ec", f"{BEGIN} && {at_once(said)}"], clone, outside)
     for page in FRESH:
         work = tmp_path / page.stem
         work.mkdir()
         command = [str(clone / ".venv/bin/python"), "-c", RUN, page.name]
         wrong = call(command, work, {**outside, "PYTHONPATH": str(reader)})
         assert not wrong, f"write them anew: python -m tests.docs.pages\n{wrong}"
+
+
+def at_once(said: list[str]) -> str:
+    """Return one installation of all that some lines install one after the other, word by word as they say it.
+
+    What each of them does before it comes to its packages, among it to build this one, is done once.
+    """
+    installs = [line.removeprefix(f"{BEGIN} && ") for line in said]
+    assert {line for line in installs if not line.startswith(INSTALL)} == {". .venv/bin/activate"}
+    return " ".join([INSTALL, *(line.removeprefix(INSTALL) for line in installs if line.startswith(INSTALL))])
 
 
 def call(command: list[str], folder: Path, environment: dict[str, str]) -> str:

@@ -6,6 +6,7 @@ from collections import Counter
 from fractions import Fraction
 from itertools import islice
 from math import prod, sqrt
+from typing import TypeVar
 
 import pytest
 
@@ -15,11 +16,13 @@ from prag_asp.models.diagram import Branch, Diagram, Weighed
 from tests.chance import Chance
 from tests.models.test_known_numbers import COLOURING, QUEENS, TREE
 
+T = TypeVar("T")
+
 DISJUNCTION = "a ; b ; c. a :- b. b :- a. {d; e}. :- a, d."
 WEIGHTS = 'weight(a,2). weight(b,(1,3)). weight(c,"0.25"). {a;b;c;d}. :- a, b, c, d. #show a/0. #show b/0. #show c/0. '
 
 
-def chi_square(drawn: Counter[str], expected: dict[str, Fraction]) -> float:
+def chi_square(drawn: Counter[T], expected: dict[T, Fraction]) -> float:
     """Return the statistic over its degrees of freedom: 1 for draws that follow the shares."""
     assert set(drawn) <= set(expected)
     draws = sum(drawn.values())
@@ -33,8 +36,8 @@ def chi_square(drawn: Counter[str], expected: dict[str, Fraction]) -> float:
 def test_draws_are_uniform(text: str, constants: dict[str, int], chance: Chance) -> None:
     found = answer_sets(text=text, constants=constants)
     number = found.count()
-    drawn = Counter(str(each) for each in found.sample(100 * number, seed=chance.seed(5)))
-    shares = {each: Fraction(often, number) for each, often in Counter(map(str, found)).items()}
+    drawn = Counter(map(tuple, found.sample(100 * number, seed=chance.seed(5))))
+    shares = {each: Fraction(often, number) for each, often in Counter(map(tuple, found)).items()}
     # Five standard deviations of the statistic around its mean.
     assert abs(chi_square(drawn, shares) - 1) < 5 * sqrt(2 / (len(shares) - 1))
 

@@ -14,6 +14,7 @@ from tests.chance import examples
 from tests.pddl.forward import Search
 from tests.pddl.random_tasks import random_task
 from tests.pddl.tasks import TASKS
+from tests.spaces import with_engines
 
 LENGTH = 4
 
@@ -32,8 +33,8 @@ def test_all_plans_of_a_problem_are_those_of_a_forward_search(name: str, tmp_pat
     for text in (problem, goalless):
         counts = Search(domain, text).count(LENGTH)
         loaded = load_domain(*written(tmp_path, domain, text))
-        for engine, most in (("automaton", LENGTH), ("clingo", 3)):
-            found = [TaskSpace(loaded, n, engine=engine).count(by="plan") for n in range(most + 1)]
+        for space, most in zip(with_engines(loaded, "automaton", "clingo"), (LENGTH, 3), strict=True):
+            found = [space.at(n).count(by="plan") for n in range(most + 1)]
             assert found == counts[: most + 1], read(*written(tmp_path, domain, text)).text
 
 
@@ -45,8 +46,8 @@ def test_random_tasks_have_the_plans_of_a_forward_search(seed: int, tmp_path_fac
     paths = written(tmp_path_factory.mktemp("random"), domain, problem)
     loaded = load_domain(*paths)
     assert not any(counts) or not any(each.name == "no-plan" for each in loaded.warnings)
-    for engine, most in (("automaton", 3), ("clingo", 2)):
-        found = [TaskSpace(loaded, n, engine=engine).count(by="plan") for n in range(most + 1)]
+    for space, most in zip(with_engines(loaded, "automaton", "clingo"), (3, 2), strict=True):
+        found = [space.at(n).count(by="plan") for n in range(most + 1)]
         assert found == counts[: most + 1], f"{seed}\n{domain}\n{problem}\n{read(*paths).text}"
 
 
@@ -63,7 +64,8 @@ def test_goals_that_contradict_themselves_or_facts_are_no_mistakes(goal: str, tm
     domain, problem = TASKS["never"]
     problem = f"{problem[: problem.index('(:goal')]}(:goal {goal}))"
     loaded = load_domain(*written(tmp_path, domain, problem))
-    assert [TaskSpace(loaded, n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
+    space = TaskSpace(loaded, 0)
+    assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
 
 
 NOTHING = "(define (domain d) (:constants k) (:predicates (p ?x) (q ?x)) (:action a :parameters (?x) {} :effect (p k)))"
@@ -90,5 +92,5 @@ def test_where_there_is_nothing_to_do_or_to_reach_counts_are_0_and_the_check_war
     loaded = load_domain(*written(tmp_path, domain, problem))
     assert [each for each in loaded.warnings if each.name == "no-plan" and told in each.text]
     counts = Search(domain, problem).count(2)
-    for engine in ("automaton", "clingo", "sat", "symbolic"):
-        assert [TaskSpace(loaded, n, engine=engine).count(by="plan") for n in range(3)] == counts
+    for space in with_engines(loaded, "automaton", "clingo", "sat", "symbolic"):
+        assert [space.at(n).count(by="plan") for n in range(3)] == counts

@@ -26,7 +26,8 @@ def exported(domain: Domain, task: Task | None = None, *, negative: bool = True)
 
 
 def counts(domain: Domain, most: int = 4) -> list[int]:
-    return [TaskSpace(domain, n).count(by="plan") for n in range(most + 1)]
+    space = TaskSpace(domain, 0)
+    return [space.at(n).count(by="plan") for n in range(most + 1)]
 
 
 @pytest.mark.parametrize("negative", [True, False])

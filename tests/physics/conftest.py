@@ -8,6 +8,14 @@ from prag_asp.physics import Validator, open_validator
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.model import Scene
 from tests.physics.random_tasks import shipped_scene
+from tests.sharing import logic_shared
+
+
+@pytest.fixture(scope="package", autouse=True)
+def logic() -> Iterator[None]:
+    """Compute once what logic says of a domain."""
+    with logic_shared():
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -245,7 +245,8 @@ def test_a_closed_environment_leaves_nothing_behind_and_prints_nothing(tmp_path:
     code = (
         "import os, gymnasium, prag_asp.rl; from prag_asp import TaskSpace, load_domain\n"
         "env = gymnasium.make('prag_asp/Task-v0', space=TaskSpace(load_domain('tabletop'), length=1))\n"
-        "env.reset(seed=0); env.step(env.action_space.sample()); env.close(); env.close()\n"
+        "env.reset(seed=0); env.step(env.action_space.sample())\n"
+        f"assert os.listdir({str(tmp_path)!r}) == []; env.close(); env.close()\n"
         f"assert os.listdir({str(tmp_path)!r}) == []\n"
     )
     environment = {**os.environ, "TMPDIR": str(tmp_path)}

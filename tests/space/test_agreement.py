@@ -40,9 +40,9 @@ def check_agreement(toy: Toy) -> None:
         for space in spaces:
             here = space.at(length)
             assert here.count("plan") == len(expected)
-            assert here.count("task") == len(expected)
             assert here.count("skeleton") == len(names)
             if length in (0, 3):
+                assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
                 plans = list(here.words("plan"))
                 assert sorted(plans) == sorted(expected)
                 assert list(here.words("skeleton")) == sorted(names)

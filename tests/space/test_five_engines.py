@@ -11,14 +11,12 @@ from typing import Any
 import pytest
 
 from prag_asp import EngineError, TaskSpace, load_domain
-from prag_asp.logic.formula.clauses import Literal
-from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import has_ganak
-from prag_asp.processes.children import Children
 from prag_asp.program.paths import shipped_domains
 from prag_asp.space.engines import ENGINES, LEVELS
 from tests.chance import Chance
 from tests.domains import domain_of
+from tests.ganak import counting_by, one_process
 from tests.orbits.case import Case
 from tests.orbits.conditions import KINDS, head
 from tests.orbits.domains import draw_closed
@@ -40,23 +38,13 @@ Words = list[tuple[str, ...]]
 
 @pytest.fixture(scope="module")
 def engines() -> Iterator[tuple[str, ...]]:
-    """Give the names of the engines; those that count models share one process for it, as starting one takes longest.
-
-    What the process does, and what it is given, is as ever.
-    """
+    """Give the names of the engines; those that count models share one process for it."""
     names = ("automaton", "symbolic", "clingo", "sat")
     assert {*names, "sharp"} == {*ENGINES}
     if not has_ganak():
         yield names
         return
-    with Children("prag_asp.logic.formula.ganak") as children, pytest.MonkeyPatch.context() as patch:
-        ganak = children.start()
-
-        def count_models(cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None) -> int:
-            ganak.send((cnf.variables, cnf.shown, [*cnf.clauses, *((literal,) for literal in assumptions)]))
-            return int(ganak.receive(seconds))
-
-        patch.setattr("prag_asp.space.engines.sharp.count_models", count_models)
+    with one_process() as count_models, counting_by(count_models):
         yield (*names, "sharp")
 
 

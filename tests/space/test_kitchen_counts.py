@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from functools import cache
 from typing import NamedTuple
 
 import pytest
@@ -63,6 +64,7 @@ def behind_door(door: str, word: Word) -> Word:
     return (("open", "panda", door), *word, ("close", "panda", door))
 
 
+@cache
 def kitchen() -> Simulation:
     doors = [((name, "panda", door),) for door in DOORS for name in ("open", "close")]
     carried = {(i, p, q): pick_and_place(i, p, q) for i in ITEMS for p in PLACES for q in PLACES if p != q}

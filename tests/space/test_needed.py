@@ -167,8 +167,9 @@ def test_classes_below_one_another_are_needed_each_for_itself() -> None:
     names = "; ".join(f"b{n}" for n in range(20))
     domain = cubes(20, f"class(red, cube). entity(({names}), red). deep(X) :- is_a(X,red).")
     assert domain.fewer and [len(group) for group in domain.fewer.groups] == [20, 20]
-    assert TaskSpace(domain, 1).count("plan") == 40 + 40 * 40
-    assert TaskSpace(domain, 1).count() == 2 + 2 + 4
+    space = TaskSpace(domain, 1)
+    assert space.count("plan") == 40 + 40 * 40
+    assert space.count() == 2 + 2 + 4
 
 
 def test_plans_are_counted_by_a_formula() -> None:
@@ -177,8 +178,9 @@ def test_plans_are_counted_by_a_formula() -> None:
         "action(light(L)) :- is_a(L,lamp). precondition(light(L), lit(L), false) :- action(light(L))."
         "postcondition(light(L), lit(L), true) :- action(light(L))."
     )
+    spaces = TaskSpace(load_domain(text=text), 0)
     for length in range(6):
-        space = TaskSpace(load_domain(text=text), length)
+        space = spaces.at(length)
         assert (space.count("plan"), space.count(), space.count("skeleton")) == (perm(1000, length), 1, 1)
         assert space.count("plan", ["light"] * min(length, 2)) == perm(1000, length)
 
@@ -196,7 +198,8 @@ def test_a_goal_for_all_entities_needs_as_many_steps() -> None:
 
 def test_every_engine_counts_with_as_many_as_are_needed() -> None:
     domain = cubes(40)
-    expected = {by: TaskSpace(domain, 2).count(by) for by in LEVELS}
+    whole = TaskSpace(domain, 2)
+    expected = {by: whole.count(by) for by in LEVELS}
     assert expected["plan"] == 40 * 40 + 40 * 40 + 40 * 39 * 39
     for engine in ENGINES:
         if engine == "sharp" and not find_spec("pyganak"):

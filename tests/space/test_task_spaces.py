@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections import Counter
 from fractions import Fraction
+from functools import cache
 from itertools import islice
 
 import pytest
 
 from prag_asp import QueryError, TaskSpace, TaskSpaces, load_domain
 from prag_asp.errors import LimitReached
+from prag_asp.space.engines.protocol import Level
 from prag_asp.space.limits import Limits
 from tests.space.drawing.test_sampling import DOMAIN, KINDS, expected_weight
 
@@ -18,12 +20,22 @@ DRAWS = 20_000
 SPACES = TaskSpaces(DOMAIN, range(3))
 
 
-def weighed(by: str, weights: dict[str, object], lengths: range = range(3)) -> dict[tuple[str, ...], Fraction]:
+@cache
+def spaces_of(engine: str) -> TaskSpaces:
+    return TaskSpaces(DOMAIN, range(3), engine=engine)
+
+
+@cache
+def words_of(by: Level, length: int) -> list[tuple[str, ...]]:
+    return list(spaces_of("clingo").at(length).words(by))
+
+
+def weighed(by: Level, weights: dict[str, object], lengths: range = range(3)) -> dict[tuple[str, ...], Fraction]:
     """Return every word of some lengths with its weight by the definition, those that weigh nothing left out."""
     found = {
         word: expected_weight(word, weights)  # type: ignore[arg-type]
         for length in lengths
-        for word in TaskSpace(DOMAIN, length, engine="clingo").words(by)  # type: ignore[arg-type]
+        for word in words_of(by, length)
     }
     return {word: weight for word, weight in found.items() if weight}
 
@@ -31,12 +43,11 @@ def weighed(by: str, weights: dict[str, object], lengths: range = range(3)) -> d
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 @pytest.mark.parametrize("kind", ["uniform", "all kinds", "never"])
 @pytest.mark.parametrize("by", ["task", "plan"])
-def test_draws_follow_the_weights_of_all_tasks_of_all_lengths(kind: str, by: str, engine: str) -> None:
+def test_draws_follow_the_weights_of_all_tasks_of_all_lengths(kind: str, by: Level, engine: str) -> None:
     weights = KINDS[kind]
     expected = weighed(by, dict(weights))
     total = sum(expected.values())
-    spaces = TaskSpaces(DOMAIN, range(3), engine=engine)
-    draws = list(islice(spaces.draw_words(seed=5, weights=weights, by=by), DRAWS))  # type: ignore[arg-type]
+    draws = list(islice(spaces_of(engine).draw_words(seed=5, weights=weights, by=by), DRAWS))
     seen = Counter(draw.word for draw in draws)
     assert set(seen) <= set(expected)
     assert all(draw.probability == expected[draw.word] / total for draw in draws)

@@ -81,6 +81,7 @@ def handover(arm: str, other: str, thing: str) -> Word:
     return (*meet, ("move", arm, SIDE[arm]), ("move", other, SIDE[other]))
 
 
+@cache
 def two_arms() -> Simulation:
     moves = [(("move", arm, zone),) for arm in ARMS for zone in reach(arm)]
     transfers = [

@@ -25,7 +25,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.domain.load import Domain
+    from prag_asp.dataset.language import Teller
     from prag_asp.physics import Demonstration, Witness
     from prag_asp.scene.model import Scene
 
@@ -106,22 +106,38 @@ def render(
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
     steps = None if len(chosen) == 1 else _steps(asked, file, drawing, Path(output), [targets[n] for n in chosen])
+    tellers: dict[str, Teller] = {}
     with progress() as show, whole_lines():
         for done, number in enumerate(chosen):
             if steps is None or done >= steps.done:
                 record = records[number - 1]
-                domain = asked.of(record, Path(file).parent).domain()
+                named = repr((record.task.domain, record.task.constants))
+                if named not in tellers:
+                    tellers[named] = _teller(asked, record, Path(file).parent)
 
                 def tell(share: float, done: int = done) -> None:
                     show("pictures", done + share, len(chosen))
 
-                drawing.draw(record, number, domain, targets[number], tell)
+                drawing.draw(record, number, tellers[named], targets[number], tell)
                 tell(1.0)
                 if steps is not None:
                     steps.do(done + 1)
             say(targets[number])
     if steps is not None:
         steps.finish()
+
+
+def _teller(asked: Asked, record: Record, folder: Path) -> Teller:
+    """Return what tells the tasks of the domain of a record.
+
+    Raises:
+        PragError: the domain cannot be loaded, or not told in words.
+    """
+    from prag_asp.dataset.language import teller_of
+
+    domain = asked.of(record, folder).domain()
+    with told_with_place(record, domain):
+        return teller_of(domain)
 
 
 def _steps(asked: Asked, file: str, drawing: _Drawing, output: Path, pictures: Sequence[Path]) -> Steps | None:
@@ -151,23 +167,23 @@ class _Drawing:
     seed: int
     recordings: Path | None
 
-    def draw(self, record: Record, number: int, domain: Domain, path: Path, tell: Callable[[float], None]) -> None:
+    def draw(self, record: Record, number: int, teller: Teller, path: Path, tell: Callable[[float], None]) -> None:
         """Draw one task into a file, and tell what share of it is done.
 
         Raises:
             QueryError: it has no witness, and none is found; or the robot fails to perform it.
             OutputError: the file cannot be written.
         """
-        from prag_asp.dataset.language import teller_of
         from prag_asp.dataset.scenes import scene_of
         from prag_asp.physics import Demonstration, animate, film_strip, still
         from prag_asp.physics.pictures.saving import save_picture
 
-        scene, task = scene_of(domain), record.task
+        domain, task = teller.tongue.domain, record.task
+        scene = scene_of(domain)
         animated = self.form in ANIMATED
         stage("drawing pictures")
         with told_with_place(record, domain):
-            told = teller_of(domain).captions(task)
+            told = teller.captions(task)
             shown = self._shown(record, number, scene)
             if animated:
                 shown = self._performed(record, shown, scene)

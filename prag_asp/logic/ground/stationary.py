@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -96,12 +96,15 @@ class _Rule:
         yield from self.statement.heads
         yield from self.statement.body
 
-    def reads_number(self) -> bool:
-        """Return whether the number of the step stands anywhere but as the time of an atom."""
-        if not self.times.spelled.search(self.statement.text):
-            return False
-        head = self.statement.node.head
-        return any(self.times.stand_in(node, text) for node, text in ((head, str(head)), *self.statement.literals))
+
+@lru_cache(maxsize=1024)
+def _reads_number(rule: _Rule) -> bool:
+    """Return whether the number of the step stands anywhere but as the time of an atom: every program asks anew."""
+    statement, times = rule.statement, rule.times
+    if not times.spelled.search(statement.text):
+        return False
+    head = statement.node.head
+    return any(times.stand_in(node, text) for node, text in ((head, str(head)), *statement.literals))
 
 
 def read_step(program: Program) -> StepReads:
@@ -147,7 +150,7 @@ def _obstacle(rule: _Rule, part: str, timed: Collection[Signature], previous: se
             previous.add(atom.signature)
     if part == "step" and any(_time_of(atom) != rule.times.now for atom in rule.heads):
         return f"a head in step({rule.times.now}) does not carry the time {rule.times.now}"
-    if part != "base" and rule.reads_number():
+    if part != "base" and _reads_number(rule):
         return "the rule reads the number of the step; carry a counter along instead"
     return None
 

@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
-from multiprocessing.util import Finalize
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from xml.etree import ElementTree
 
@@ -20,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.robot.file import write_robot
+from prag_asp.physics.robot.file import robot_file
 from prag_asp.scene.robots import ROBOTS
 
 CELL, FINEST = 0.026, 0.006
@@ -47,35 +45,24 @@ class Mesh(NamedTuple):
 
 
 @cache
-def low_file(kind: str) -> Path:
-    """Return the path of a URDF of a robot of a kind with few corners, that collides with nothing.
+def low_files(kind: str) -> Mapping[str, bytes]:
+    """Return the files of a robot of a kind with few corners, that collides with nothing: its URDF, then its meshes.
 
-    It is made once in a process, which takes half a second.
+    They are made once in a process, which takes half a second.
 
     Raises:
         SceneError: the robot's files cannot be read.
     """
-    folder = Path(_folder().name) / kind
-    folder.mkdir(exist_ok=True)
-    path = write_robot(ROBOTS[kind], folder)
-    tree = ElementTree.parse(path)
-    named = {each.get("name", ""): rgb for each in tree.getroot().iter("material") if (rgb := _rgb(each)) is not None}
-    for number, link in enumerate(tree.getroot().iter("link")):
+    root = ElementTree.fromstring(robot_file(ROBOTS[kind]))
+    named = {each.get("name", ""): rgb for each in root.iter("material") if (rgb := _rgb(each)) is not None}
+    meshes: dict[str, bytes] = {}
+    for number, link in enumerate(root.iter("link")):
         for collision in link.findall("collision"):
             link.remove(collision)
         for visual in link.findall("visual"):
             if visual.find("geometry/mesh") is not None:
-                _simplify(link, visual, folder / f"{number}", named)
-    tree.write(path)
-    return path
-
-
-@cache
-def _folder() -> TemporaryDirectory[str]:
-    """Return a folder that is there as long as the process."""
-    folder = TemporaryDirectory(prefix="prag_asp_")
-    Finalize(None, folder.cleanup, exitpriority=0)  # processes of multiprocessing end without Python's own finalizers
-    return folder
+                meshes |= _simplified(link, visual, f"{kind}_{number}", named)
+    return {f"{kind}.urdf": ElementTree.tostring(root), **meshes}
 
 
 def _rgb(material: ElementTree.Element) -> Colour | None:
@@ -87,9 +74,12 @@ def _rgb(material: ElementTree.Element) -> Colour | None:
     return red, green, blue
 
 
-def _simplify(link: ElementTree.Element, visual: ElementTree.Element, stem: Path, named: Mapping[str, Colour]) -> None:
-    """Replace what is seen of a link by meshes of few corners, one for each colour; their files begin with a stem.
+def _simplified(
+    link: ElementTree.Element, visual: ElementTree.Element, stem: str, named: Mapping[str, Colour]
+) -> dict[str, bytes]:
+    """Replace what is seen of a link by meshes of few corners, one for each colour, and return their files.
 
+    Their names begin with a stem, for they have to be a robot's alone: PyBullet remembers meshes by their paths.
     `named` are the colours of the robot's materials.
     """
     mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
@@ -98,15 +88,17 @@ def _simplify(link: ElementTree.Element, visual: ElementTree.Element, stem: Path
     source = Path(mesh.get("filename", ""))
     material = visual.find("material")
     given = WHITE if material is None else named.get(material.get("name", ""), WHITE)
+    files = {}
     for number, (colour, parts) in enumerate(_by_colour(source, given).items()):
-        path = stem.with_name(f"{stem.name}_{number}.obj")
-        path.write_text("\n".join(_lines(parts)) + "\n", encoding="ascii")
+        name = f"{stem}_{number}.obj"
+        files[name] = ("\n".join(_lines(parts)) + "\n").encode("ascii")
         part = ElementTree.SubElement(link, "visual")
         if origin is not None:
             part.append(origin)
-        ElementTree.SubElement(ElementTree.SubElement(part, "geometry"), "mesh", filename=str(path))
-        paint = ElementTree.SubElement(part, "material", name=f"{path.stem}_of_few_corners")
+        ElementTree.SubElement(ElementTree.SubElement(part, "geometry"), "mesh", filename=name)
+        paint = ElementTree.SubElement(part, "material", name=f"{stem}_{number}_of_few_corners")
         ElementTree.SubElement(paint, "color", rgba=" ".join(f"{each:g}" for each in (*colour, 1.0)))
+    return files
 
 
 def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:

@@ -27,13 +27,13 @@ from prag_asp.physics.filming.backdrop import (
     has_still_floor,
     patches,
 )
-from prag_asp.physics.filming.looks import low_file
+from prag_asp.physics.filming.looks import low_files
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture import JOINT, set_opening
-from prag_asp.physics.world.simulated_arm import load_robot
+from prag_asp.physics.world.simulated_arm import load_written
 from prag_asp.physics.world.simulator import open_client, start_world
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
@@ -66,7 +66,7 @@ class Studio:
         start_world(client)
         self._robots = {name: robot_of(scene, name) for name in scene.robots}
         self._arms = {
-            name: load_robot(client, low_file(mount.kind), self._robots[name].base, visual=True)
+            name: load_written(client, low_files(mount.kind), self._robots[name].base, visual=True)
             for name, mount in scene.robots.items()
         }
         self._bodies = {

@@ -8,6 +8,7 @@ arm without a gripper is given one, whose fingers have the same stiffness.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -30,8 +31,9 @@ def wheel_file(robot: Robot) -> Path:
     return Path(pybullet_data.getDataPath()) / robot.urdf
 
 
-def write_robot(robot: Robot, folder: Path) -> Path:
-    """Write the URDF of a robot with a gripper, its fingers made of boxes, into a folder, and return its path.
+@lru_cache(maxsize=32)
+def robot_file(robot: Robot) -> bytes:
+    """Return the URDF of a robot with a gripper, its fingers made of boxes.
 
     Raises:
         SceneError: the wheel's URDF cannot be read, or lacks a finger.
@@ -50,9 +52,7 @@ def write_robot(robot: Robot, folder: Path) -> Path:
         if finger is None:
             raise SceneError(f"{source}: the robot has no link {name}")
         _give_boxes(finger, robot.finger_boxes, side)
-    target = folder / source.name
-    ElementTree.ElementTree(root).write(target)
-    return target
+    return ElementTree.tostring(root)
 
 
 def _mount(root: ElementTree.Element, hand: Hand, robot: Robot) -> None:

@@ -7,18 +7,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import combinations
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
-from prag_asp.physics.robot.file import write_robot
+from prag_asp.physics.robot.file import robot_file
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.bodies import make_body, make_table, parking_place
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture import JOINT, UPRIGHT, read_opening, set_opening
-from prag_asp.physics.world.simulated_arm import load_robot
+from prag_asp.physics.world.simulated_arm import load_written
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.physics.written import PARTS
 from prag_asp.scene.geometry import Pose
@@ -74,10 +72,9 @@ class LoadedArm:
 class Dynamics:
     """One PyBullet client, its world built anew for every task, on which alone the results then depend."""
 
-    def __init__(self, scene: Scene, client: int, files: Mapping[str, Path]):
+    def __init__(self, scene: Scene, client: int):
         self.scene = scene
         self.client = client
-        self._files = files
         self._arms: dict[str, LoadedArm] = {}
         self._bodies: dict[str, int] = {}
         self._furniture: dict[str, int] = {}
@@ -95,7 +92,7 @@ class Dynamics:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=TIME_STEP, numSolverIterations=SOLVER_ITERATIONS, physicsClientId=self.client
         )
-        self._arms = {name: self._load_arm(name, path) for name, path in self._files.items()}
+        self._arms = {name: self._load_arm(name) for name in self.scene.robots}
         table = make_table(self.client, self.scene)
         self._bodies = {
             entity: make_body(self.client, self.scene, entity, moment.poses[entity].position) for entity in objects
@@ -195,7 +192,7 @@ class Dynamics:
     @property
     def parts(self) -> tuple[str, ...]:
         """The names of the bodies and links that contacts are told of, before those of the objects."""
-        grippers = [f"{part} of {name}" for name in self._files for part in PARTS]
+        grippers = [f"{part} of {name}" for name in self.scene.robots for part in PARTS]
         return (*grippers, "table")
 
     def contacts(self) -> Mapping[tuple[int, int], float]:
@@ -245,11 +242,11 @@ class Dynamics:
         states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
         return all(abs(state[1]) < RESTING for state in states)
 
-    def _load_arm(self, name: str, path: Path) -> LoadedArm:
+    def _load_arm(self, name: str) -> LoadedArm:
         """Load a robot whose links meet; its fingers are of rubber and coupled, as by the one motor of a real hand."""
         client, robot = self.client, robot_of(self.scene, name)
         with silenced(STDOUT):
-            body = load_robot(client, path, robot.base, solid=True)
+            body = load_written(client, {"robot.urdf": robot_file(robot)}, robot.base, solid=True)
         _meet_itself(client, body, robot)
         left, right = robot.finger_joints
         ends = ([1, 0, 0], [0, 0, 0], [0, 0, 0])
@@ -278,10 +275,5 @@ def open_dynamics(scene: Scene) -> Iterator[Dynamics]:
     Raises:
         SceneError: a robot of the scene cannot be loaded.
     """
-    with TemporaryDirectory(prefix="prag_asp_") as folder, open_client() as client:
-        files = {}
-        for i, name in enumerate(scene.robots):
-            place = Path(folder) / str(i)
-            place.mkdir()
-            files[name] = write_robot(robot_of(scene, name), place)
-        yield Dynamics(scene, client, files)
+    with open_client() as client:
+        yield Dynamics(scene, client)

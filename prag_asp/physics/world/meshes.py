@@ -1,4 +1,4 @@
-"""Files of meshes for PyBullet, written from what was read and measured: it has that body and no other.
+"""Meshes as PyBullet reads them, written from what was read and measured: it has that body and no other.
 
 Its own readers count points that no face uses, and a face of two corners or an .stl that is text ends the process.
 """
@@ -6,37 +6,32 @@ Its own readers count points that no face uses, and a face of two corners or an 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cache
+from functools import lru_cache
 from hashlib import sha256
 from itertools import chain
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from prag_asp.scene.model import Solid
-from prag_asp.scene.read.mesh import Part, mesh_parts
+from prag_asp.scene.read.mesh import Part, mesh_parts, state_of
 
 
-def mesh_file(solid: Solid) -> str:
-    """Return the path of an .obj with a mesh in metres, of which each object collides as its hull.
-
-    It is written once in a process, and again where the mesh has changed.
+def mesh_file(solid: Solid) -> tuple[str, bytes]:
+    """Return an .obj with a mesh in metres, of which each object collides as its hull, and a name that is its alone.
 
     Raises:
         SceneError: the mesh cannot be read.
     """
-    parts = mesh_parts(solid.mesh, solid.size)
-    about = Path(solid.mesh).stat()
-    name = sha256(repr((solid.mesh, about.st_mtime_ns, about.st_size, solid.size)).encode()).hexdigest()
-    path = Path(_folder().name) / f"{name[:32]}.obj"
-    if not path.exists():
-        path.write_text("\n".join(_lines(parts)) + "\n", encoding="ascii")
-    return str(path)
+    return _file(solid.mesh, solid.size, state_of(solid.mesh))
 
 
-@cache
-def _folder() -> TemporaryDirectory[str]:
-    """Return a folder that is there as long as the process."""
-    return TemporaryDirectory(prefix="prag_asp_")
+@lru_cache(maxsize=32)
+def _file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int]) -> tuple[str, bytes]:
+    """Return an .obj and its name; a mesh that is in another state is another one.
+
+    Raises:
+        SceneError: the mesh cannot be read.
+    """
+    content = ("\n".join(_lines(mesh_parts(mesh, scale))) + "\n").encode("ascii")
+    return f"{sha256(content).hexdigest()[:32]}.obj", content
 
 
 def _lines(parts: Sequence[Part]) -> Iterator[str]:

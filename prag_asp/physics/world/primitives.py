@@ -7,6 +7,7 @@ from typing import Any
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.lent import lent
 from prag_asp.physics.world.meshes import mesh_file
 from prag_asp.scene.model import Solid
 
@@ -33,10 +34,22 @@ def make_shapes(solids: Sequence[Solid], client: int, color: str | None) -> tupl
     Raises:
         SceneError: PyBullet refuses one, or a mesh cannot be read.
     """
+    meshes = {solid: mesh_file(solid) for solid in solids if solid.mesh}
+    with lent(dict(meshes.values())) as folder:
+        files = {solid: str(folder / name) for solid, (name, _) in meshes.items()}
+        return _loaded(solids, client, color, files)
+
+
+def _loaded(solids: Sequence[Solid], client: int, color: str | None, files: Mapping[Solid, str]) -> tuple[int, int]:
+    """Return the ids of what several solids collide with and look like, of which meshes have files.
+
+    Raises:
+        SceneError: PyBullet refuses one.
+    """
     body = pybullet.createCollisionShapeArray(
         **_sizes(solids),
         collisionFramePositions=[solid.at for solid in solids],
-        **_turned("collision", solids),
+        **_turned("collision", solids, files),
         physicsClientId=client,
     )
     looks = NOTHING
@@ -48,7 +61,7 @@ def make_shapes(solids: Sequence[Solid], client: int, color: str | None) -> tupl
         looks = pybullet.createVisualShapeArray(
             **_sizes(seen),
             visualFramePositions=[solid.at for solid in seen],
-            **_turned("visual", seen),
+            **_turned("visual", seen, files),
             rgbaColors=colors,
             physicsClientId=client,
         )
@@ -78,12 +91,12 @@ def _marks(ball: Solid) -> list[Solid]:
     ]
 
 
-def _turned(what: str, solids: Sequence[Solid]) -> dict[str, Any]:
+def _turned(what: str, solids: Sequence[Solid], files: Mapping[Solid, str]) -> dict[str, Any]:
     """Return the arguments for turned solids and for meshes, none where there are none."""
     if not any(solid.mesh or solid.turn != STRAIGHT for solid in solids):
         return {}
     return {
-        "fileNames": [mesh_file(solid) if solid.mesh else "" for solid in solids],
+        "fileNames": [files.get(solid, "") for solid in solids],
         "meshScales": [(1.0, 1.0, 1.0)] * len(solids),
         f"{what}FrameOrientations": [pybullet.getQuaternionFromEuler(solid.turn) for solid in solids],
     }

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.robot.file import wheel_file, write_robot
+from prag_asp.physics.lent import lent
+from prag_asp.physics.robot.file import robot_file, wheel_file
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.scene.boxes import Corners, around, touch
 from prag_asp.scene.geometry import Pose, rotate
@@ -136,6 +136,18 @@ def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False, sol
         raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
 
 
+def load_written(
+    client: int, files: Mapping[str, bytes], base: Pose, *, visual: bool = False, solid: bool = False
+) -> int:
+    """Load an arm as `load_robot` does, from a URDF that is the first of some files.
+
+    Raises:
+        SceneError: PyBullet cannot load it.
+    """
+    with lent(files) as folder:
+        return load_robot(client, folder / next(iter(files)), base, visual=visual, solid=solid)
+
+
 def _load_with_hand(client: int, robot: Robot, visual: bool) -> int:
     """Load an arm with its gripper where it stands.
 
@@ -144,8 +156,7 @@ def _load_with_hand(client: int, robot: Robot, visual: bool) -> int:
     """
     if robot.hand is None:
         return load_robot(client, wheel_file(robot), robot.base, visual=visual)
-    with TemporaryDirectory(prefix="prag_asp_") as folder:
-        return load_robot(client, write_robot(robot, Path(folder)), robot.base, visual=visual)
+    return load_written(client, {"robot.urdf": robot_file(robot)}, robot.base, visual=visual)
 
 
 def read_flange(client: int, arm: int, robot: Robot) -> Pose:

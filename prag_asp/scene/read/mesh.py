@@ -82,11 +82,20 @@ def _parts(path: str) -> tuple[Part, ...]:
     """
     if Path(path).suffix.lower() not in (".obj", ".stl"):
         raise SceneError(f"{path}: a mesh of unknown format; give an .obj or an .stl")
+    return _read(path, *state_of(path))
+
+
+def state_of(path: str) -> tuple[int, int]:
+    """Return when a mesh was modified, in nanoseconds, and its size in bytes: they tell its contents apart.
+
+    Raises:
+        SceneError: the file cannot be read.
+    """
     try:
         about = Path(path).stat()
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
-    return _read(path, about.st_mtime_ns, about.st_size)
+    return about.st_mtime_ns, about.st_size
 
 
 @lru_cache(maxsize=32)

@@ -22,6 +22,12 @@ from prag_asp.space.weighing.weights import Walks, Weighed
 Over = Literal["skeletons", "goals"]
 OVER: tuple[Over, ...] = ("skeletons", "goals")
 
+KEPT_SUMS = 100_000
+"""States of skeletons whose sums are kept at most: some tens of megabytes."""
+
+Sums = tuple[list[dict[int, list[int]]], int]
+"""For each step of a skeleton and each state the running sums of what its moves lead to; and the weight of it all."""
+
 
 @dataclass(frozen=True)
 class Drawn:
@@ -154,6 +160,8 @@ class OverSkeletons:
         self._skeletons = PathDrawer(completions, length)
         self._skeleton_letters = completions.automaton.letters
         self.count = int(completions.row(length)[0])
+        self._known: dict[tuple[int, ...], Sums] = {}
+        self._kept = 0
 
     @cached_property
     def _moves(self) -> list[dict[int, list[tuple[int, int, int]]]]:
@@ -178,7 +186,7 @@ class OverSkeletons:
             found = self._skeletons.descend(starts, words[:, : self._length], further)
             skeletons = self._skeleton_letters[found].T.tolist()
             for place, (skeleton, chosen) in enumerate(zip(skeletons, words[:, self._length :].tolist(), strict=True)):
-                path, total = self._with_skeleton(skeleton, chosen, partial(further, place))
+                path, total = self._with_skeleton(tuple(skeleton), chosen, partial(further, place))
                 edges[:, begin + place] = path
                 totals.append(self.count * total)
         return Drawn(_letters(self._automaton, edges), _shares(self._automaton, edges, totals) if tell else ())
@@ -189,7 +197,7 @@ class OverSkeletons:
         The skeleton is the one of a rank from 0 to `count` - 1.
         """
         words = bits.words(number, 1, self._length)[0].tolist()
-        path, total = self._with_skeleton(self._ranking.unrank(rank), words, partial(bits.further, number))
+        path, total = self._with_skeleton(tuple(self._ranking.unrank(rank)), words, partial(bits.further, number))
         edges = np.array(path, dtype=np.int64)[:, None]
         return _letters(self._automaton, edges)[0].tolist(), _shares(self._automaton, edges, [total])[0]
 
@@ -199,14 +207,35 @@ class OverSkeletons:
         return Ranking(self._completions, self._length)
 
     def _with_skeleton(
-        self, skeleton: Sequence[int], words: Sequence[int], further: Callable[[int], Iterator[int]]
+        self, skeleton: tuple[int, ...], words: Sequence[int], further: Callable[[int], Iterator[int]]
     ) -> tuple[list[int], int]:
         """Return the edges of a word with a skeleton, chosen by words, and the weight of all words that have it."""
+        sums, total = self._sums(skeleton)
+        state, path = 0, []
+        for step, name in enumerate(skeleton):
+            chosen = exact_choice(sums[step][state], words[step], partial(further, self._length + step))
+            edge, state, _ = self._moves[state][name][chosen]
+            path.append(edge)
+        return path, total
+
+    def _sums(self, skeleton: tuple[int, ...]) -> Sums:
+        """Return the sums of a skeleton, which are kept: short skeletons are drawn often."""
+        known = self._known.get(skeleton)
+        if known is None:
+            known = self._summed(skeleton)
+            self._kept += sum(map(len, known[0]))
+            if self._kept > KEPT_SUMS:
+                self._known, self._kept = {}, 0
+            self._known[skeleton] = known
+        return known
+
+    def _summed(self, skeleton: tuple[int, ...]) -> Sums:
+        """Return for each step and state the running sums of the moves, and the weight of all words."""
         layers: list[set[int]] = [{0}]
         for name in skeleton:
             layers.append({move[1] for state in layers[-1] for move in self._moves[state].get(name, ())})
         behind = {state: int(self._automaton.accepting[state]) for state in layers[-1]}
-        choices: list[dict[int, list[int]]] = []
+        sums: list[dict[int, list[int]]] = []
         for name, layer in zip(reversed(skeleton), reversed(layers[:-1]), strict=True):
             here = {
                 state: list(accumulate(weight * behind[target] for _, target, weight in self._moves[state][name]))
@@ -214,14 +243,8 @@ class OverSkeletons:
                 if name in self._moves[state]
             }
             behind = {state: here[state][-1] if state in here else 0 for state in layer}
-            choices.append(here)
-        state, path = 0, []
-        for step, name in enumerate(skeleton):
-            running = choices[-1 - step][state]
-            chosen = exact_choice(running, words[step], partial(further, self._length + step))
-            edge, state, _ = self._moves[state][name][chosen]
-            path.append(edge)
-        return path, behind[0]
+            sums.append(here)
+        return sums[::-1], behind[0]
 
 
 def _letters(automaton: Automaton, edges: NDArray[np.int64]) -> NDArray[np.int32]:

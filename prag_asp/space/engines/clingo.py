@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
 
@@ -83,11 +83,7 @@ class ClingoEngine:
         stage("searching words")
 
         def onward(word: Letters) -> Iterator[Letters]:
-            step = len(word)
-            for letter in self.letters:
-                longer = (*word, letter)
-                if self._fits(letter, prefix[step : step + 1]) and plans.possible((*longer, *prefix[step + 1 :])):
-                    yield longer
+            return ((*word, letter) for letter in plans.following(word, prefix[len(word) :]))
 
         if length == 0:
             yield from [()] if plans.possible(prefix) else []
@@ -120,11 +116,6 @@ class ClingoEngine:
         """Return the words of a length with their weights, by enumerating them all."""
         return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
-    def _fits(self, letter: str, wanted: Letters) -> bool:
-        if not wanted or wanted[0] == letter:
-            return True
-        return letter.partition("(")[0] == name_in_prefix(wanted[0], self.letters)
-
     def _plans(self, length: int) -> _Unrolled:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
@@ -139,7 +130,7 @@ class _Unrolled:
         self._shown = "named" if level == "skeleton" else "occurs"
         self._letters = letters
         projected = f"{self._shown}(X,t) : {self._shown}(X,t)"
-        grounder = Grounder(program, "0", "--project=project", "--stats")
+        grounder = Grounder(program, "0", "--project=project")
         self._control = grounder.control
         self._control.add("step", ["t"], f"#project {projected}.")
         grounder.ground([("base", [])])
@@ -168,9 +159,38 @@ class _Unrolled:
 
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
+        return self._found(assumptions, ()) is not None
+
+    def following(self, word: Letters, wanted: Letters) -> list[str]:
+        """Return the letters, in order, that follow `word` in words that go on as `wanted`.
+
+        A search finds one of them, so that it takes no more searches than there are, and one.
+        """
+        assumptions = self.assume((*word, *wanted))
+        if assumptions is None:
+            return []
+        time = clingo.Number(len(word) + 1)
+        atoms = self._control.symbolic_atoms
+        at_step = ((name, atoms[clingo.Function(self._shown, [term, time])]) for name, term in self._letters.items())
+        literals = {letter: atom.literal for letter, atom in at_step if atom is not None}
+        found: set[int] = set()
+        while (new := self._found([*assumptions, *(-each for each in found)], literals.values())) is not None:
+            if not new:  # encodings that are no copies of ours may let a step have no action
+                left = set(literals.values()) - found
+                found |= {each for each in left if self.satisfiable([*assumptions, each])}
+                break
+            found |= new
+        return [letter for letter, literal in literals.items() if literal in found]
+
+    def _found(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
+        """Return which literals hold in an answer set that satisfies what is assumed, or None where there is none.
+
+        For an error in what it calls at the end, clingo ends the process: so nothing interrupts it.
+        """
         self._limit(1)
-        with uninterrupted():  # for an error in what it calls at the end, clingo ends the process
-            return bool(self._control.solve(assumptions=list(assumptions)).satisfiable)
+        with uninterrupted(), self._control.solve(assumptions=list(assumptions), yield_=True) as handle:
+            model = handle.model()
+            return None if model is None else {each for each in literals if model.is_true(each)}
 
     def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, str | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
@@ -190,10 +210,11 @@ class _Unrolled:
                 handle.cancel()
                 raise
             handle.get()
+            # Models are numbered as they are found; the statistics say so too, but cost milliseconds to read.
+            last = handle.last()
         if known is not None:
             return known, None
-        # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
-        return int(self._control.statistics["summary"]["models"]["enumerated"]), stopped
+        return last.number if last is not None else 0, stopped
 
     def _limit(self, models: int) -> None:
         solving = self._control.configuration.solve

@@ -9,6 +9,7 @@ import pytest
 from prag_asp import EngineError, TaskSpace
 from prag_asp.logic.model import Model
 from tests.domains import domain_of
+from tests.spaces import with_engines
 
 TWO = "fluent(f). action(a). action(b). postcondition(a,f,true). postcondition(b,f,false). initially(f,false)."
 COUNTER = TWO + "\n#program base.\nn(0,0).\n#program step(t).\nn(N+1,t) :- n(N,t-1), occurs(a,t){end}.\n" + (
@@ -65,8 +66,6 @@ def test_what_only_several_carried_atoms_make_together_is_found() -> None:
     domain = domain_of(TWO + "\n#program step(t).\n" + rules)
     names = {symbol.name for symbol in Model(domain).ground.before}
     assert names >= {"p", "q", "r", "s"}
+    automaton, clingo = with_engines(domain, "automaton", "clingo")
     for length in range(7):
-        automaton, clingo = (
-            TaskSpace(domain, length, engine=engine).count("plan") for engine in ("automaton", "clingo")
-        )
-        assert automaton == clingo
+        assert automaton.at(length).count("plan") == clingo.at(length).count("plan")

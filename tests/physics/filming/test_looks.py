@@ -1,13 +1,12 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.filming.looks import Mesh, clustered, low_file, read_parts
+from prag_asp.physics.filming.looks import Mesh, clustered, low_files, read_parts
 from prag_asp.physics.filming.studio import matrices, open_studio
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.simulator import open_simulator
@@ -41,9 +40,9 @@ def test_corners_of_a_cell_become_one_and_triangles_without_area_go():
 
 @pytest.mark.parametrize("kind", ROBOTS)
 def test_a_robot_of_few_corners_looks_like_the_whole_one(kind):
-    text = low_file(kind).read_text()
-    triangles = sum(Path(file).read_text().count("\nf ") for file in re.findall(r'filename="([^"]+)"', text))
-    assert triangles < 4000 and "collision" not in text
+    urdf, *meshes = low_files(kind).values()
+    assert b"collision" not in urdf and sum(mesh.count(b"\nf ") for mesh in meshes) < 4000
+    assert set(re.findall(r'filename="([^"]+)"', urdf.decode())) == {*low_files(kind)} - {f"{kind}.urdf"}
     scene = Scene({"arm": Shape("robot")}, robots={"arm": Mount(kind)})
     moment = Moment({}, {"arm": Arm(ROBOTS[kind].home, 0.06)})
     camera = Camera((1.6, 0.9, 0.7), (0.2, 0.0, 0.45), 45.0, size=(128, 128))

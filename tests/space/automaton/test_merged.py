@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from functools import cache
 from itertools import islice
 
 import pytest
@@ -22,6 +23,11 @@ from tests.domains import domain_of
 from tests.strategies import symmetric_texts
 
 SHOWN = 300
+
+
+@cache
+def shipped(name: str) -> Model:
+    return Model(load_domain(name))
 
 
 def states_of(engine: AutomatonEngine, length: int) -> int:
@@ -68,7 +74,7 @@ def check_that_merging_changes_nothing(model: Model, level: Level, length: int, 
 def test_shipped_domains_are_the_same_merged_or_not(
     name: str, length: int, level: Level, weights: dict[str, str], chance: Chance
 ) -> None:
-    model = Model(load_domain(name))
+    model = shipped(name)
     check_that_merging_changes_nothing(model, level, length, chance.seed(1), parse_weights(weights, model.domain.facts))
 
 
@@ -84,12 +90,12 @@ def test_random_symmetric_domains_are_the_same_merged_or_not(text: str, level: L
 
 @pytest.mark.parametrize("weights", [{"block": 2}, {"a": 2}, {"a": 2, "b": 2, "c": "1/2"}, {"pick_up(a)": 3, "d": 7}])
 def test_weights_split_the_entities_that_they_tell_apart(weights: dict[str, str], chance: Chance) -> None:
-    model = Model(load_domain("blocks"))
+    model = shipped("blocks")
     check_that_merging_changes_nothing(model, "plan", 6, chance.seed(5), parse_weights(weights, model.domain.facts))
 
 
 def test_entities_that_weigh_the_same_and_are_in_no_weighed_action_stay_together() -> None:
-    model = Model(load_domain("blocks"))
+    model = shipped("blocks")
     weights = parse_weights({"a": 2, "b": 2, "pick_up(d)": 3}, model.domain.facts)
     assert [list(map(str, group)) for group in equal_groups(model.groups(0), weights)] == [["a", "b"]]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import chain, islice
 
 import pytest
@@ -31,10 +32,15 @@ def test_other_texts_are_refused_in_one_line(text: str) -> None:
     assert len(error.value.lines) == 1
 
 
+@cache
+def kitchen() -> TaskSpaces:
+    return TaskSpaces(load_domain("kitchen"), range(1, 4))
+
+
 @pytest.mark.parametrize("weights", [{}, {"open": 3}], ids=str)
 @pytest.mark.parametrize("more", [{}, {"hold_out": "close"}], ids=str)
 def test_what_is_dealt_are_the_draws_of_all_in_their_order(weights: dict[str, int], more: dict[str, str]) -> None:
-    space = TaskSpaces(load_domain("kitchen"), range(1, 4))
+    space = kitchen()
     division = Division.parse(None, **more)
     whole = ordered_parts(space, division, seed=5, weights=weights)
     for number in (1, 2, 3):

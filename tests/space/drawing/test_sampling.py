@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from fractions import Fraction
+from functools import cache
 from itertools import islice, pairwise
 
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.space.engines.protocol import Level
 from prag_asp.space.weighing.weights import Number
 from tests.chance import Chance
 from tests.spaces import with_engine
@@ -31,6 +33,17 @@ KINDS: dict[str, dict[str, Number]] = {
 }
 
 
+@cache
+def pairs(engine: str) -> TaskSpace:
+    """Return the space of two actions with an engine."""
+    return with_engine(PAIRS, engine)
+
+
+@cache
+def words_of_pairs(engine: str, by: Level) -> list[tuple[str, ...]]:
+    return list(pairs(engine).words(by))
+
+
 def expected_weight(plan: tuple[str, ...], weights: dict[str, Number]) -> Fraction:
     """Weigh a plan by the definition: actions and pairs as often as they occur, entities once."""
     names = [action.partition("(")[0] for action in plan]
@@ -48,12 +61,11 @@ def expected_weight(plan: tuple[str, ...], weights: dict[str, Number]) -> Fracti
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("by", ["task", "plan"])
-def test_draws_follow_the_weights(kind: str, by: str, engine: str, chance: Chance) -> None:
+def test_draws_follow_the_weights(kind: str, by: Level, engine: str, chance: Chance) -> None:
     weights = KINDS[kind]
-    space = with_engine(PAIRS, engine)
-    plans = list(space.words(by))  # type: ignore[arg-type]
+    plans = words_of_pairs(engine, by)
     total = sum(expected_weight(plan, weights) for plan in plans)
-    draws = list(islice(space.draw_words(seed=chance.seed(11), weights=weights, by=by), DRAWS))  # type: ignore[arg-type]
+    draws = list(islice(pairs(engine).draw_words(seed=chance.seed(11), weights=weights, by=by), DRAWS))
     seen = Counter(draw.word for draw in draws)
     assert set(seen) <= {plan for plan in plans if expected_weight(plan, weights)}
     statistic, cells = 0.0, 0

@@ -15,17 +15,16 @@ from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.drawing.statistics import Statistics
-from prag_asp.space.engines.protocol import LEVELS
+from prag_asp.space.engines.protocol import LEVELS, Level
 from prag_asp.space.weighing.weights import Number
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.domains import domain_of
-from tests.space.drawing.test_sampling import KINDS, expected_weight
+from tests.space.drawing.test_sampling import KINDS, expected_weight, pairs, words_of_pairs
 from tests.spaces import with_engine
 from tests.strategies import toys
 
 DOMAIN = load_domain("prag")
-PAIRS = TaskSpace(DOMAIN, 2)
 ENTITIES = {
     "apple_1": {"apple", "graspable"}, "apple_2": {"apple", "graspable"}, "box_1": {"box", "graspable"},
     "can_1": {"can", "graspable"}, "bowl_1": {"bowl", "location"}, "crate_1": {"crate", "location"},
@@ -65,11 +64,11 @@ def check(found: Statistics, weighed: dict[tuple[str, ...], Fraction]) -> None:
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("by", ["task", "plan"])
-def test_figures_are_those_of_all_words_for_each_kind_of_weight(kind: str, by: str, engine: str) -> None:
-    space = with_engine(PAIRS, engine)
-    weighed = {word: expected_weight(word, KINDS[kind]) for word in space.words(by)}  # type: ignore[arg-type]
-    check(space.statistics(weights=KINDS[kind], by=by), weighed)  # type: ignore[arg-type]
-    assert space.total_weight(weights=KINDS[kind], by=by) == sum(weighed.values())  # type: ignore[arg-type]
+def test_figures_are_those_of_all_words_for_each_kind_of_weight(kind: str, by: Level, engine: str) -> None:
+    space = pairs(engine)
+    weighed = {word: expected_weight(word, KINDS[kind]) for word in words_of_pairs(engine, by)}
+    check(space.statistics(weights=KINDS[kind], by=by), weighed)
+    assert space.total_weight(weights=KINDS[kind], by=by) == sum(weighed.values())
 
 
 @settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))

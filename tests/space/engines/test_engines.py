@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from prag_asp import EngineError, QueryError, TaskSpace
+from prag_asp.program.sources import Program
 from prag_asp.space.engines import ENGINES, Engine, engine_class
 from tests.domains import domain_of
 
@@ -84,6 +87,15 @@ def test_a_domain_without_actions_has_the_empty_plan_alone() -> None:
         space = TaskSpace(domain_of("fluent(f)."), 0, engine=engine)
         assert [space.at(n).count(by) for n in (0, 1, 5) for by in ("plan", "task", "skeleton")] == [1, 1, 1] + [0] * 6
         assert list(space.words("plan")) == [()]
+
+
+def test_words_are_found_where_other_encodings_let_a_step_have_no_action() -> None:
+    domain = domain_of("fluent(f). action(a; b). precondition(b,f,true). exclusive(f,f).")
+    texts = (each.text.replace("1 { occurs(A,t)", "{ occurs(A,t)") for each in domain.program.sources)
+    sources = (replace(each, text=text) for each, text in zip(domain.program.sources, texts, strict=True))
+    lax = replace(domain, program=Program(tuple(sources)))
+    assert list(TaskSpace(lax, 1, engine="clingo").words("plan")) == [("a",)]
+    assert TaskSpace(lax, 1, engine="clingo").count("plan") == 2
 
 
 def test_an_unknown_engine_and_a_negative_length_are_refused() -> None:

@@ -48,9 +48,10 @@ def check_agreement(toy: Toy, longest: int = LENGTH) -> None:
         names = sorted({tuple(action.partition("(")[0] for action in plan) for plan in expected})
         for space in spaces:
             here = space.at(length)
-            assert here.count("plan") == here.count("task") == len(expected)
+            assert here.count("plan") == len(expected)
             assert here.count("skeleton") == len(names)
             if length in (0, 3):
+                assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
                 assert sorted(here.words("plan")) == expected
                 assert list(here.words("skeleton")) == names
 

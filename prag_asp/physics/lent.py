@@ -1,0 +1,44 @@
+"""Files that are there only while PyBullet reads them.
+
+Processes of multiprocessing end without Python's own finalizers, and workers are ended from outside: a folder that were
+there as long as its process would outlive it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from tempfile import gettempdir
+from threading import get_ident
+from uuid import uuid4
+
+
+@contextmanager
+def lent(files: Mapping[str, bytes]) -> Iterator[Path]:
+    """Write files into a folder, which is gone afterwards; use it within no other one.
+
+    The folder has the same path each time in a thread, for PyBullet remembers meshes by their paths, for good: give
+    what differs different names.
+    """
+    folder = Path(gettempdir(), _name(os.getpid(), get_ident()))
+    if not files:
+        yield folder
+        return
+    folder.mkdir(mode=0o700)
+    try:
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+        yield folder
+    finally:
+        for name in files:
+            (folder / name).unlink(missing_ok=True)
+        folder.rmdir()
+
+
+@cache
+def _name(process: int, thread: int) -> str:
+    """Return a name that no other thread has, nor could anybody guess; a process that is forked has its own."""
+    return f"prag_asp_{process}_{thread:x}_{uuid4().hex}"

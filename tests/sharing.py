@@ -1,0 +1,71 @@
+"""What tests of physics, data sets and learning need of logic, computed once in a process.
+
+What it says of a domain is tested elsewhere. Here spaces of equal domains share it, as those that `TaskSpace.at` makes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+
+import pytest
+
+from prag_asp.domain import load
+from prag_asp.lint import check
+from prag_asp.lint.stages import Checked
+from prag_asp.logic.model import Model
+from prag_asp.program.paths import data_folder
+from prag_asp.program.sources import Program, Source
+from prag_asp.space import task_space
+from prag_asp.space.engines.protocol import Progress
+from prag_asp.space.limits import UNLIMITED, Limits
+from prag_asp.space.shared import Shared
+
+KEPT = 8
+"""How many domains are kept: a data set has one, a file of tests few."""
+
+_shared: deque[Shared] = deque(maxlen=KEPT)
+_checked = lru_cache(maxsize=KEPT)(check)
+
+
+@contextmanager
+def logic_shared() -> Iterator[None]:
+    """Let all task spaces that are made share the logic of equal domains, and check shipped domains once.
+
+    Those that tell of progress or have limits have engines of their own; domains that count with fewer entities are as
+    ever.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(task_space, "Shared", _known)
+        patch.setattr(load, "check", _check)
+        yield
+
+
+def _known(model: Model, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0) -> Shared:
+    """Return what a space shares with others: all that there is, or the logic alone."""
+    if model.domain.needed is not None:
+        return Shared(model, engine, progress, limits, fewest_actions)
+    like = [each for each in _shared if _equal(each.model.domain, model.domain)]
+    asked = engine, progress, limits, fewest_actions
+    for each in like:
+        if asked == (each.engine, None, UNLIMITED, each.fewest_actions):
+            return each
+    made = Shared(like[0].model if like else model, *asked)
+    if progress is None and limits is UNLIMITED:
+        _shared.append(made)
+    return made
+
+
+def _equal(one: load.Domain, other: load.Domain) -> bool:
+    """Tell whether domains say the same, wherever they lie: a data set has a copy of its own, also of the encodings."""
+    if one is other:
+        return True
+    ours, theirs = ((each.name, each.constants, each.learned, each.program.text) for each in (one, other))
+    return ours == theirs and one.encodings in (other.encodings, data_folder("encodings")) and one.facts == other.facts
+
+
+def _check(program: Program, settings: Source) -> Checked:
+    """Check a domain; other ones than those that are shipped may read files that tests change."""
+    return (_checked if settings.path.is_relative_to(data_folder("domains")) else check)(program, settings)
