@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -82,6 +83,20 @@ def starts(
     return found
 
 
+def wholly(skills: Sequence[str], count: int, *, seed: int) -> list[Start]:
+    """Return so many witnesses of all tasks that have these skills one after the other, by turns, begun at home."""
+    loaded, found = load_domain(DOMAINS[skills[-1]]), list[Start]()
+    tasks = [task for task in TaskSpace(loaded, len(skills)) if [action.name for action in task.actions] == [*skills]]
+    with open_validator(scene_of(loaded)) as validator:
+        for index in itertools.count():
+            task = tasks[index % len(tasks)]
+            if len(found) == count:
+                return found
+            witness = validator.validate(task, seed=seed, index=index).witness
+            if witness is not None:
+                found.append(Start(task, witness, 0))
+
+
 def require_apart(learned: Sequence[Start], tested: Sequence[Start], *, tasks: bool) -> None:
     """Make sure that no witness that is learned from is tested with, and where `tasks` are held out, no task either.
 
@@ -107,11 +122,12 @@ class FromStarts(gymnasium.Wrapper):
         self._rng = None if seed is None else np.random.default_rng(seed)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        """Begin an episode with one of the subgoals."""
+        """Begin an episode with one of the subgoals, but as the options say."""
         number = self._next if self._rng is None else int(self._rng.integers(len(self._given)))
         self._next = (number + 1) % len(self._given)
         asked = self._given[number].options
-        return self.env.reset(seed=seed, options=asked if self._there else {**asked, "stage": None})
+        whence = {} if self._there else {"stage": None}
+        return self.env.reset(seed=seed, options={**asked, **whence, **(options or {})})
 
 
 GENTLY = {"grasp": 0.2}

@@ -38,6 +38,13 @@ class Fact(NamedTuple):
         signed = self.predicate.signed_distance(situation, self.arguments)
         return signed if self.value else (-signed or BORDER)
 
+    def way(self, situation: Situation) -> float:
+        """Return how far there is to go until a situation satisfies the fact, in metres or radians.
+
+        It is the distance, or more where the shortest way is barred; at most 0 exactly where the fact is satisfied.
+        """
+        return self.predicate.signed_way(situation, self.arguments) if self.value else self.distance(situation)
+
     def sentence(self) -> str:
         """Return the fact in plain words."""
         return self.predicate.sentence(self.arguments, self.value)

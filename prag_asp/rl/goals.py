@@ -30,7 +30,7 @@ class Subgoal:
 
     def measured(self, situation: Situation) -> list[float]:
         """Return the signed distance of each fact in metres or radians, at most 0 where it holds, by `names`."""
-        return [fact.distance(situation) for fact in (*self.brought, *self.kept)]
+        return [fact.way(situation) for fact in (*self.brought, *self.kept)]
 
     def placed(self, measured: list[float]) -> list[float]:
         """Return signed distances as `PLACES` - 1 numbers, 0 where there is no fact.

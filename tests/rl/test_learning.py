@@ -8,9 +8,11 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from prag_asp.rl import Oracle
 from tests.docs.pages import DOCS, ROOT
 
 SHORTENED = {
@@ -18,6 +20,20 @@ SHORTENED = {
     "curves.py": ["--steps", "310", "--every", "310", "--training", "2", "--held-out", "1"],
     "fresh.py": ["--count", "1", "--training", "2"],
     "standing.py": ["--count", "1", "--length", "2"],
+    "parts.py": [
+        "--approach",
+        "60",
+        "--grasp",
+        "60",
+        "--every",
+        "60",
+        "--seeds",
+        "1",
+        "--training",
+        "3",
+        "--held-out",
+        "1",
+    ],
     "chained.py": ["--demonstrations", "2", "--count", "1", "--epochs", "1", "--length", "2"],
 }
 
@@ -63,6 +79,33 @@ def test_the_commands_run_that_learn_and_that_test_what_is_learned(tmp_path: Pat
     tested = [str(models) if word == "MODELS" else word for word in of("fresh.py")]
     assert "%" in done(tested, "--output", output)
     assert "fresh.parquet" in names(output)
+
+
+def test_the_command_runs_that_learns_a_pick_by_parts(tmp_path: Path) -> None:
+    pytest.importorskip("stable_baselines3")
+    assert "%" in done(of("parts.py"), "--output", tmp_path)
+    assert names(tmp_path) == {"parts.parquet", "parts.png"}
+
+
+@pytest.mark.parametrize("reaches", [True, False])
+def test_a_grasp_is_learned_from_where_the_approach_ends(reaches: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("stable_baselines3")
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
+    parts, curves, starts = (importlib.import_module(name) for name in ("parts", "curves", "starts"))
+    env = curves.begun(starts.wholly(parts.SKILLS, 3, seed=1), "dense", seed=0, begin="task")
+    expert = Oracle(env.unwrapped)
+
+    class Approach:
+        def predict(self, seen: Any, *, deterministic: bool) -> tuple[Any, None]:
+            return (expert({}) if reaches else 0 * env.action_space.sample()), None
+
+    grasping = parts.After(env, Approach(), limit=2)
+    seen, told = grasping.reset()
+    assert told["action"].startswith("grasp") and ("task" in told) is not reaches
+    assert seen.shape == env.observation_space.shape
+    ends = [grasping.step(0 * env.action_space.sample())[2:4] for _ in range(2)]
+    assert ends == [(False, False), (False, True)]
+    env.close()
 
 
 @pytest.mark.slow

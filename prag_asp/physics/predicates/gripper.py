@@ -40,6 +40,10 @@ SLIPS = 1.05
 The robot also speeds up what it lifts, so it loses bodies that weigh less: it takes some to prove that none is held.
 """
 
+RISE, ROOM, AJAR = 0.04, 0.03, 2.0
+"""How far above an object the tool has to be to come over it, and how much farther than that is wide the fingers have
+to be open, in metres; nearer than that, less: so many times what the tool misses."""
+
 SLANT = 1e-9
 """The cosine of a side that is taken to be parallel to the opening of the gripper."""
 
@@ -117,24 +121,48 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the tool misses the object, and the opening its width.
 
-    A box can be held anywhere but at its edges, for instance a long one at its end. The width is left out where the
-    tool is so far away that it cannot matter.
+    The width is left out where the tool is so far away that it cannot matter.
     """
     robot, entity = arguments
+    places = []
+    for missed in _grip_violations(situation, robot, entity):
+        places.append(missed)
+        yield missed
+    width = situation.arm(robot).width
+    if max(places) < max(width, 2 * math.hypot(*situation.shape(entity).half)):
+        yield abs(width - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
+
+
+def _grip_violations(situation: Situation, robot: str, entity: str) -> Iterator[float]:
+    """Yield by how many metres the tool misses where it can grip the object.
+
+    A box can be held anywhere but at its edges, for instance a long one at its end.
+    """
     shape, body = situation.shape(entity), situation.body(entity)
     x, y, z = situation.tool(robot).position
-    over, under = z - body.high[2], body.low[2] - BELOW - z
-    yield over
-    yield under
+    yield z - body.high[2]
+    yield body.low[2] - BELOW - z
     if shape.traits.even:
         (dx, dy), (half_x, half_y, _) = to_local(body.pose, x, y), shape.half
-        beside = max(abs(dx) - max(CENTRE_TOLERANCE, half_x - EDGE), abs(dy) - max(CENTRE_TOLERANCE, half_y - EDGE))
+        yield max(abs(dx) - max(CENTRE_TOLERANCE, half_x - EDGE), abs(dy) - max(CENTRE_TOLERANCE, half_y - EDGE))
     else:
-        beside = _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
-    yield beside
-    width = situation.arm(robot).width
-    if max(over, under, beside) < max(width, 2 * math.hypot(*shape.half)):
-        yield abs(width - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
+        yield _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
+
+
+def _holding_way(situation: Situation, arguments: Arguments) -> float:
+    """Return how far the tool and the fingers have to move until the object is held, in metres.
+
+    Beside the object the tool has to rise above it, and around it the fingers have to be open wider than it is. Both
+    demands grow with how far the tool is from where it grips, so the way does not leap.
+    """
+    robot, entity = arguments
+    over, under, beside = _grip_violations(situation, robot, entity)
+    aside, height = max(0.0, beside), over + under
+    least = min(RISE, AJAR * aside + height)
+    tool = aside + max(0.0, least - over) + max(0.0, over, least)
+    room = min(ROOM, AJAR * max(0.0, over, under, beside))
+    fingers = abs(situation.arm(robot).width - grip_width(situation, entity, robot) - room) + room - GRIP_TOLERANCE
+    return tool + max(0.0, fingers)
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -245,6 +273,7 @@ HOLDING = Predicate(
     name="holding",
     violations=_holding_violations,
     volume=_holding_volume,
+    way=_holding_way,
     sentence=states("{1} {is} held by the gripper"),
     named=states("{1} {is} held by the {0} gripper"),
     subject=1,

@@ -25,6 +25,13 @@ class ViolationsFunction(Protocol):
         """Yield the violations."""
 
 
+class WayFunction(Protocol):
+    """Gives how far there is to go until a predicate holds where it does not, round what bars the shortest way."""
+
+    def __call__(self, situation: Situation, arguments: Arguments) -> float:
+        """Return the way."""
+
+
 class VolumeFunction(Protocol):
     """Gives the region of a predicate's subject, which is turned by a rotation about z.
 
@@ -115,6 +122,9 @@ class Predicate:
     least and the greatest distance of the bounding boxes of the first two arguments, seen from above, in metres.
     `lies_between` is set where the subject is between the two others, `gripper` says what a robot's gripper does.
 
+    `way` is how far there is to go where that is more than the distance, for the rewards of agents: fingers open before
+    they go around something.
+
     For the search: `on_the_spot` is set where the subject can be turned to satisfy the predicate wherever it is,
     `seen_close` where the relation is seen at a glance only if the bodies are close to each other. What is drawn from
     `otherwise` does not satisfy the predicate.
@@ -142,6 +152,7 @@ class Predicate:
     apart: tuple[float, float] = (0.0, math.inf)
     lies_between: bool = False
     gripper: Gripper | None = None
+    way: WayFunction | None = None
     on_the_spot: bool = False
     seen_close: bool = False
     otherwise: VolumeFunction | None = None
@@ -161,6 +172,16 @@ class Predicate:
         changes by at most as much as the subject moves.
         """
         return max(self.violations(situation, arguments))
+
+    def signed_way(self, situation: Situation, arguments: Arguments) -> float:
+        """Return how far there is to go until the predicate holds: the signed distance, or its `way` if longer.
+
+        So it is at most 0 exactly where the predicate holds, whatever its way says.
+        """
+        signed = self.signed_distance(situation, arguments)
+        if self.way is None or signed <= 0.0:
+            return signed
+        return max(signed, self.way(situation, arguments))
 
     def holds(self, situation: Situation, arguments: Arguments) -> bool:
         """Check the predicate on a situation; the first violation ends the check."""

@@ -154,6 +154,7 @@ class Result(NamedTuple):
 
 RESULTS: Mapping[str, Result] = {
     "violations": Result(_are_numbers, "the violations of {} have to be numbers, at least one", yielded=True),
+    "way": Result(lambda found: _are_numbers([found]), "the way to {} has to be a number"),
     "volume": Result(_is_volume, "the volume of {} has to be a Volume, with numbers as its bounds"),
     "sentence": Result(_is_text, "the sentence of {} has to be a string"),
     "named": Result(_is_text, "the sentence of {} that names its gripper has to be a string"),

@@ -210,7 +210,8 @@ def test_the_distance_is_never_negative_and_zero_exactly_where_the_check_holds(s
         assert distance == max(0.0, signed)
         for value in (True, False):
             fact = Fact(predicate, ARGUMENTS[name], value)
-            assert fact.satisfied(situation) == (fact.distance(situation) <= 0.0)
+            assert fact.satisfied(situation) == (fact.distance(situation) <= 0.0) == (fact.way(situation) <= 0.0)
+            assert fact.way(situation) >= fact.distance(situation)
 
 
 @settings(max_examples=examples(100))
@@ -244,6 +245,47 @@ def test_a_small_move_of_the_gripper_or_of_its_fingers_changes_the_distance_by_n
         assert abs(moved - before) <= math.hypot(*move) + 1e-12
         opened = ALL[name].signed_distance(_gripping(situation, situation.tool("panda"), width + 0.01), ARGUMENTS[name])
         assert abs(opened - before) <= 0.01 + 1e-12
+
+
+@settings(max_examples=examples(300))
+@given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.1, 0.5]))
+def test_the_way_to_hold_something_does_not_leap(seed, spread):
+    rng = random.Random(seed)
+    situation = _situation(rng, spread=spread)
+    move, width = [rng.uniform(-1e-4, 1e-4) for _ in range(3)], situation.arms["panda"].width
+    at, quaternion = situation.tool("panda")
+    there = Pose(tuple(a + b for a, b in zip(at, move, strict=True)), quaternion)
+
+    def way(tool, opening):
+        return ALL["holding"].signed_way(_gripping(situation, tool, opening), ARGUMENTS["holding"])
+
+    before = way(situation.tool("panda"), width)
+    assert abs(way(there, width) - before) <= 9 * math.hypot(*move) + 1e-12
+    assert abs(way(situation.tool("panda"), width + 1e-4) - before) <= 1e-4 + 1e-12
+
+
+def _way(tool, width):
+    """How far it is to hold a cube of 5 cm in the middle of the table with the tool somewhere."""
+    situation = Situation(_scene(), {"cube": Pose((0.5, 0.0, 0.025))})
+    return ALL["holding"].signed_way(_gripping(situation, Pose(tool, DOWN), width), ("panda", "cube"))
+
+
+def test_the_way_to_hold_something_is_open_above_it_down_and_then_closed():
+    ways = [
+        _way(tool, width)
+        for tool, width in [
+            ((0.6, 0.0, 0.025), 0.02), ((0.6, 0.0, 0.08), 0.02), ((0.6, 0.0, 0.08), 0.08), ((0.5, 0.0, 0.08), 0.08),
+            ((0.5, 0.0, 0.06), 0.08), ((0.5, 0.0, 0.03), 0.08), ((0.5, 0.0, 0.03), 0.06), ((0.5, 0.0, 0.03), 0.05),
+        ]
+    ]  # fmt: skip
+    assert ways == sorted(ways, reverse=True) and len(set(ways)) == len(ways)
+    assert ways[-2] > 0.0 >= ways[-1]
+
+
+def test_nothing_is_gained_by_closing_above_something_or_by_pushing_it():
+    for height in (0.06, 0.07, 0.09, 0.2):
+        assert _way((0.5, 0.0, height), 0.055) > _way((0.5, 0.0, height), 0.08)
+    assert _way((0.56, 0.0, 0.03), 0.08) > _way((0.56, 0.0, 0.07), 0.08)
 
 
 def test_what_just_holds_has_to_move_by_a_little_to_hold_no_longer():
