@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis.strategies import integers
 
-from prag_asp import DomainError, TaskSpace, load_domain, why_empty
-from prag_asp.pddl import read, write
+from prag_asp import TaskSpace, load_domain, why_empty
+from prag_asp.pddl import read
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Source
 from tests.chance import examples
@@ -59,8 +59,6 @@ def test_warnings_and_reasons_name_lines_of_pddl(tmp_path: Path) -> None:
     assert [f"{each.path.name}:{each.line}" for each in unreached.warnings if each.name == "no-plan"] == [
         "problem.pddl:6"
     ]
-    with pytest.raises(DomainError, match=r"domain.pddl:16: PDDL cannot say this rule over time; leave it out"):
-        write(domain.name, domain.program, domain.facts)
 
 
 @settings(max_examples=examples(20))
