@@ -131,6 +131,17 @@ def reaches(task: Exported) -> bool:
     return search.holds(search.goal, state, {})
 
 
+CLASHING = """#include "rules/closed_world.lp".
+fluent((on;not'on)). action((a;b)). precondition(a,on,false). postcondition(a,on,true).
+precondition(b,not'on,false). postcondition(b,not'on,true).
+"""
+
+
+def test_no_predicate_is_named_as_the_opposite_of_another() -> None:
+    found = exported(load_domain(text=CLASHING), negative=False)
+    assert Search(found.domain, found.problem).count(3) == [1, 2, 2, 0]
+
+
 def test_actions_of_composites_go_out_with_what_may_come_next() -> None:
     domain = load_domain("kitchen")
     found = exported(domain)
