@@ -83,7 +83,8 @@ class _Step:
         propositions = [*self._propositions]
         try:
             demands = [*self._clauses(self._step.refused_at_end())]
-            demands += [(self._value(self._step.opposed(fluent, OPPOSITE[value])),) for fluent, value in goal.items()]
+            opposed = (self._step.opposed(fluent, OPPOSITE[value]) for fluent, value in goal.items())
+            demands += [(self._value(each),) for each in opposed if each is not None]
         except TooLarge:
             raise self._too_large("the goal") from None
         wanted, clauses = self._implied.units(demands)

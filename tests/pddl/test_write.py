@@ -142,6 +142,16 @@ def test_no_predicate_is_named_as_the_opposite_of_another() -> None:
     assert Search(found.domain, found.problem).count(3) == [1, 2, 2, 0]
 
 
+def test_a_task_without_actions_goes_out_where_no_action_can_ever_occur() -> None:
+    domain = load_domain(
+        text="fluent(f). initially(f,false). action(a). precondition(a,f,true).\n#program step(t). :- occurs(a,t-1)."
+    )
+    (task,) = TaskSpace(domain, 0)
+    for conditional in (True, False):
+        found = exported(domain, task, conditional=conditional)
+        assert Search(found.domain, found.problem).count(1) == [1, 0]
+
+
 def test_actions_of_composites_go_out_with_what_may_come_next() -> None:
     domain = load_domain("kitchen")
     found = exported(domain)
