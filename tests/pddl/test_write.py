@@ -276,7 +276,7 @@ def test_what_pddl_cannot_say_is_refused(tmp_path: Path) -> None:
         postcondition(b(N),f(N),true) :- action(b(N)).
         #program step(t). holds(g(N),true,t) :- moved(N,t). changed(g(N),t) :- moved(N,t).
         moved(N,t) :- occurs(a,t), holds(f(N),true,t-1)."""
-    with pytest.raises(DomainError, match="a depends on 12 fluents, which makes more than 1,000 copies of it; let it"):
+    with pytest.raises(DomainError, match=r"^<text>:3: a depends on 12 fluents, which makes more than 1,000 copies of"):
         exported(load_domain(text=text), conditional=False)
     with pytest.raises(DomainError, match="unknown, which PDDL cannot say; let the action make it true or false"):
         exported(load_domain(text="fluent(f). initially(f,true). action(a). postcondition(a,f,unknown).\n"))
