@@ -66,9 +66,15 @@ class StepFunctions:
         symbols = self._transition.variables
         return {number: (symbols[variable] in start) == value for variable, (number, value) in enumerate(self._own)}
 
-    def opposed(self, fluent: clingo.Symbol, value: str) -> tuple[int, bool]:
-        """Return the value of a proposition that says that a fluent is not known to have a value."""
-        number, so = self._own[self._transition.variables.index(holds(fluent, value))]
+    def opposed(self, fluent: clingo.Symbol, value: str) -> tuple[int, bool] | None:
+        """Return the value of a proposition that says that a fluent is not known to have a value.
+
+        None where it never has the value.
+        """
+        symbol = holds(fluent, value)
+        if symbol not in self._transition.variables:
+            return None
+        number, so = self._own[self._transition.variables.index(symbol)]
         return number, not so
 
     def tried(self, letter: int) -> Tried | None:

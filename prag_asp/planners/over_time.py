@@ -15,6 +15,7 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.planners.actions import CARRIED, Case, Effect, Ground, GroundAction, Proposition, Value
 from prag_asp.planners.evaluation import After, StepFunctions, holds
+from prag_asp.planners.ground import rules_over_time
 from prag_asp.planners.implied import Implied
 
 MOST_NODES = 1_000_000
@@ -63,7 +64,7 @@ class _Step:
     """The actions of a step; in `unknown` are fluents, taken for known, that some of them may leave unknown."""
 
     def __init__(self, domain: Domain, transition: Transition, unknown: frozenset[clingo.Symbol]) -> None:
-        self._name = domain.name
+        self._domain = domain
         self._terms = transition.actions
         self._preconditions = domain.facts.preconditions
         self._functions = Functions(MOST_NODES)
@@ -83,7 +84,8 @@ class _Step:
         propositions = [*self._propositions]
         try:
             demands = [*self._clauses(self._step.refused_at_end())]
-            demands += [(self._value(self._step.opposed(fluent, OPPOSITE[value])),) for fluent, value in goal.items()]
+            opposed = (self._step.opposed(fluent, OPPOSITE[value]) for fluent, value in goal.items())
+            demands += [(self._value(each),) for each in opposed if each is not None]
         except TooLarge:
             raise self._too_large("the goal") from None
         wanted, clauses = self._implied.units(demands)
@@ -105,7 +107,11 @@ class _Step:
 
     def _too_large(self, what: str) -> DomainError:
         told = f"{what} depends on the state in more ways than can be written"
-        return DomainError(f"{self._name}: {told}; let its rules read fewer fluents at once")
+        return DomainError(f"{self._place()}: {told}; let its rules read fewer fluents at once")
+
+    def _place(self) -> str:
+        """Return the line of the first rule over time, where there is one; which of them is at fault is not known."""
+        return next((f"{path}:{line}" for path, line in rules_over_time(self._domain.program)), self._domain.name)
 
     def _cases(self, letter: int, end: Node | None, *, whole: bool) -> Iterator[Case]:
         """Yield the cases of an action, none where it never occurs."""
@@ -190,7 +196,7 @@ class _Step:
             if number == MOST_CASES:
                 told = f"{name} depends on {len(functions.variables(read))} fluents, which makes more than"
                 hint = "let it keep its conditional effects"
-                raise DomainError(f"{self._name}: {told} {MOST_CASES:,} copies of it; {hint}")
+                raise DomainError(f"{self._place()}: {told} {MOST_CASES:,} copies of it; {hint}")
             if occurs == TRUE:
                 made = [made for (made, _), constant in zip(kept, constants, strict=True) if constant == TRUE]
                 case = {**before, **dict(map(self._value, cube))}

@@ -25,7 +25,7 @@ from prag_asp.planners.ground import (
 )
 from prag_asp.planners.lifting import Clause, Instance, Literal, Written, alike, lifted, variable
 from prag_asp.planners.spelling import Spelling
-from prag_asp.planners.texts import all_of, as_text, effects, opposite
+from prag_asp.planners.texts import all_of, as_text, effects, mirrored
 from prag_asp.program.facts import Facts
 from prag_asp.task import Task
 from prag_asp.wording import plural
@@ -143,16 +143,13 @@ class _Writer:
     def written(self, task: Task | None, comment: str) -> Exported:
         """Return the texts for the whole domain, or for a task."""
         goal, clauses = self._literals(self._ground.goal.items()), self._clauses(self._ground.clauses)
-        flipped = set() if self._negative else {each[0] for each in self._conditions(goal, clauses) if not each[2]}
-        initial = [each for proposition, each in self._told.items() if proposition in self._ground.initial]
-        initial += [
-            (opposite(each[0]), each[1], True)
-            for proposition, each in self._told.items()
-            if each[0] in flipped and proposition not in self._ground.initial
-        ]
+        asked = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
+        opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in asked}
+        first = [(*each[:2], proposition in self._ground.initial) for proposition, each in self._told.items()]
+        initial = [each for each in (*first, *mirrored(first, opposites)) if each[2]]
         steps = tuple(self._plan(map(symbol_of, task.actions))) if task is not None else ()
-        wanted = all_of(goal, clauses, flipped)
-        return Exported(self._domain(flipped), self._problem([*initial, *self._allowed], wanted, comment), steps)
+        wanted = all_of(goal, clauses, opposites)
+        return Exported(self._domain(opposites), self._problem([*initial, *self._allowed], wanted, comment), steps)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
         """Yield the steps of a plan: of an action with several cases, the one that is possible then."""
@@ -242,10 +239,10 @@ class _Writer:
         found += [":conditional-effects"] * any(where for case in cases for where, _ in case.after)
         return " ".join(found)
 
-    def _domain(self, flipped: set[str]) -> str:
+    def _domain(self, opposites: Mapping[str, str]) -> str:
         """Return the text of the domain."""
         predicates = {each[0]: len(each[1]) for each in self._told.values()}
-        opposites = {opposite(name): arity for name, arity in predicates.items() if name in flipped}
+        own = {opposites[name]: arity for name, arity in predicates.items() if name in opposites}
         allowed = {schema.allowed: len(schema.variables) for schema in self._schemas if schema.allowed}
         lines = [
             f"(define (domain {self._name})",
@@ -254,16 +251,16 @@ class _Writer:
             "  (:predicates",
             *(
                 f"    ({' '.join([name, *map(variable, range(arity))])})"
-                for name, arity in {**predicates, **opposites, **allowed}.items()
+                for name, arity in {**predicates, **own, **allowed}.items()
             ),
             "  )",
         ]
         for schema in self._schemas:
             case = schema.case
             before = [f" ({' '.join([schema.allowed, *schema.variables])})"] if schema.allowed else []
-            before.append(all_of(case.before, case.clauses, flipped))
+            before.append(all_of(case.before, case.clauses, opposites))
             lines += ["", f"  (:action {schema.name}", f"    :parameters ({' '.join(schema.variables)})"]
-            lines += [f"    :precondition (and{''.join(before)})", f"    :effect (and{effects(case, flipped)}))"]
+            lines += [f"    :precondition (and{''.join(before)})", f"    :effect (and{effects(case, opposites)}))"]
         return "\n".join([*lines, ")"]) + "\n"
 
     def _problem(self, initial: Iterable[Literal], wanted: str, comment: str) -> str:

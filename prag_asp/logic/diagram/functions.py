@@ -16,8 +16,12 @@ BOTTOM = 2**31
 """The level of the constants: below all variables."""
 
 
+MOST_CUBES = 50_000
+"""Conjunctions that a function is written with at most: some 100 MB."""
+
+
 class TooLarge(Exception):
-    """A function needs more nodes, or more variables, than there may be."""
+    """A function needs more nodes, more variables or more conjunctions than there may be."""
 
 
 class Functions:
@@ -139,6 +143,9 @@ class Functions:
         """Return conjunctions, none of which can be left out or made shorter by a literal, whose disjunction it is.
 
         Their number is not the least there is (Minato 1993, irredundant sums of products).
+
+        Raises:
+            TooLarge: there are more than `MOST_CUBES`.
         """
         return tuple(tuple(sorted(cube)) for cube in self._irredundant(function, function)[0])
 
@@ -174,7 +181,7 @@ class Functions:
         rest = self.any((self._minus(low, of_low), self._minus(high, of_high)))
         both, of_both = self._irredundant(rest, self.choice(low_most, high_most, FALSE))
         found = [((level, False), *cube) for cube in only_low] + [((level, True), *cube) for cube in only_high] + both
-        if len(found) > self._most:
+        if len(found) > MOST_CUBES:
             raise TooLarge
         return found, self.any((of_both, self._node(level, of_low, of_high)))
 

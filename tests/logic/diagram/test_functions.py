@@ -67,3 +67,12 @@ def test_a_function_of_too_many_variables_or_nodes_is_refused() -> None:
     functions = Functions(50)
     with pytest.raises(TooLarge):
         functions.at_least(10, [(functions.variable(number), 1) for number in range(20)])
+
+
+def test_a_function_of_too_many_conjunctions_is_refused_though_its_diagram_is_small() -> None:
+    functions = Functions(10**6)
+    odd = FALSE
+    for number in range(17):
+        odd = functions.choice(functions.variable(number), functions.opposite(odd), odd)
+    with pytest.raises(TooLarge):
+        functions.cubes(odd)
