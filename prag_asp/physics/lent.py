@@ -16,7 +16,10 @@ from tempfile import gettempdir
 from threading import get_ident
 from uuid import uuid4
 
+from prag_asp.errors import OutputError
 from prag_asp.processes.children import uninterrupted
+
+REMEDY = "set TMPDIR to a folder with room that can be written"
 
 
 @contextmanager
@@ -27,21 +30,36 @@ def lent(files: Mapping[str, bytes]) -> Iterator[Path]:
     what differs different names. What an interruption left of it goes before it is made again.
 
     Raises:
-        OSError: it cannot be written.
+        OutputError: it cannot be written.
     """
-    folder = Path(gettempdir(), _name(os.getpid(), get_ident()))
+    try:
+        folder = Path(gettempdir(), _name(os.getpid(), get_ident()))
+    except OSError as error:
+        raise OutputError(f"{error.strerror}; {REMEDY}") from None
     if not files:
         yield folder
         return
     try:
         rmtree(folder, ignore_errors=True)
-        folder.mkdir(mode=0o700)
-        for name, content in files.items():
-            (folder / name).write_bytes(content)
+        _write(files, folder)
         yield folder
     finally:
         with uninterrupted():
             rmtree(folder, ignore_errors=True)
+
+
+def _write(files: Mapping[str, bytes], folder: Path) -> None:
+    """Make a folder with files.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    try:
+        folder.mkdir(mode=0o700)
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written: {error.strerror}; {REMEDY}") from None
 
 
 @cache

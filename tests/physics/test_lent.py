@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import itertools
 import os
 import subprocess
@@ -12,6 +13,7 @@ from types import FrameType
 
 import pytest
 
+from prag_asp.errors import OutputError
 from prag_asp.physics import lent as lent_module
 from prag_asp.physics.lent import lent
 
@@ -131,13 +133,21 @@ def test_what_an_interruption_leaves_anywhere_bars_no_later_use(temporary: Path)
     assert line > 8
 
 
-def test_what_cannot_be_written_is_told_as_it_is_and_leaves_nothing(
+def test_what_cannot_be_written_is_told_in_one_line_and_leaves_nothing(
     temporary: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(FileNotFoundError, match=r"none/mesh\.obj"), lent({"none/mesh.obj": b""}):
-        pass
+    def full(path: Path, content: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # a write names no file, opening does
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", full)
+        with pytest.raises(OutputError, match="^/.*: No space left on device; set TMPDIR"), lent({"mesh.obj": b""}):
+            pass
     assert not any(temporary.iterdir())
     monkeypatch.setattr("tempfile.tempdir", str(temporary / "gone"))
-    with pytest.raises(FileNotFoundError, match="gone") as error, lent({"mesh.obj": b""}):
+    with pytest.raises(OutputError, match="gone/prag_asp_.*: No such file"), lent({"mesh.obj": b""}):
         pass
-    assert error.value.__context__ is None
+    monkeypatch.setattr("tempfile.tempdir", None)
+    monkeypatch.setattr("tempfile._candidate_tempdir_list", lambda: [str(temporary / "gone")])
+    with pytest.raises(OutputError, match="^No usable temporary directory .*; set TMPDIR"), lent({"mesh.obj": b""}):
+        pass
