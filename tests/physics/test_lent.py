@@ -141,13 +141,13 @@ def test_what_cannot_be_written_is_told_in_one_line_and_leaves_nothing(
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_bytes", full)
-        with pytest.raises(OutputError, match="^/.*: No space left on device; set TMPDIR"), lent({"mesh.obj": b""}):
+        with pytest.raises(OutputError, match=r"^/.*: No space left on device; set TMPDIR"), lent({"mesh.obj": b""}):
             pass
     assert not any(temporary.iterdir())
     monkeypatch.setattr("tempfile.tempdir", str(temporary / "gone"))
-    with pytest.raises(OutputError, match="gone/prag_asp_.*: No such file"), lent({"mesh.obj": b""}):
+    with pytest.raises(OutputError, match=r"gone/prag_asp_.*: No such file"), lent({"mesh.obj": b""}):
         pass
     monkeypatch.setattr("tempfile.tempdir", None)
     monkeypatch.setattr("tempfile._candidate_tempdir_list", lambda: [str(temporary / "gone")])
-    with pytest.raises(OutputError, match="^No usable temporary directory .*; set TMPDIR"), lent({"mesh.obj": b""}):
+    with pytest.raises(OutputError, match=r"^No usable temporary directory .*; set TMPDIR"), lent({"mesh.obj": b""}):
         pass
