@@ -1,4 +1,4 @@
-"""What tests of physics, data sets and learning need of logic, computed once in a process.
+"""What tests of commands, physics, data sets and learning need of logic, computed once in a process.
 
 What it says of a domain is tested elsewhere. Here spaces of equal domains share it, as those that `TaskSpace.at` makes.
 """

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 from prag_asp.cli import cli
+from tests.sharing import logic_shared
+
+
+@pytest.fixture(scope="package", autouse=True)
+def logic() -> Iterator[None]:
+    """Compute once what logic says of a domain; the commands that a process runs have their own."""
+    with logic_shared():
+        yield
 
 
 class Told:

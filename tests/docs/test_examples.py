@@ -33,6 +33,7 @@ SETUP = {
     ".venv/bin/pip install -e '.[docs]' && .venv/bin/mkdocs build --strict",
     f"{INSTALL} '.[learning]'",
     ".venv/bin/python benchmarks/learning/curves.py approach --rewards dense --seeds 1",
+    ".venv/bin/python benchmarks/learning/parts.py",
     ".venv/bin/python benchmarks/learning/oracle.py",
     ".venv/bin/python benchmarks/learning/chained.py",
     ".venv/bin/python benchmarks/learning/fresh.py MODELS",
