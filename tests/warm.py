@@ -11,6 +11,7 @@ import atexit
 import json
 import os
 import select
+import signal
 import socket
 import subprocess
 import sys
@@ -24,12 +25,17 @@ from typing import NoReturn
 ROOT = Path(__file__).parent.parent
 SERVE = "import sys; from tests.warm import serve; serve(sys.argv[1])"
 
+PLACE = "place"
+"""Where the process is asked, in the folder of the program: a whole path may be longer than sockets allow."""
+
 ASK = """#!{python} -IS
 import json, os, socket, sys
+said = json.dumps([os.getcwd(), dict(os.environ), sys.argv[1:]]).encode()
 with socket.socket(socket.AF_UNIX) as server:
+    os.chdir({folder!r})
     server.connect({place!r})
     socket.send_fds(server, [b"0"], [0, 1, 2])
-    server.sendall(json.dumps([os.getcwd(), dict(os.environ), sys.argv[1:]]).encode())
+    server.sendall(said)
     server.shutdown(socket.SHUT_WR)
     code = server.recv(9)
 sys.exit(int(code))
@@ -41,11 +47,11 @@ def warm_commands() -> Path:
     """Return the folder of the program that asks a warm process, which is there until this one ends."""
     with ExitStack() as ending:
         folder = Path(ending.enter_context(TemporaryDirectory()))
-        place, program = folder / "place", folder / "prag-asp"
-        program.write_text(ASK.format(python=sys.executable, place=str(place)))
+        program = folder / "prag-asp"
+        program.write_text(ASK.format(python=sys.executable, folder=str(folder), place=PLACE))
         program.chmod(0o700)
         variables = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "LC_ALL": "C.UTF-8"}
-        command = [sys.executable, "-c", SERVE, str(place)]
+        command = [sys.executable, "-c", SERVE, str(folder)]
         server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=variables)
         ending.enter_context(server)
         assert server.stdin is not None and server.stdout is not None
@@ -55,14 +61,15 @@ def warm_commands() -> Path:
     return folder
 
 
-def serve(place: str) -> None:
-    """Become the commands that are asked for, each in a fork, until nobody can ask any more."""
+def serve(folder: str) -> None:
+    """Become the commands that are asked for in a folder, each in a fork, until nobody can ask any more."""
     from tests.fuzz.isolated import warm
 
     warm()
     sys.path.remove("")  # what lies in the folder of a command is no module for it
     with socket.socket(socket.AF_UNIX) as asked:
-        asked.bind(place)
+        os.chdir(folder)
+        asked.bind(PLACE)
         asked.listen()
         os.write(1, b"warm\n")
         while asked in select.select([asked, sys.stdin], [], [])[0]:
@@ -82,7 +89,7 @@ def _forget_the_ended() -> None:
 
 
 def _answer(connection: socket.socket) -> NoReturn:
-    """Run one command in a fork of this one, and tell its code."""
+    """Run one command in a fork of this one, and tell its code; where nobody waits for it any more, end it."""
     _, streams, _, _ = socket.recv_fds(connection, 1, 3)
     with connection.makefile("rb") as said:
         folder, variables, arguments = json.loads(said.read())
@@ -93,8 +100,14 @@ def _answer(connection: socket.socket) -> NoReturn:
     if command == 0:
         connection.close()
         _become(folder, variables, arguments)
+    either = select.poll()
+    either.register(os.pidfd_open(command), select.POLLIN)
+    either.register(connection, 0)  # of which one hears that it is closed
+    if [each for each, _ in either.poll()] == [connection.fileno()]:
+        os.kill(command, signal.SIGKILL)
     _, status = os.waitpid(command, 0)
-    connection.sendall(str(os.waitstatus_to_exitcode(status)).encode())
+    with suppress(OSError):
+        connection.sendall(str(os.waitstatus_to_exitcode(status)).encode())
     os._exit(0)
 
 

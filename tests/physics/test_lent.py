@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import errno
+import itertools
 import os
 import subprocess
 import sys
 from pathlib import Path
 from threading import Thread
+from types import FrameType
 
 import pytest
 
+from prag_asp.errors import OutputError
+from prag_asp.physics import lent as lent_module
 from prag_asp.physics.lent import lent
 
 WORKERS = """
@@ -91,3 +96,58 @@ def test_what_cannot_be_loaded_leaves_no_file_either(temporary: Path) -> None:
     with lent({}) as folder:
         assert not folder.exists()
     assert not any(temporary.iterdir())
+
+
+def test_what_an_interruption_leaves_anywhere_bars_no_later_use(temporary: Path) -> None:
+    """Interrupt a use at each of its lines, as Ctrl-C may."""
+
+    class Interrupting:
+        def __init__(self, line: int) -> None:
+            self.left = line
+
+        def __call__(self, frame: FrameType, event: str, argument: object) -> Interrupting | None:
+            if frame.f_code.co_filename != lent_module.__file__:
+                return None
+            if event == "line":
+                self.left -= 1
+                if self.left == 0:
+                    raise KeyboardInterrupt
+            return self
+
+    for line in itertools.count(1):
+        interrupting = Interrupting(line)
+        before = sys.gettrace()
+        sys.settrace(interrupting)
+        try:
+            with lent({"mesh.obj": b"one"}):
+                pass
+        except KeyboardInterrupt:
+            pass
+        finally:
+            sys.settrace(before)
+        with lent({"mesh.obj": b"two"}) as folder:
+            assert [each.read_bytes() for each in folder.iterdir()] == [b"two"]
+        assert not any(temporary.iterdir())
+        if interrupting.left > 0:
+            break
+    assert line > 8
+
+
+def test_what_cannot_be_written_is_told_in_one_line_and_leaves_nothing(
+    temporary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, content: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # a write names no file, opening does
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", full)
+        with pytest.raises(OutputError, match=r"^/.*: No space left on device; set TMPDIR"), lent({"mesh.obj": b""}):
+            pass
+    assert not any(temporary.iterdir())
+    monkeypatch.setattr("tempfile.tempdir", str(temporary / "gone"))
+    with pytest.raises(OutputError, match=r"gone/prag_asp_.*: No such file"), lent({"mesh.obj": b""}):
+        pass
+    monkeypatch.setattr("tempfile.tempdir", None)
+    monkeypatch.setattr("tempfile._candidate_tempdir_list", lambda: [str(temporary / "gone")])
+    with pytest.raises(OutputError, match=r"^No usable temporary directory .*; set TMPDIR"), lent({"mesh.obj": b""}):
+        pass

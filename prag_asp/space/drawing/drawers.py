@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import accumulate
+from sys import getsizeof
 from typing import Literal, Protocol
 
 import numpy as np
@@ -22,8 +23,8 @@ from prag_asp.space.weighing.weights import Walks, Weighed
 Over = Literal["skeletons", "goals"]
 OVER: tuple[Over, ...] = ("skeletons", "goals")
 
-KEPT_SUMS = 100_000
-"""States of skeletons whose sums are kept at most: some tens of megabytes."""
+KEPT_SUMS = 1 << 26
+"""Bytes of the sums of skeletons that are kept at most."""
 
 Sums = tuple[list[dict[int, list[int]]], int]
 """For each step of a skeleton and each state the running sums of what its moves lead to; and the weight of it all."""
@@ -223,10 +224,12 @@ class OverSkeletons:
         known = self._known.get(skeleton)
         if known is None:
             known = self._summed(skeleton)
-            self._kept += sum(map(len, known[0]))
-            if self._kept > KEPT_SUMS:
+            size = _bytes_of(known)
+            if self._kept + size > KEPT_SUMS:
                 self._known, self._kept = {}, 0
-            self._known[skeleton] = known
+            if size <= KEPT_SUMS:
+                self._known[skeleton] = known
+                self._kept += size
         return known
 
     def _summed(self, skeleton: tuple[int, ...]) -> Sums:
@@ -245,6 +248,14 @@ class OverSkeletons:
             behind = {state: here[state][-1] if state in here else 0 for state in layer}
             sums.append(here)
         return sums[::-1], behind[0]
+
+
+def _bytes_of(sums: Sums) -> int:
+    """Return how much memory the sums of a skeleton take at most; of those that run, the last is the largest."""
+    states = sum(getsizeof(here) + sum(map(getsizeof, here)) for here in sums[0])
+    numbers = (running for here in sums[0] for running in here.values())
+    summed = sum(getsizeof(running) + len(running) * getsizeof(running[-1]) for running in numbers)
+    return getsizeof(sums) + getsizeof(sums[0]) + getsizeof(sums[1]) + states + summed
 
 
 def _letters(automaton: Automaton, edges: NDArray[np.int64]) -> NDArray[np.int32]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
 
@@ -161,26 +161,47 @@ class _Unrolled:
         """Return whether some answer set satisfies the literals."""
         return self._found(assumptions, ()) is not None
 
-    def following(self, word: Letters, wanted: Letters) -> list[str]:
-        """Return the letters, in order, that follow `word` in words that go on as `wanted`.
+    def following(self, word: Letters, wanted: Letters) -> Iterator[str]:
+        """Yield the letters, in order, that follow `word` in words that go on as `wanted`, each as soon as it is known.
 
-        A search finds one of them, so that it takes no more searches than there are, and one.
+        A letter is tried by itself. Each time one fails, twice as many searches as before, one at first, find any
+        others, or that there are none. So of n letters that follow, all take at most n + 1 searches that find some, and
+        one that fails for each doubling.
         """
         assumptions = self.assume((*word, *wanted))
         if assumptions is None:
-            return []
+            return
         time = clingo.Number(len(word) + 1)
         atoms = self._control.symbolic_atoms
         at_step = ((name, atoms[clingo.Function(self._shown, [term, time])]) for name, term in self._letters.items())
         literals = {letter: atom.literal for letter, atom in at_step if atom is not None}
         found: set[int] = set()
-        while (new := self._found([*assumptions, *(-each for each in found)], literals.values())) is not None:
-            if not new:  # encodings that are no copies of ours may let a step have no action
-                left = set(literals.values()) - found
-                found |= {each for each in left if self.satisfiable([*assumptions, each])}
-                break
+        searches, complete = 1, False
+        for letter, literal in literals.items():
+            if not complete and literal not in found:
+                new = self._found([*assumptions, literal], literals.values())
+                if new is not None:
+                    found |= new
+                elif searches:
+                    complete, searches = self._find_others(assumptions, literals.values(), found, searches)
+            if literal in found:
+                yield letter
+
+    def _find_others(
+        self, assumptions: Sequence[int], literals: Collection[int], found: set[int], searches: int
+    ) -> tuple[bool, int]:
+        """Add to what was `found` of some literals; return whether this is all, and how many searches are of use next.
+
+        Encodings that are no copies of ours may let a step have no action, or several: then none is of use.
+        """
+        for _ in range(searches):
+            new = self._found([*assumptions, *(-each for each in found)], literals)
+            if new is None:
+                return True, 0
             found |= new
-        return [letter for letter, literal in literals.items() if literal in found]
+            if len(new) != 1:
+                return False, 0
+        return False, 2 * searches
 
     def _found(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
         """Return which literals hold in an answer set that satisfies what is assumed, or None where there is none.

@@ -9,6 +9,8 @@ from fractions import Fraction
 from functools import cache
 from hashlib import sha256
 from itertools import accumulate, chain, islice, repeat
+from sys import getsizeof
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 from prag_asp import QueryError, Task, TaskSpace, load_domain
 from prag_asp.bits import SeededBits, uniform_below
 from prag_asp.space.automaton.automaton import Automaton, Completions
-from prag_asp.space.drawing import paths
+from prag_asp.space.drawing import drawers, draws, paths
 from prag_asp.space.drawing.drawers import ByWeight
 from prag_asp.space.drawing.table import exact_choice
 from prag_asp.space.weighing.weights import Number, Weighed
@@ -206,6 +208,38 @@ def deviation(seen: NDArray[np.float64], shares: NDArray[np.float64], draws: int
     freedom = len(shares) - 1
     statistic = float(((seen - draws * shares) ** 2 / (draws * shares)).sum())
     return (statistic - freedom) / math.sqrt(2 * freedom)
+
+
+def test_sums_of_large_numbers_are_kept_within_a_bound_of_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw words whose weights have hundreds of digits, with sums kept and, for the same words, without."""
+    names = [f"a{number}" for number in range(6)]
+    domain = domain_of(" ".join(f"action({name}(x; y))." for name in names))
+    weights: dict[str, Number] = {name: 10**300 + number for number, name in enumerate(names)}
+
+    def drawn(bound: int) -> tuple[list[str], list[int]]:
+        monkeypatch.setattr(drawers, "KEPT_SUMS", bound)
+        made: list[drawers.OverSkeletons] = []
+
+        def remembered(*given: Any) -> drawers.OverSkeletons:
+            made.append(drawers.OverSkeletons(*given))
+            return made[-1]
+
+        monkeypatch.setattr(draws, "OverSkeletons", remembered)
+        tasks = TaskSpace(domain, 3).sample(300, seed=1, weights=weights, over="skeletons")
+        return list(map(str, tasks)), [sum(map(bytes_of, each._known.values())) for each in made]
+
+    never, _ = drawn(0)
+    for bound in (0, 10_000, 50_000):
+        words, kept = drawn(bound)
+        assert words == never and kept and max(kept) <= bound
+    assert max(kept) > 10_000
+
+
+def bytes_of(value: object) -> int:
+    """Return how much memory numbers, and what holds them, take."""
+    if isinstance(value, dict):
+        return getsizeof(value) + sum(map(bytes_of, (*value, *value.values())))
+    return getsizeof(value) + (sum(map(bytes_of, value)) if isinstance(value, (list, tuple)) else 0)
 
 
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])

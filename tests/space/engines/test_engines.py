@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from prag_asp import EngineError, QueryError, TaskSpace
 from prag_asp.program.sources import Program
-from prag_asp.space.engines import ENGINES, Engine, engine_class
+from prag_asp.space.engines import ENGINES, Engine, clingo, engine_class
 from tests.domains import domain_of
 
 TWO = """
@@ -96,6 +98,32 @@ def test_words_are_found_where_other_encodings_let_a_step_have_no_action() -> No
     lax = replace(domain, program=Program(tuple(sources)))
     assert list(TaskSpace(lax, 1, engine="clingo").words("plan")) == [("a",)]
     assert TaskSpace(lax, 1, engine="clingo").count("plan") == 2
+
+
+@pytest.mark.parametrize("first", [0, 235])
+def test_clingo_finds_its_first_word_at_once_and_all_by_about_one_search_for_each_letter_that_follows(
+    first: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 250 actions, in order of their names, those up to `first` are never possible."""
+    searches = []
+
+    def counted(self: clingo._Unrolled, *given: Any) -> set[int] | None:
+        searches.append(given)
+        return searched(self, *given)
+
+    searched = clingo._Unrolled._found
+    monkeypatch.setattr(clingo._Unrolled, "_found", counted)
+    names = [f"a{number:03}" for number in range(250)]
+    barred = [f"precondition({name},f,true)." for name in names[:first]]
+    facts = " ".join([*(f"action({name})." for name in names), *barred])
+    words = TaskSpace(domain_of(f"fluent(f). initially(f,false). {facts}"), 2, engine="clingo").words("plan")
+    left = names[first:]
+    assert next(words) == (left[0],) * 2
+    if first == 0:
+        assert len(searches) == 2
+    else:
+        assert list(words) == [*itertools.product(left, repeat=2)][1:]
+        assert len(searches) <= (1 + len(left)) * (len(left) + 1 + 5)
 
 
 def test_an_unknown_engine_and_a_negative_length_are_refused() -> None:
