@@ -10,6 +10,7 @@ from typing import NamedTuple
 import clingo
 
 from prag_asp.errors import EngineError
+from prag_asp.logic.ground.derivable import may_derive
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
 from prag_asp.program.facts import Facts
@@ -84,7 +85,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
 def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     seeds = _seeds(facts, reads)
     started = _start(program)
-    if reads.previous <= CONTRACT and _initial(started[0], reads) <= seeds:
+    if _initial(started[0], reads) <= seeds and not _may_carry(started[0], program, reads):
         ground = _ground_once(started, program, seeds, facts, reads)
         if not _unforeseen(ground, seeds, reads):  # nothing but the state is carried along
             return ground
@@ -106,6 +107,12 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
         f"{where}: {endless[0]}/{endless[1]} takes new values at every step without end; add a condition that ends it"
     )
     return replace(ground, obstacles=(*ground.obstacles, told))
+
+
+def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
+    """Return whether steps may carry anything but the state, where the start has nothing else to carry."""
+    carried = reads.previous - CONTRACT
+    return bool(carried) and may_derive(program, grounder.control.symbolic_atoms, CONTRACT, carried)
 
 
 def _unforeseen(ground: GroundStep, seeds: set[clingo.Symbol], reads: StepReads) -> set[clingo.Symbol]:
