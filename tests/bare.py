@@ -32,29 +32,38 @@ def required(version: str, platform: Mapping[str, str] = LINUX) -> list[str]:
 def bare_python(folder: Path, *others: str) -> Path:
     """Make an environment in a new folder with what Python 3.14 would get and with other packages; return its Python.
 
-    The packages are those installed here, linked one by one: nothing is downloaded, and what is not linked is missing.
+    The packages are linked: nothing is downloaded, and what is not linked is missing.
     """
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
-    python = folder / "bin" / "python"
-    site = Path(sysconfig.get_path("purelib", "posix_prefix", {"base": str(folder)}))
     own = ["tomli"] if sys.version_info < (3, 11) else []
-    for package in _with_what_they_need([*required("3.14"), *own, *others]):
+    link(folder, *required("3.14"), *own, *others)
+    (packages(folder) / "checkout.pth").write_text(f"{ROOT}\n")
+    return folder / "bin" / "python"
+
+
+def link(environment: Path, *requirements: str) -> None:
+    """Link packages that are installed here, one by one, and all that they need, unless the environment has them."""
+    site = packages(environment)
+    for package in _with_what_they_need(requirements):
         for name in {path.parts[0] for path in package.files or ()} - {"..", "__pycache__"}:
             if not (site / name).exists():
                 (site / name).symlink_to(Path(str(package.locate_file(name))))
-    (site / "checkout.pth").write_text(f"{ROOT}\n")
-    return python
 
 
-def _with_what_they_need(names: Iterable[str]) -> list[Distribution]:
-    """Return packages by name, and all that they require here."""
-    found: dict[str, Distribution] = {}
-    waiting = list(names)
+def packages(environment: Path) -> Path:
+    """Return where an environment has its packages."""
+    return Path(sysconfig.get_path("purelib", "posix_prefix", {"base": str(environment)}))
+
+
+def _with_what_they_need(requirements: Iterable[str]) -> list[Distribution]:
+    """Return packages, and all that they and their extras require here."""
+    found: dict[tuple[str, str], Distribution] = {}
+    waiting = list(map(Requirement, requirements))
     while waiting:
-        name = canonicalize_name(waiting.pop())
-        if name not in found:
-            found[name] = distribution(name)
-            for each in map(Requirement, found[name].requires or ()):
-                if each.marker is None or each.marker.evaluate({"extra": ""}):
-                    waiting.append(each.name)
+        asked = waiting.pop()
+        for part in {"", *asked.extras} - {part for name, part in found if name == canonicalize_name(asked.name)}:
+            package = found[canonicalize_name(asked.name), part] = distribution(asked.name)
+            for each in map(Requirement, package.requires or ()):
+                if each.marker is None or each.marker.evaluate({"extra": part}):
+                    waiting.append(each)
     return list(found.values())

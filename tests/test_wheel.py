@@ -1,7 +1,10 @@
-"""The wheel has what it needs and no more, and works from an empty folder of a fresh environment."""
+"""The wheel has what it needs and no more, and works from an empty folder of a fresh environment, as pages say."""
 
 from __future__ import annotations
 
+import os
+import shlex
+import shutil
 import subprocess
 import sys
 from email import message_from_bytes
@@ -11,13 +14,32 @@ from zipfile import ZipFile
 
 import pytest
 
+from tests.bare import PROJECT, link, packages
+from tests.docs.pages import FRESH, blocks
 from tests.docs.test_readme import long_description
 
 ROOT = Path(__file__).parent.parent
 
+READER = ("__init__.py", "docs/__init__.py", "docs/pages.py")
+"""What runs the examples of a page; it imports nothing that the page does not say to install."""
 
-def call(*command: str | Path, cwd: Path) -> str:
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, cwd=cwd, check=False)
+HERE = ("VIRTUAL_ENV", "PYTHONPATH", "PYTHONPYCACHEPREFIX")
+"""Variables that lead back to the environment of the tests."""
+
+BEGIN, INSTALL = "python3 -m venv .venv", ".venv/bin/pip install "
+
+RUN = """
+import sys
+from pathlib import Path
+from tests.docs.pages import DOCS, prepare, run_page
+prepare(Path.cwd())
+print(*[each for each in run_page(DOCS / "guides" / sys.argv[1], Path.cwd()) if not each.right], sep="\\n", end="")
+"""
+
+
+def call(*command: str | Path, cwd: Path, env: dict[str, str] | None = None) -> str:
+    command_line = [str(part) for part in command]
+    done = subprocess.run(command_line, capture_output=True, text=True, cwd=cwd, env=env, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -64,17 +86,62 @@ def test_a_package_index_shows_the_readme(wheel: Path) -> None:
     assert described(wheel).strip() == long_description().strip()
 
 
+@pytest.fixture(scope="module")
+def fresh(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a new environment with the wheel, and what pip installs with it."""
+    folder = tmp_path_factory.mktemp("fresh")
+    call(sys.executable, "-m", "venv", "--without-pip", folder / "venv", cwd=folder)
+    pip = (sys.executable, "-m", "pip", "--python", folder / "venv" / "bin" / "python")
+    call(*pip, "install", "--quiet", "--no-compile", wheel, cwd=folder)
+    return folder / "venv"
+
+
 @pytest.mark.slow
-def test_the_wheel_works_in_a_fresh_environment(wheel: Path, tmp_path: Path) -> None:
-    empty = tmp_path / "empty"
-    empty.mkdir()
-    call(sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv", cwd=empty)
-    home = tmp_path / "venv" / "bin"
-    pip = (sys.executable, "-m", "pip", "--python", home / "python")
-    call(*pip, "install", "--quiet", "--no-compile", wheel, cwd=empty)
-    assert call(home / "prag-asp", "count", "prag", "-n", "15", "--by", "skeleton", cwd=empty) == "4266036480\n"
-    assert "tabletop" in call(home / "prag-asp", "domains", cwd=empty)
-    tasks = call(home / "prag-asp", "sample", "tabletop", "-n", "3", "--count", "2", "--rule", "no_undo", cwd=empty)
+def test_the_wheel_works_in_a_fresh_environment(fresh: Path, tmp_path: Path) -> None:
+    home = fresh / "bin"
+    assert call(home / "prag-asp", "count", "prag", "-n", "15", "--by", "skeleton", cwd=tmp_path) == "4266036480\n"
+    assert "tabletop" in call(home / "prag-asp", "domains", cwd=tmp_path)
+    tasks = call(home / "prag-asp", "sample", "tabletop", "-n", "3", "--count", "2", "--rule", "no_undo", cwd=tmp_path)
     assert len(tasks.splitlines()) == 2
-    call(home / "prag-asp", "new", "mine", cwd=empty)
-    assert call(home / "prag-asp", "check", "mine", cwd=empty).startswith("mine: ok")
+    call(home / "prag-asp", "new", "mine", cwd=tmp_path)
+    assert call(home / "prag-asp", "check", "mine", cwd=tmp_path).startswith("mine: ok")
+
+
+@pytest.mark.slow
+def test_the_pages_on_data_sets_need_what_they_say_and_no_more(fresh: Path, tmp_path: Path) -> None:
+    """Word by word as somebody new to them, but that pip installed the wheel: what else they say is linked to it."""
+    environment, reader = tmp_path / "venv", tmp_path / "reader"
+    beside(fresh, environment)
+    for name in READER:
+        (reader / "tests" / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / "tests" / name, reader / "tests" / name)
+    for name in ("docs", "encodings", "examples"):
+        (reader / name).symlink_to(ROOT / name)
+    link(environment, *said())
+    outside = {name: value for name, value in os.environ.items() if name not in HERE}
+    for page in FRESH:
+        work = tmp_path / page.stem
+        work.mkdir()
+        command = (environment / "bin" / "python", "-c", RUN, page.name)
+        wrong = call(*command, cwd=work, env={**outside, "PYTHONPATH": str(reader)})
+        assert not wrong, f"write them anew: python -m tests.docs.pages\n{wrong}"
+
+
+def beside(fresh: Path, folder: Path) -> None:
+    """Make an environment that has all that another one has, and its program."""
+    call(sys.executable, "-m", "venv", "--without-pip", folder, cwd=fresh)
+    (packages(folder) / "fresh.pth").write_text(f"{packages(fresh)}\n")
+    program = Path(shutil.copy(fresh / "bin" / "prag-asp", folder / "bin"))
+    program.write_text(program.read_text().replace(str(fresh), str(folder)))
+
+
+def said() -> list[str]:
+    """Return what the pages say to install into a new environment, beside this package without an extra."""
+    lines = "".join(block.text for page in FRESH for block in blocks(page) if block.language == "sh").splitlines()
+    assert lines[0].startswith(BEGIN)
+    installs = [line.removeprefix(f"{BEGIN} && ") for line in lines]
+    assert {line for line in installs if not line.startswith(INSTALL)} == {". .venv/bin/activate"}
+    wanted = [each for line in installs if line.startswith(INSTALL) for each in shlex.split(line)[2:]]
+    extras = [extra for each in wanted if each.startswith(".") for extra in each[1:].strip("[]").split(",")]
+    own = [each for extra in extras for each in PROJECT["optional-dependencies"][extra]]
+    return [*own, *(each for each in wanted if not each.startswith("."))]
