@@ -1,4 +1,4 @@
-"""What tests of commands, physics, data sets and learning need of logic, computed once in a process.
+"""What tests of commands, physics, data sets and learning need of logic, computed once in a process; small pictures.
 
 What it says of a domain is tested elsewhere. Here spaces of equal domains share it, as those that `TaskSpace.at` makes.
 """
@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import pytest
 
+from prag_asp.dataset.store import strips
 from prag_asp.domain import load
 from prag_asp.lint import check
 from prag_asp.lint.stages import Checked
@@ -40,6 +41,14 @@ def logic_shared() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(task_space, "Shared", _known)
         patch.setattr(load, "check", _check)
+        yield
+
+
+@contextmanager
+def small_pictures() -> Iterator[None]:
+    """Draw the pictures of data sets small: a large one takes as long as a dozen verdicts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(strips, "SIZE", (60, 52))
         yield
 
 

@@ -64,8 +64,10 @@ def warm_commands() -> Path:
 def serve(folder: str) -> None:
     """Become the commands that are asked for in a folder, each in a fork, until nobody can ask any more."""
     from tests.fuzz.isolated import warm
+    from tests.sharing import small_pictures
 
     warm()
+    small_pictures().__enter__()  # to its end
     sys.path.remove("")  # what lies in the folder of a command is no module for it
     with socket.socket(socket.AF_UNIX) as asked:
         os.chdir(folder)

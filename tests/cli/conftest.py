@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import pytest
 
 from prag_asp.cli import cli
-from tests.sharing import logic_shared
+from tests.sharing import logic_shared, small_pictures
 
 
 @pytest.fixture(scope="package", autouse=True)
 def logic() -> Iterator[None]:
-    """Compute once what logic says of a domain; the commands that a process runs have their own."""
-    with logic_shared():
+    """Compute once what logic says of a domain, and draw small pictures; commands in other processes do as ever."""
+    with logic_shared(), small_pictures():
         yield
 
 

@@ -12,7 +12,7 @@ from prag_asp import Dataset, Domain, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.store import strips
 from prag_asp.physics import Budget
-from tests.sharing import logic_shared
+from tests.sharing import logic_shared, small_pictures
 
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""
@@ -27,8 +27,8 @@ def logic() -> Iterator[None]:
 
 @pytest.fixture(scope="package", autouse=True)
 def few_pictures() -> Iterator[None]:
-    """Draw little: a picture takes as long as a dozen verdicts."""
-    with pytest.MonkeyPatch.context() as patch:
+    """Draw little."""
+    with small_pictures(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(strips, "STRIPS", 1)
         patch.setattr(strips, "STATES", 2)
         yield
