@@ -101,6 +101,9 @@ class _Counting:
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
         self._suite, self._limits, self._progress = suite, limits, progress
         self._known: dict[tuple[frozenset[str], int], int] = {}
+        self._wanted: dict[frozenset[str], set[int]] = {}
+        for part in suite.parts.values():
+            self._wanted.setdefault(frozenset(part.where), set()).update(part.lengths)
         parts = len(suite.parts)
         self._done, self._total = 0, parts + parts * (parts - 1) // 2 + parts * len(suite.held)
 
@@ -111,10 +114,12 @@ class _Counting:
         asked = frozenset(clauses)
         if any({held.having, held.without} <= asked for held in self._suite.held):
             return dict.fromkeys(lengths, 0)  # each is the negation of the other
-        missing = [length for length in lengths if (asked, length) not in self._known]
-        if missing:
+        if any((asked, length) not in self._known for length in lengths):
+            # What is explored for the longest holds for all, those of other parts under the same conditions among them.
+            wanted = self._wanted.get(asked, set()).union(lengths)
+            missing = sorted(length for length in wanted if (asked, length) not in self._known)
             space = _space(self._suite, tuple(dict.fromkeys(clauses)), missing, self._limits)
-            for length in reversed(missing):  # what is explored for the longest holds for all
+            for length in reversed(missing):
                 self._known[asked, length] = at(space, length).count()
         return {length: self._known[asked, length] for length in lengths}
 
