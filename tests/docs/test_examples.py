@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from prag_asp import TaskSpace, load_domain, load_scene
 from tests.docs.pages import FENCE, FRESH, PAGES, ROOT, Block, blocks, prepare, run_page
+from tests.sharing import logic_shared
 from tests.warm import warm_commands
 
 BLOCKS = [block for page in PAGES for block in blocks(page)]
@@ -45,6 +47,13 @@ SETUP = {
 
 def name_of(page: Path) -> str:
     return str(page.relative_to(ROOT))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def logic() -> Iterator[None]:
+    """Compute once what logic says of a domain in the sessions of Python."""
+    with logic_shared():
+        yield
 
 
 @pytest.fixture(scope="module")
