@@ -61,17 +61,17 @@ def test_enumerate_writes_tasks_as_json() -> None:
 
 
 def test_sample_gives_the_same_bytes_with_one_worker_and_with_two(tmp_path: Path) -> None:
-    arguments = ["sample", "tabletop", "--length", "4", "--count", "12", "--seed", "7", "--format", "jsonl"]
+    arguments = ["sample", "tabletop", "--length", "3", "--count", "6", "--seed", "7", "--format", "jsonl"]
     one, two = (run_apart(*arguments, "--workers", workers) for workers in "12")
     assert one.returncode == two.returncode == 0
     assert one.stdout == two.stdout
     assert one.stderr == two.stderr
-    assert "12 passed" in one.stderr and "budget" in one.stderr
+    assert "6 passed" in one.stderr and "budget" in one.stderr
     domain = load_domain("tabletop")
     scene = load_scene(domain)
-    space = TaskSpace(domain, 4, engine="clingo")
+    space = TaskSpace(domain, 3, engine="clingo")
     records = list(read_lines(one.stdout.splitlines(), "stdout"))
-    assert len(records) == 12
+    assert len(records) == 6
     for record in records:
         assert record.task in space
         assert record.verdict is not None and record.verdict["status"] == "feasible"
@@ -79,8 +79,8 @@ def test_sample_gives_the_same_bytes_with_one_worker_and_with_two(tmp_path: Path
         assert check_witness(record.task, Witness.from_json(record.witness), scene) == []
     file = tmp_path / "tasks.jsonl"
     file.write_text(one.stdout)
-    assert ok("validate", str(file), "--witness-only", cwd=tmp_path).count("feasible") == 12
-    assert ok_apart("validate", str(file), "--workers", "2", cwd=tmp_path).count("feasible") == 12
+    assert ok("validate", str(file), "--witness-only", cwd=tmp_path).count("feasible") == 6
+    assert ok_apart("validate", str(file), "--workers", "2", cwd=tmp_path).count("feasible") == 6
 
 
 def test_validate_finds_an_invalid_plan_and_a_wrong_witness(tmp_path: Path) -> None:
