@@ -193,8 +193,8 @@ def test_memory_does_not_grow_with_steps(chance: Chance, given: Mapping[str, lis
 
     tracemalloc.start()
     try:
-        first = run(1800)  # then what is remembered of poses that were seen is full
-        assert run(700) - first < 100_000, "bytes: an observation has more than 200"
+        first = run(1500)  # then what is remembered of poses that were seen is full
+        assert run(600) - first < 100_000, "bytes: an observation has more than 200"
     finally:
         tracemalloc.stop()
         env.close()
