@@ -67,9 +67,8 @@ def serve(folder: str) -> None:
     from tests.sharing import small_pictures
 
     warm()
-    small_pictures().__enter__()  # to its end
     sys.path.remove("")  # what lies in the folder of a command is no module for it
-    with socket.socket(socket.AF_UNIX) as asked:
+    with small_pictures(), socket.socket(socket.AF_UNIX) as asked:
         os.chdir(folder)
         asked.bind(PLACE)
         asked.listen()
