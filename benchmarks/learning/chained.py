@@ -2,8 +2,9 @@
 
     python benchmarks/learning/chained.py --learned MODELS
 
-Three are compared: the oracle; clones of its behaviour in 200 demonstrations, one network for each of three seeds; and,
-with `--learned`, what curves.py has learned of approach and grasp (`--models MODELS`), where the oracle does the rest.
+Three are compared: the oracle; clones of its behaviour in 200 demonstrations that end well, one network for each of
+three seeds; and, with `--learned`, what curves.py has learned of approach and grasp (`--models MODELS`), where the
+oracle does the rest.
 Writes chained.parquet and chained.png into the folder of --output. It needs the extra `learning`.
 """
 
@@ -19,7 +20,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 import torch
-from cloning import Clone, cloned, demonstrations
+from cloning import Clone, Demonstration, cloned, demonstrations
 from matplotlib.figure import Figure
 from rich.console import Console
 from stable_baselines3 import SAC
@@ -41,7 +42,7 @@ Policies = Policy | Mapping[str, Policy]
 def main() -> None:
     """Clone, chain, write what became of each run, print the tables and draw the figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--demonstrations", type=int, default=200, help="how many tasks the oracle shows")
+    parser.add_argument("--demonstrations", type=int, default=200, help="how many that end well are learned from")
     parser.add_argument("--epochs", type=int, default=60, help="how often a clone goes through them")
     parser.add_argument("--count", type=int, default=30, help="how many held-out tasks are pursued")
     parser.add_argument("--length", type=int, default=6, help="how many actions they have")
@@ -78,13 +79,20 @@ def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, 
     for seed in range(options.seeds if options.learned is not None else 0):
         own = {name: _learned(options.learned, name, seed, env.layout) for name in LEARNED}
         yield "learned", seed, {**rest, **own}
-    drawn = witnessed(DOMAIN, 4, seed=TRAINING, weights=WEIGHTS)
-    demonstrated = list(demonstrations(itertools.islice(drawn, options.demonstrations), seed=TRAINING))
-    drawn.close()
-    told = f"{len(demonstrated)} of {options.demonstrations} demonstrations end well"
-    Console().print(f"{told}, {sum(len(each.actions) for each in demonstrated):,} steps\n", highlight=False)
+    demonstrated = _demonstrated(options.demonstrations)
     for seed in range(options.seeds):
         yield "cloned", seed, Clone(cloned(demonstrated, epochs=options.epochs, seed=seed), env.layout)
+
+
+def _demonstrated(count: int) -> list[Demonstration]:
+    """Return so many demonstrations that end well, and tell of how many tasks they came."""
+    before = time.process_time()
+    drawn = witnessed(DOMAIN, 4, seed=TRAINING, weights=WEIGHTS)
+    found, asked = demonstrations(drawn, count, seed=TRAINING)
+    drawn.close()
+    steps, seconds = sum(len(each.actions) for each in found), time.process_time() - before
+    Console().print(f"{count} of {asked} demonstrations end well: {steps:,} steps, {seconds:.0f} s\n", highlight=False)
+    return found
 
 
 def _learned(folder: Path, name: str, seed: int, layout: Layout) -> Policy:
