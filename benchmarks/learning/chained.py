@@ -23,6 +23,7 @@ import torch
 from cloning import Clone, Demonstration, cloned, demonstrations
 from matplotlib.figure import Figure
 from rich.console import Console
+from rich.table import Table
 from stable_baselines3 import SAC
 from starts import HELD_OUT, TRAINING, moved, shown, witnessed
 
@@ -68,6 +69,7 @@ def main() -> None:
     env.close()
     options.output.mkdir(parents=True, exist_ok=True)
     pq.write_table(pa.Table.from_pylist(rows), options.output / "chained.parquet")
+    console.print(so_far(rows, options.length))
     draw(rows, options.length).savefig(options.output / "chained.png", dpi=110)
 
 
@@ -99,6 +101,17 @@ def _learned(folder: Path, name: str, seed: int, layout: Layout) -> Policy:
     """Return a policy for a skill that curves.py has learned."""
     model, show, times = SAC.load(folder / f"{name}_dense_{seed}", device="cpu"), shown(layout), moved(name)
     return lambda observation: model.predict(show(observation), deterministic=True)[0] * times
+
+
+def so_far(rows: Sequence[dict[str, Any]], length: int) -> Table:
+    """Return the table of how many plans came to each length, of all and of those that came to the one before."""
+    found = Table("policy", "actions", "plans done so far", "of those of one action less")
+    for kind in dict.fromkeys(row["policy"] for row in rows):
+        came = [sum(row["reached"] >= count for row in rows if row["policy"] == kind) for count in range(length + 1)]
+        for count in range(1, length + 1):
+            parts = Rate(came[count], came[0]), Rate(came[count], came[count - 1])
+            found.add_row(LABELS[kind], str(count), *map(str, parts))
+    return found
 
 
 def draw(rows: Sequence[dict[str, Any]], length: int) -> Figure:

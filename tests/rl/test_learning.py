@@ -120,6 +120,17 @@ def test_the_page_tells_of_all_commands() -> None:
     assert {Path(command[0]).name for command in told()} == set(SHORTENED)
 
 
+def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
+    beside = importlib.import_module("beside")
+    verdicts = {(times, most): beside.verdict(times, most) for times in (1.5, 1.7, 1.8) for most in (1.6, 1.85, 2.1)}
+    assert [enough for enough, _ in verdicts.values()] == [True, False, False, True, True, False, True, True, True]
+    assert {most for (_, most), (_, told) in verdicts.items() if "no two processes" in told} == {1.6}
+    done = beside.together("Python alone", 2, 0.1)
+    assert done.rate > 0 and done.efficiency > 0
+    assert beside.together(beside.ENVIRONMENT, 1, 0.1).rate > 0
+
+
 def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("gymnasium")
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
