@@ -67,7 +67,9 @@ def test_the_commands_of_the_page_run_that_learn_nothing(name: str) -> None:
 
 def test_the_command_that_chains_runs(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3")
-    assert "%" in done(of("chained.py"), "--output", tmp_path)
+    told = done(of("chained.py"), "--output", tmp_path)
+    assert re.search(r"^2 of \d+ demonstrations end well", told, re.MULTILINE)
+    assert len(re.findall("^│ cloned ", told, re.MULTILINE)) == 2, "one row for each length"
     assert names(tmp_path) == {"chained.parquet", "chained.png"}
 
 
