@@ -128,7 +128,8 @@ def work(kind: str, count: int, seconds: float) -> None:
         act()
     print("there", flush=True)  # noqa: T201
     sys.stdin.readline()
-    begun, computed, done = time.perf_counter(), time.process_time(), 0
+    begun, computed = time.perf_counter(), time.process_time()
+    done = act()
     while time.perf_counter() < begun + seconds:
         done += act()
     taken = time.perf_counter() - begun

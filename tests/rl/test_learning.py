@@ -34,6 +34,7 @@ SHORTENED = {
         "--held-out",
         "1",
     ],
+    "beside.py": ["--rounds", "1", "--seconds", "0.1"],
     "chained.py": ["--demonstrations", "2", "--count", "1", "--epochs", "1", "--length", "2"],
 }
 
@@ -128,9 +129,14 @@ def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatc
     verdicts = {(times, most): beside.verdict(times, most) for times in (1.5, 1.7, 1.8) for most in (1.6, 1.85, 2.1)}
     assert [enough for enough, _ in verdicts.values()] == [True, False, False, True, True, False, True, True, True]
     assert {most for (_, most), (_, told) in verdicts.items() if "no two processes" in told} == {1.6}
-    done = beside.together("Python alone", 2, 0.1)
-    assert done.rate > 0 and done.efficiency > 0
-    assert beside.together(beside.ENVIRONMENT, 1, 0.1).rate > 0
+
+
+def test_one_and_two_processes_of_all_kinds_are_measured() -> None:
+    command = [sys.executable, *of("beside.py"), *SHORTENED["beside.py"]]
+    wide = {**os.environ, "COLUMNS": "160"}
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=wide)
+    told = re.search(r"two processes do ([\d.]+) times what one does, PyBullet alone ([\d.]+) times", ended.stdout)
+    assert told and ended.stdout.count("│") == 4 * 7 and ended.returncode in (0, 1), ended.stderr
 
 
 def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
