@@ -223,7 +223,7 @@ def find_merging(
     entities = {entity for group in permuted for entity in group}
     ordered = {entity for group in named_in_order for entity in group}
     mentions = {s.arguments[0]: place for place, s in enumerate(transition.variables) if _is_mention(s, ordered)}
-    kept = set(mentions.values())
+    kept = {*mentions.values(), *(place for place, s in enumerate(transition.variables) if s.match("unit_named", 1))}
     moved = [
         place
         for place, symbol in enumerate(transition.variables)
