@@ -55,7 +55,7 @@ def test_what_follows_anyway_tells_no_entities_apart(part: int, chance: Chance) 
         case = draw_redundant(chance.generator(seed))
         space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
         model = space._shared.model
-        told = list(model.symmetries(0).told())
+        told = model.symmetries(0)
         engine = select("clingo", model, "task") if model.obstacles else AutomatonEngine(model, "task", merge=True)
         for length in LENGTHS:
             plans = case.plans(length)

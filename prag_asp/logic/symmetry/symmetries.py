@@ -73,10 +73,3 @@ class Symmetries:
             places = {old: new for pair in zip(introduced, alike, strict=False) for old, new in zip(*pair, strict=True)}
             names = {entity: places.get(name, name) for entity, name in names.items()}
         return names
-
-    def told(self) -> Iterator[str]:
-        """Yield what is interchangeable, in words: one line for each group and each joint group."""
-        for group in self.groups:
-            yield ", ".join(map(str, group))
-        for units in self.joint:
-            yield ", ".join("(" + ", ".join(map(str, unit)) + ")" for unit in units)
