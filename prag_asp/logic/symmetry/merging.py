@@ -11,6 +11,8 @@ those named up to a state are the first ones of their group. A permutation of th
 completions onto those of the renamed state, and leaves alone which entities come next: these are permuted no further
 than that. They need not be: no action up to the state names them, so that it cannot tell them apart. The last of a
 group needs no atom `mentioned`; it is permuted as well once all others are mentioned, since no rule of naming is left.
+A group lies in one unit of a joint group, or in none: where one of it is named, so is its unit, and stays so. Units are
+not permuted.
 
 Twins are entities whose swap leaves a state as it is. An action and its renamings by twins lead to renamings of one
 state, so one of them is expanded and counted as often as there are renamings.
