@@ -143,9 +143,9 @@ class _Rules:
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
         """Yield the atoms that name some entities, that rules mention, and whose image is no atom."""
         for entity in entities:
-            for shaped in self._shapes.get(entity, ()):
-                if not self._has(shaped, names):
-                    yield Conflict(frozenset(shaped[1]), partial(self._has, shaped))
+            for shape, inside in self._shapes.get(entity, ()):
+                if not self.atoms.has((shape, tuple([names.get(each, each) for each in inside]))):
+                    yield Conflict(frozenset(inside), partial(self._has, (shape, inside)))
 
     def _has(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
         """Return whether an atom is an atom under other names."""
