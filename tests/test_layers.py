@@ -83,7 +83,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "rl": (
         "control", "arena", "goals", "rewards", "fading", "asking", "sealing", "observing", "viewing", "curriculum",
-        "sources", "origin", "environment", "scripted", "running",
+        "sources", "origin", "draws", "environment", "scripted", "running",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -2,8 +2,9 @@
 
     python benchmarks/learning/chained.py --learned MODELS
 
-Three are compared: the oracle; clones of its behaviour in 200 demonstrations, one network for each of three seeds; and,
-with `--learned`, what curves.py has learned of approach and grasp (`--models MODELS`), where the oracle does the rest.
+Three are compared: the oracle; clones of its behaviour in 200 demonstrations that end well, one network for each of
+three seeds; and, with `--learned`, what curves.py has learned of approach and grasp (`--models MODELS`), where the
+oracle does the rest.
 Writes chained.parquet and chained.png into the folder of --output. It needs the extra `learning`.
 """
 
@@ -19,9 +20,10 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 import torch
-from cloning import Clone, cloned, demonstrations
+from cloning import Clone, Demonstration, cloned, demonstrations
 from matplotlib.figure import Figure
 from rich.console import Console
+from rich.table import Table
 from stable_baselines3 import SAC
 from starts import HELD_OUT, TRAINING, moved, shown, witnessed
 
@@ -41,7 +43,7 @@ Policies = Policy | Mapping[str, Policy]
 def main() -> None:
     """Clone, chain, write what became of each run, print the tables and draw the figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--demonstrations", type=int, default=200, help="how many tasks the oracle shows")
+    parser.add_argument("--demonstrations", type=int, default=200, help="how many that end well are learned from")
     parser.add_argument("--epochs", type=int, default=60, help="how often a clone goes through them")
     parser.add_argument("--count", type=int, default=30, help="how many held-out tasks are pursued")
     parser.add_argument("--length", type=int, default=6, help="how many actions they have")
@@ -67,6 +69,7 @@ def main() -> None:
     env.close()
     options.output.mkdir(parents=True, exist_ok=True)
     pq.write_table(pa.Table.from_pylist(rows), options.output / "chained.parquet")
+    console.print(so_far(rows, options.length))
     draw(rows, options.length).savefig(options.output / "chained.png", dpi=110)
 
 
@@ -78,19 +81,37 @@ def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, 
     for seed in range(options.seeds if options.learned is not None else 0):
         own = {name: _learned(options.learned, name, seed, env.layout) for name in LEARNED}
         yield "learned", seed, {**rest, **own}
-    drawn = witnessed(DOMAIN, 4, seed=TRAINING, weights=WEIGHTS)
-    demonstrated = list(demonstrations(itertools.islice(drawn, options.demonstrations), seed=TRAINING))
-    drawn.close()
-    told = f"{len(demonstrated)} of {options.demonstrations} demonstrations end well"
-    Console().print(f"{told}, {sum(len(each.actions) for each in demonstrated):,} steps\n", highlight=False)
+    demonstrated = _demonstrated(options.demonstrations)
     for seed in range(options.seeds):
         yield "cloned", seed, Clone(cloned(demonstrated, epochs=options.epochs, seed=seed), env.layout)
+
+
+def _demonstrated(count: int) -> list[Demonstration]:
+    """Return so many demonstrations that end well, and tell of how many tasks they came."""
+    before = time.process_time()
+    drawn = witnessed(DOMAIN, 4, seed=TRAINING, weights=WEIGHTS)
+    found, asked = demonstrations(drawn, count, seed=TRAINING)
+    drawn.close()
+    steps, seconds = sum(len(each.actions) for each in found), time.process_time() - before
+    Console().print(f"{count} of {asked} demonstrations end well: {steps:,} steps, {seconds:.0f} s\n", highlight=False)
+    return found
 
 
 def _learned(folder: Path, name: str, seed: int, layout: Layout) -> Policy:
     """Return a policy for a skill that curves.py has learned."""
     model, show, times = SAC.load(folder / f"{name}_dense_{seed}", device="cpu"), shown(layout), moved(name)
     return lambda observation: model.predict(show(observation), deterministic=True)[0] * times
+
+
+def so_far(rows: Sequence[dict[str, Any]], length: int) -> Table:
+    """Return the table of how many plans came to each length, of all and of those that came to the one before."""
+    found = Table("policy", "actions", "plans done so far", "of those of one action less")
+    for kind in dict.fromkeys(row["policy"] for row in rows):
+        came = [sum(row["reached"] >= count for row in rows if row["policy"] == kind) for count in range(length + 1)]
+        for count in range(1, length + 1):
+            parts = Rate(came[count], came[0]), Rate(came[count], came[count - 1])
+            found.add_row(LABELS[kind], str(count), *map(str, parts))
+    return found
 
 
 def draw(rows: Sequence[dict[str, Any]], length: int) -> Figure:

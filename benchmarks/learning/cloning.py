@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,14 +35,15 @@ class Demonstration(NamedTuple):
     actions: NDArray[np.float32]
 
 
-def demonstrations(given: Iterable[tuple[Task, Witness]], *, seed: int) -> Iterator[Demonstration]:
-    """Yield what the oracle does with tasks, where that ends well."""
-    rng = np.random.default_rng(seed)
-    given = iter(given)
-    first = next(given)
-    env = TaskEnv(task=first[0], witness=first[1], reward="sparse", steps=STEPS)
-    show = shown(env.layout)
-    for task, witness in itertools.chain([first], given):
+def demonstrations(given: Iterable[tuple[Task, Witness]], count: int, *, seed: int) -> tuple[list[Demonstration], int]:
+    """Return what the oracle does with the first `count` of tasks where that ends well, and how many it was given."""
+    rng, found, asked = np.random.default_rng(seed), list[Demonstration](), 0
+    env: TaskEnv | None = None
+    for task, witness in given:
+        if env is None:
+            env = TaskEnv(task=task, witness=witness, reward="sparse", steps=STEPS)
+            show = shown(env.layout)
+        asked += 1
         observation, _ = env.reset(options={"task": task, "witness": witness})
         seen, actions, ended = [], [], False
         for action in oracle(env):
@@ -56,8 +56,12 @@ def demonstrations(given: Iterable[tuple[Task, Witness]], *, seed: int) -> Itera
             if ended or late:
                 break
         if ended:
-            yield Demonstration(np.stack(seen), np.stack(actions))
-    env.close()
+            found.append(Demonstration(np.stack(seen), np.stack(actions)))
+        if len(found) == count:
+            break
+    if env is not None:
+        env.close()
+    return found, asked
 
 
 class Clone:

@@ -4,12 +4,11 @@ The peers are installed by: pip install panda-gym gymnasium-robotics 'mujoco<3.1
 begin. One that is missing, or fails so, is shown as '-'. Each environment takes random actions for a block of steps,
 the environments by turns, so that a busy machine is as busy for all; of each, the middle block and the fastest count.
 Seconds are of processor time. It ends with code 1 where the middle of our blocks is below 1.3 times that of panda-gym's
-PickAndPlace, or two processes together do less than 1.8 times what one does.
+PickAndPlace, or two processes together do too little: beside.py says what, and is run at the end.
 """
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -18,21 +17,14 @@ from io import StringIO
 from statistics import median
 from typing import Any
 
+import beside
 import click
 import gymnasium
 from rich.console import Console
 from rich.table import Table
 
-from prag_asp import TaskSpace, load_domain
-
 OURS, PICK = "prag_asp tabletop, 20 Hz", "panda-gym PickAndPlace, 25 Hz"
-LEAST_TIMES, LEAST_TOGETHER = 1.3, 1.8
-
-
-def ours() -> gymnasium.Env[Any, Any]:
-    """Return our environment: seven objects and a tray on a table, tasks of two actions."""
-    space = TaskSpace(load_domain("tabletop"), length=2)
-    return gymnasium.make("prag_asp.rl:prag_asp/Task-v0", space=space)
+LEAST_TIMES = 1.3
 
 
 def panda(name: str) -> Callable[[], gymnasium.Env[Any, Any]]:
@@ -56,7 +48,7 @@ def fetch() -> gymnasium.Env[Any, Any]:
 
 
 ENVIRONMENTS: dict[str, Callable[[], gymnasium.Env[Any, Any]]] = {
-    OURS: ours,
+    OURS: beside.ours,
     PICK: panda("PandaPickAndPlace-v3"),
     "panda-gym Stack, 25 Hz": panda("PandaStack-v3"),
     "Fetch PickAndPlace, 25 Hz": fetch,
@@ -80,39 +72,12 @@ def block(env: gymnasium.Env[Any, Any], steps: int) -> tuple[float, float]:
     return stepping / steps, resetting / resets
 
 
-def together(processes: int, steps: int) -> float:
-    """Return the steps a second of several processes that run side by side; after all have begun."""
-    code = f"import sys; sys.path.insert(0, {sys.path[0]!r}); import rates; rates.alone({steps})"
-    running = [
-        subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        for _ in range(processes)
-    ]
-    for each in running:
-        assert each.stdout is not None
-        each.stdout.readline()
-    begun = time.perf_counter()
-    for each in running:
-        assert each.stdin is not None
-        each.stdin.write("go\n")
-        each.stdin.flush()
-    for each in running:
-        each.communicate()
-    return processes * steps / (time.perf_counter() - begun)
-
-
-def alone(steps: int) -> None:
-    """Say when all is there, wait for a word, and take steps."""
-    env = ours()
-    block(env, 200)
-    print("there", flush=True)  # noqa: T201
-    sys.stdin.readline()
-    block(env, steps)
-
-
 @click.command()
 @click.option("--blocks", type=click.IntRange(min=1), default=12, show_default=True)
 @click.option("--steps", type=click.IntRange(min=100), default=500, show_default=True, help="Steps of a block.")
-def main(blocks: int, steps: int) -> None:
+@click.option("--rounds", type=click.IntRange(min=1), default=5, show_default=True, help="Of one and two processes.")
+@click.option("--seconds", type=click.FloatRange(min=0.1), default=4.0, show_default=True, help="How long these work.")
+def main(blocks: int, steps: int, rounds: int, seconds: float) -> None:
     """Measure all environments by turns."""
     found, missing = {}, []
     for name, make in ENVIRONMENTS.items():
@@ -140,14 +105,16 @@ def main(blocks: int, steps: int) -> None:
     for env in found.values():
         with suppress(Exception):
             env.close()
-    one, two = together(1, 4 * steps), together(2, 4 * steps)
+    side_by_side = beside.measured(rounds, seconds)
+    enough, told = beside.verdict(*(beside.ratio(side_by_side[kind]) for kind in (beside.ENVIRONMENT, beside.PHYSICS)))
     console = Console()
     console.print(table)
     for line in missing:
         console.print(line, markup=False)
-    console.print(f"two processes do {two / one:.2f} times what one does ({one:.0f} and {two:.0f} steps/s)")
+    console.print(beside.table(side_by_side))
+    console.print(told, highlight=False)
     slow = PICK in rates and rates[OURS] < LEAST_TIMES * rates[PICK]
-    sys.exit(int(slow or two < LEAST_TOGETHER * one))
+    sys.exit(int(slow or not enough))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ from __future__ import annotations
 import weakref
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal
 
 import gymnasium
@@ -20,18 +19,17 @@ from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
-from prag_asp.rl.asking import Until, check_episodes, check_figures, is_whole, moves_of, options_of
+from prag_asp.rl.asking import Until, check_episodes, check_figures, moves_of, options_of
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.curriculum.course import Attempt, Episode
+from prag_asp.rl.draws import Draws
 from prag_asp.rl.fading import Fading
-from prag_asp.rl.goals import PLACES, subgoals_of
-from prag_asp.rl.observing import Layout, observe, skill
+from prag_asp.rl.goals import PLACES
+from prag_asp.rl.observing import Layout, observe
 from prag_asp.rl.origin import Curricula, Origin
 from prag_asp.rl.rewards import Reward, earned, reached
 from prag_asp.rl.sealing import check_seal, sealed
-from prag_asp.rl.sources import Assignment, Finder, OneTask, Source, fitting
-from prag_asp.rl.viewing import Image, Viewer, cameras_of
-from prag_asp.scene.cameras import Camera
+from prag_asp.rl.sources import Finder
+from prag_asp.rl.viewing import Image, Viewer
 from prag_asp.space.parts.ranked import RankedTasks
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
@@ -107,30 +105,23 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.render_mode = render_mode
         self.domain = origin.domain(domain)
         self.scene = scene_of(self.domain)
-        self._seen_by = tuple(cameras_of(self.scene, cameras, size))
-        self._cameras = cameras_of(self.scene, self._seen_by or (next(iter(self.scene.cameras)),), size)
-        self._viewer: Viewer | None = None
-        self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
-        self.control, self._stage, self._until, self._steps = control, stage, until, steps
-        self._discount, self._share = discount, float(reward != "sparse")
-        self._fading = Fading(fade) if reward == "faded" else None
         self._resources = ExitStack()
         # Who forgets to close it leaves nothing behind either, not even at the end of the process.
         weakref.finalize(self, self._resources.close)
-        self._finder = Finder(self.scene, self._resources, budget)
-        alone = task is not None or witness is not None
-        self._source: Source = OneTask(self._named(task, witness)) if alone else origin.source(self._finder)
-        self._walk = origin.stages.walk() if origin.stages else None
-        self._arena: Arena | None = None
-        self._seeded, self._over = False, True
+        self._viewer = Viewer(self.scene, cameras, size, self._resources)
+        self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
+        self.control, self._until, self._steps, self._discount = control, until, steps, discount
+        self._share, self._fading = float(reward != "sparse"), Fading(fade) if reward == "faded" else None
         self._made = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
-        size = SIZES[control] * len(self.layout.robots)
-        self.action_space = spaces.Box(-1.0, 1.0, (size,), np.float32)
+        finder = Finder(self.scene, self._resources, budget)
+        self._draws = Draws(origin, witness, stage, finder, domain=self.domain, layout=self.layout)
+        self._arena: Arena | None = None
+        self._over = True
+        self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
         goals = spaces.Box(-np.inf, np.inf, (2, PLACES), np.float32)
         seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         self.observation_space = spaces.Dict(
-            {"observation": seen, "achieved_goal": goals, "desired_goal": goals}
-            | {f"camera_{name}": _pictures(self._cameras[name]) for name in self._seen_by}
+            {"observation": seen, "achieved_goal": goals, "desired_goal": goals, **self._viewer.spaces}
         )
 
     def reset(
@@ -148,38 +139,23 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         asked = options_of(options)
         super().reset(seed=seed)
-        if seed is not None or not self._seeded:
-            self._source.seed(int(self.np_random.integers(2**31)))
-            if self._walk is not None:
-                self._walk.seed(int(self.np_random.integers(2**31)))
-            self._seeded = True
-        given = self._given(asked)
-        subgoals = subgoals_of(given.task, self.scene)
-        stage, chance = self._first(asked.get("stage"), len(subgoals))
+        if seed is not None or not self._draws.seeded:
+            self._draws.seed(self.np_random)
+        begun = self._draws.begin(asked, self.np_random)
         # Until here the episode that goes on is untouched: after what is refused, its steps are still its own.
-        self.task, self.witness, self._subgoals, self.stage = given.task, given.witness, subgoals, stage
+        self._begun, self.task, self.witness, self.stage = begun, begun.given.task, begun.given.witness, begun.stage
         self._over = False
-        self._begun, self._led = self.stage, (given.probability is not None, asked.get("stage") is None)
-        self._last = self.stage if self._until == "subgoal" else len(self._subgoals) - 1
+        self._last = self.stage if self._until == "subgoal" else len(begun.subgoals) - 1
         self._left = self._steps * (self._last + 1 - self.stage)
         if self._arena is None:
             self._arena = Arena(self.scene, self._resources)
         if self._fading is not None:
             self._share = self._fading.share
-        self.situation = situation = self._arena.start(given.witness, self.stage)
-        measured, here = self._goal(situation)
+        self.situation = self._arena.start(self.witness, self.stage)
+        measured, here = self._goal(self.situation)
         self._before = here
-        info = {
-            "task": str(given.task),
-            "rank": given.rank,
-            "log_probability": given.task.log_probability,
-            "probability": given.probability,
-            "stage_probability": chance,
-            "rejected": given.rejected,
-            **self._told(measured, success=False),
-        }
-        curriculum = {**self._source.told(), **(self._walk.told() if self._walk is not None else {})}
-        return self._seen(situation, here), info | ({"curriculum": curriculum} if curriculum else {})
+        info, curriculum = begun.told() | self._told(measured, success=False), self._draws.told()
+        return self._seen(self.situation, here), info | ({"curriculum": curriculum} if curriculum else {})
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Let the agent act for 1/20 s; numbers of an action beyond -1 and 1 count as these.
@@ -202,7 +178,9 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._fading.step()
         if (done or late) and not self._over:
             self._over = True
-            self._report(done)
+            if self._fading is not None:
+                self._fading.end(done)
+            self._draws.report(self._begun, self.stage, success=done)
         return seen, float(gain), done, late and not done, self._told(measured, success=done)
 
     def compute_reward(self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any) -> Any:
@@ -226,7 +204,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self.render_mode is None:
             return None
         assert self._begun_arena
-        return self._look(next(iter(self._cameras)))[0]
+        return self._viewer.picture(self.situation)
 
     def state_dict(self) -> dict[str, Any]:
         """Return what the draws of tasks and subgoals, and the fading, have come to, of what JSON can write.
@@ -237,12 +215,11 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             QueryError: nothing was drawn yet.
         """
-        if not self._seeded:
+        if not self._draws.seeded:
             raise QueryError("there is no state yet; reset the environment")
         state = {
             "rng": dict(self.np_random.bit_generator.state),
-            "source": self._source.state_dict(),
-            "walk": None if self._walk is None else self._walk.state_dict(),
+            **self._draws.state_dict(),
             "fading": None if self._fading is None else self._fading.state_dict(),
         }
         return sealed(state, self._made)
@@ -256,20 +233,19 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         check_seal(state, self._made)
         try:
             self.np_random.bit_generator.state = state["rng"]
-            self._source.load_state_dict(state["source"])
-            if self._walk is not None:
-                self._walk.load_state_dict(state["walk"])
+            self._draws.load_state_dict(state)
             if self._fading is not None:
                 self._fading.load_state_dict(state["fading"])
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             told = f"the state is of another environment ({error!r:.60})"
             raise QueryError(f"{told}; make this one with the same arguments") from None
-        self._seeded = True
+        self._draws.seeded = True
 
     def close(self) -> None:
         """Close the simulators; nothing is left behind. A reset opens them again."""
-        self._arena = self._viewer = None
-        self._finder.forget()
+        self._arena = None
+        self._viewer.forget()
+        self._draws.finder.forget()
         self._resources.close()
 
     @property
@@ -306,7 +282,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
         """Return the signed distances of a moment, and its vector."""
-        subgoal = self._subgoals[self.stage]
+        subgoal = self._begun.subgoals[self.stage]
         measured = subgoal.measured(situation)
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
@@ -317,71 +293,9 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         desired[:, 0] = self._last
         seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.asked)
         found = {"observation": seen, "achieved_goal": np.array([here, self._before]), "desired_goal": desired}
-        pictures = self._look(*self._seen_by) if self._seen_by else ()
-        return found | {f"camera_{name}": each for name, each in zip(self._seen_by, pictures, strict=True)}
-
-    def _look(self, *names: str) -> list[Image]:
-        """Return what some cameras see now."""
-        if self._viewer is None:
-            self._viewer = Viewer(self._cameras, self._resources)
-        return self._viewer.see(self.situation, *names)
-
-    def _report(self, success: bool) -> None:
-        """Let the fading hear how an episode has ended, and the curricula that had a say in it."""
-        if self._fading is not None:
-            self._fading.end(success)
-        actions = self.task.actions
-        attempts = [
-            Attempt(actions[i], actions[i - 1] if i else None, i < self.stage or success)
-            for i in range(self._begun, self.stage + 1)
-        ]
-        episode = Episode(len(actions), self._begun, attempts, success)
-        drawn, led = self._led
-        if drawn:
-            self._source.report(episode)
-        if led and self._walk is not None:
-            self._walk.report(episode)
+        return found | self._viewer.pictures(situation)
 
     def _told(self, measured: list[float], *, success: bool) -> dict[str, Any]:
         """Return what is told beside an observation."""
-        reached = self._subgoals[self.stage].reached(measured)
+        reached = self._begun.subgoals[self.stage].reached(measured)
         return {"stage": self.stage, "action": str(self.action), "reached": reached, "is_success": success}
-
-    def _given(self, options: Mapping[str, Any]) -> Assignment:
-        """Return the task of an episode."""
-        task, witness = options.get("task"), options.get("witness")
-        if task is not None or witness is not None:
-            return self._named(task, witness)
-        return self._source.draw() if options.get("rank") is None else self._source.ranked(options["rank"])
-
-    def _named(self, task: object, witness: object) -> Assignment:
-        """Return a task that somebody names, with a witness: that given for it, or one that is found.
-
-        Raises:
-            QueryError: it is none, or has none.
-        """
-        if not isinstance(task, Task) or not isinstance(witness, Witness | None):
-            raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")
-        for action in task.actions:
-            if skill(action, self.scene) not in self.layout.skills:
-                raise QueryError(f"{action} is no action of the domain {self.domain.name}; give a task of that domain")
-        return Assignment(task, self._finder.required(task)) if witness is None else fitting(task, witness, self.scene)
-
-    def _first(self, asked: int | str | None, count: int) -> tuple[int, Fraction | None]:
-        """Return the number of the subgoal of so many to begin with, and its probability where it was drawn."""
-        if count == 0:
-            raise QueryError("a task of no action has no subgoal; give another one")
-        if asked is None and self._walk is not None:
-            return self._walk.stage(count)
-        stage = self._stage if asked is None else asked
-        if stage == "any":
-            return int(self.np_random.integers(count)), Fraction(1, count)
-        if not is_whole(stage) or not -count <= int(stage) < count:
-            raise QueryError(f"stage {stage!r}: the task has the stages 0 to {count - 1}; any draws one")
-        return int(stage) % count, None
-
-
-def _pictures(camera: Camera) -> spaces.Box:
-    """Return what a camera can see."""
-    width, height = camera.size
-    return spaces.Box(0, 255, (height, width, 3), np.uint8)

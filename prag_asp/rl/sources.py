@@ -76,7 +76,7 @@ class Finder:
     """Finds witnesses of tasks, by one validator that is opened where it is first needed."""
 
     def __init__(self, scene: Scene, resources: ExitStack, budget: Budget | None):
-        self._scene, self._resources, self._budget = scene, resources, budget
+        self.scene, self._resources, self._budget = scene, resources, budget
         self._validator: Validator | None = None
 
     def witness(self, task: Task, *, seed: int = 0, index: int = 0) -> Witness | None:
@@ -86,7 +86,7 @@ class Finder:
             SceneError: the task speaks about something for which the scene has no shape.
         """
         if self._validator is None:
-            self._validator = self._resources.enter_context(open_validator(self._scene))
+            self._validator = self._resources.enter_context(open_validator(self.scene))
         return self._validator.validate(task, seed=seed, index=index, budget=self._budget).witness
 
     def forget(self) -> None:

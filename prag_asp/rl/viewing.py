@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import ExitStack
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
@@ -20,23 +20,53 @@ Image = NDArray[np.uint8]
 
 
 class Viewer:
-    """Looks at moments; its world is built anew only where other bodies take part or they have other sizes."""
+    """Looks at moments; its world is built anew only where other bodies take part or they have other sizes.
 
-    def __init__(self, cameras: Mapping[str, Camera], resources: ExitStack):
-        self._cameras = cameras
-        self._own = resources.enter_context(ExitStack())
-        self._begun: tuple[Scene, tuple[str, ...]] | None = None
+    `names` are the cameras whose pictures observations have. Where there are none, the first of the scene looks alone.
+
+    Raises:
+        QueryError: there is no such camera, one is named twice, or the size is none.
+    """
+
+    def __init__(self, scene: Scene, names: object, size: object, resources: ExitStack):
+        self._observed = tuple(cameras_of(scene, names, size))
+        self._cameras = cameras_of(scene, self._observed or (next(iter(scene.cameras)),), size)
+        self._resources = resources
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget the world, which was closed."""
+        self._own: ExitStack | None = None
         self._studio: Studio | None = None
+        self._begun: tuple[Scene, tuple[str, ...]] | None = None
 
-    def see(self, situation: Situation, *names: str) -> list[Image]:
-        """Return what cameras see of a moment, in the order of their names, each of shape (height, width, 3)."""
+    @property
+    def spaces(self) -> dict[str, spaces.Box]:
+        """What observations can have of each camera."""
+        sizes = {name: self._cameras[name].size for name in self._observed}
+        return {f"camera_{name}": spaces.Box(0, 255, (high, wide, 3), np.uint8) for name, (wide, high) in sizes.items()}
+
+    def pictures(self, situation: Situation) -> dict[str, Image]:
+        """Return what observations have of a moment, each of shape (height, width, 3)."""
+        if not self._observed:
+            return {}
+        studio = self._shown(situation)
+        return {f"camera_{name}": studio.take(self._cameras[name]).rgb for name in self._observed}
+
+    def picture(self, situation: Situation) -> Image:
+        """Return what the first camera sees of a moment, of shape (height, width, 3)."""
+        return self._shown(situation).take(next(iter(self._cameras.values()))).rgb
+
+    def _shown(self, situation: Situation) -> Studio:
+        """Return the world, put to a moment."""
         begun = situation.scene, tuple(situation.poses)
+        if self._own is None:
+            self._own = self._resources.enter_context(ExitStack())
         if self._studio is None or self._begun != begun:
             self._own.close()
-            self._studio = self._own.enter_context(open_studio(*begun))
-            self._begun = begun
+            self._studio, self._begun = self._own.enter_context(open_studio(*begun)), begun
         self._studio.show(Moment(situation.poses, situation.arms, situation.openings))
-        return [self._studio.take(self._cameras[name]).rgb for name in names]
+        return self._studio
 
 
 def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:

@@ -34,6 +34,7 @@ SHORTENED = {
         "--held-out",
         "1",
     ],
+    "beside.py": ["--rounds", "1", "--seconds", "0.1"],
     "chained.py": ["--demonstrations", "2", "--count", "1", "--epochs", "1", "--length", "2"],
 }
 
@@ -67,7 +68,9 @@ def test_the_commands_of_the_page_run_that_learn_nothing(name: str) -> None:
 
 def test_the_command_that_chains_runs(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3")
-    assert "%" in done(of("chained.py"), "--output", tmp_path)
+    told = done(of("chained.py"), "--output", tmp_path)
+    assert re.search(r"^2 of \d+ demonstrations end well", told, re.MULTILINE)
+    assert len(re.findall("^│ cloned ", told, re.MULTILINE)) == 2, "one row for each length"
     assert names(tmp_path) == {"chained.parquet", "chained.png"}
 
 
@@ -118,6 +121,22 @@ def test_whole_tasks_are_learned_from_any_stage(tmp_path: Path) -> None:
 
 def test_the_page_tells_of_all_commands() -> None:
     assert {Path(command[0]).name for command in told()} == set(SHORTENED)
+
+
+def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
+    beside = importlib.import_module("beside")
+    verdicts = {(times, most): beside.verdict(times, most) for times in (1.5, 1.7, 1.8) for most in (1.6, 1.85, 2.1)}
+    assert [enough for enough, _ in verdicts.values()] == [True, False, False, True, True, False, True, True, True]
+    assert {most for (_, most), (_, told) in verdicts.items() if "no two processes" in told} == {1.6}
+
+
+def test_one_and_two_processes_of_all_kinds_are_measured() -> None:
+    command = [sys.executable, *of("beside.py"), *SHORTENED["beside.py"]]
+    wide = {**os.environ, "COLUMNS": "160"}
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=wide)
+    told = re.search(r"two processes do ([\d.]+) times what one does, PyBullet alone ([\d.]+) times", ended.stdout)
+    assert told and ended.stdout.count("│") == 4 * 7 and ended.returncode in (0, 1), ended.stderr
 
 
 def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -> None:

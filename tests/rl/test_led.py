@@ -71,13 +71,13 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
 def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(space: TaskSpace) -> None:
     env = TaskEnv(space, stage="any", steps=1)
     tried = [0]
-    find = env._finder.witness
+    find = env._draws.finder.witness
 
     def found(task: Task, **asked: int) -> Witness | None:
         tried[0] += 1
         return find(task, **asked) if tried[0] % 3 else None
 
-    env._finder.witness = found  # type: ignore[method-assign]
+    env._draws.finder.witness = found  # type: ignore[method-assign]
     told = begun(env, 12, seed=1)
     assert {info["probability"] for info in told} == {Fraction(1, space.count())}
     assert {info["stage_probability"] for info in told} == {Fraction(1, 2)}
@@ -85,7 +85,7 @@ def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(spa
     draws = sum(1 + info["rejected"] for info in told)
     source = env.state_dict()["source"]
     assert source["number"] == source["course"]["taken"] == draws > 12
-    env._finder.witness = find  # type: ignore[method-assign]
+    env._draws.finder.witness = find  # type: ignore[method-assign]
     _, info = env.reset(options={"rank": 100, "stage": 0})
     assert info["probability"] is None and info["stage_probability"] is None and info["rejected"] == 0
     env.close()
