@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +20,14 @@ def known_counts(folder: Path) -> Mapping[str, Mapping[int, int]]:
     return {level: {int(length): count for length, count in counts.items()} for level, counts in levels.items()}
 
 
-def check_known_counts(folder: Path, simulation: Simulation, level: str, twins: tuple[str, str]) -> None:
-    """Check the counts of a level against a simulation of the domain, in which `twins` are interchangeable."""
+def check_known_counts(folder: Path, simulation: Simulation, level: str, *swaps: Sequence[str]) -> None:
+    """Check the counts of a level against a simulation of the domain, in which each of `swaps` may take place."""
     known = known_counts(folder)[level]
     told, _, by = level.rpartition(".")
     simulated = simulation.flat if told else simulation
     longest = max(known)
     if by == "task":
-        found = simulated.tasks(longest, twins)
+        found = simulated.tasks(longest, swaps)
     else:
         found = simulated.plans(longest) if by == "plan" else simulated.skeletons(longest)
     assert longest >= 4

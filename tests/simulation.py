@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+import itertools
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -68,10 +69,11 @@ class Simulation:
             layer = following
         return counts
 
-    def tasks(self, length: int, twins: tuple[str, str]) -> list[int]:
-        """Return the number of plans up to swapping two things that nothing tells apart (Burnside's lemma)."""
-        unchanged = self.without(twins).plans(length)
-        return [(number + same) // 2 for number, same in zip(self.plans(length), unchanged, strict=True)]
+    def tasks(self, length: int, swaps: Sequence[Sequence[str]]) -> list[int]:
+        """Return the number of plans up to swaps, each of which moves some things of its own (Burnside's lemma)."""
+        parts = itertools.product(*(((), swap) for swap in swaps))
+        unchanged = [self.without({*itertools.chain(*moved)}).plans(length) for moved in parts]
+        return [sum(numbers) // len(unchanged) for numbers in zip(*unchanged, strict=True)]
 
     def skeletons(self, length: int) -> list[int]:
         """Return the number of sequences of names of each length up to `length`."""

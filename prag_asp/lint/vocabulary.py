@@ -14,6 +14,7 @@ from prag_asp.wording import did_you_mean, is_misspelt, nearest
 BY_LIBRARY = {
     **dict.fromkeys([("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2)], "conditions and tasks"),
     **dict.fromkeys([("introduces_late", 2), ("successor", 2)], "conditions and tasks"),
+    **dict.fromkeys([("joint_unit", 2), ("next_unit", 2), ("unit_named", 2), ("names_unit_late", 2)], "tasks"),
     ("left_out", 1): "the library, which leaves out what can never occur",
 }
 """What the library and its encodings for ``rules`` and ``conditions`` derive where they are asked for."""

@@ -16,7 +16,8 @@ from prag_asp.logic.ground.stationary import StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
-from prag_asp.logic.symmetry.symmetry import interchangeable, may_interchange
+from prag_asp.logic.symmetry.symmetries import Symmetries
+from prag_asp.logic.symmetry.symmetry import find_symmetries, may_interchange
 from prag_asp.logic.symmetry.uneven import stated_unevenly
 from prag_asp.processes.stage import stage
 from prag_asp.program.sources import ADDED, Program, read_sources
@@ -74,34 +75,38 @@ class Model:
         stage("preparing the step")
         return stratified_step(ground)
 
-    def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        """Return the groups of interchangeable entities in plans of a length; most domains have the same for all.
+    def symmetries(self, length: int) -> Symmetries:
+        """Return which entities are interchangeable in plans of a length; most domains have the same for all.
 
         What is never reached may tell entities apart as well: what the author has written decides.
         """
         if self.domain.facts.unreached:
-            return self.whole.groups(length) if may_interchange(self.domain.facts) else ()
+            return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
-            return self._without_loops._groups
+            return self._without_loops._symmetries
         return self._found(lambda model: ground_plan(model.program, length, model.reads))
 
+    def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
+        """Return the groups of entities any two of which are interchangeable alone, in plans of a length."""
+        return self.symmetries(length).groups
+
     @cached_property
-    def _groups(self) -> tuple[tuple[clingo.Symbol, ...], ...]:
+    def _symmetries(self) -> Symmetries:
         return self._found(lambda model: model.ground)
 
-    def _found(self, ground: Callable[[Model], GroundStep]) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        """Return the groups of interchangeable entities, as they are found on a part of the ground program.
+    def _found(self, ground: Callable[[Model], GroundStep]) -> Symmetries:
+        """Return which entities are interchangeable, as it is found on a part of the ground program.
 
         Where the invariants may say of single entities what follows anyway, all that follows is stated first.
         """
         facts, program = self.domain.facts, ground(self)
         stage(INTERCHANGEABLE)
-        groups = tuple(interchangeable(facts, program))
-        if not stated_unevenly(facts, groups) or (closed := closed_program(self.domain)) is None:
-            return groups
+        found = find_symmetries(facts, program)
+        if not stated_unevenly(facts, found.groups) or (closed := closed_program(self.domain)) is None:
+            return found
         program = ground(Model(replace(self.domain, program=closed)))
         stage(INTERCHANGEABLE)
-        return tuple(interchangeable(facts, program))
+        return find_symmetries(facts, program)
 
     @cached_property
     def _without_loops(self) -> Model:
@@ -125,8 +130,8 @@ class Model:
 
     def task_program(self, length: int) -> Program:
         """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""
-        groups = self.groups(length)
-        return canonical_program(self.domain, groups) if groups else self.program
+        found = self.symmetries(length)
+        return canonical_program(self.domain, found.groups, found.joint) if found else self.program
 
     def transition(
         self, *, tasks: bool, weighed: Sequence[str] = (), labels: Sequence[clingo.Symbol] = ()
@@ -140,7 +145,7 @@ class Model:
         """
         if self.obstacles:
             raise EngineError(self.obstacles[0])
-        tells_apart = tasks and bool(self.groups(0))
+        tells_apart = tasks and bool(self.symmetries(0))
         if not weighed:
             return build_transition(self._task_step if tells_apart else self.step, labels)
         program = self.task_program(0) if tells_apart else self.program

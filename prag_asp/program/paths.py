@@ -8,8 +8,8 @@ from prag_asp.errors import DomainError, QueryError
 from prag_asp.reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
-BY_LIBRARY = frozenset(["canonical_names", "closed_invariants", "weights"])
-"""Rules that the library adds itself, two of them together with facts that only it knows."""
+BY_LIBRARY = frozenset(["canonical_names", "joint_names", "closed_invariants", "weights"])
+"""Rules that the library adds itself, three of them together with facts that only it knows."""
 
 PDDL = ".pddl"
 """How the names of files of PDDL end."""

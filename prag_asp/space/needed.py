@@ -109,7 +109,10 @@ class Fewer:
 
     @cached_property
     def whole_sizes(self) -> tuple[int, ...] | None:
-        """How many entities each group of interchangeable ones has in the whole; None where one is told apart."""
+        """How many entities each group of interchangeable ones has in the whole; None where one is told apart.
+
+        It is None as well where a unit may be like another one here, and not in the whole, or the other way around.
+        """
         sizes = list(map(len, self.alike))
         for group in self.groups:
             ground = set(group) & self.model.domain.facts.entities.keys()
@@ -117,7 +120,22 @@ class Fewer:
             if not places:
                 return None
             sizes[places[0]] += len(group) - len(ground)
-        return tuple(sizes)
+        return tuple(sizes) if self._keep_units(sizes) else None
+
+    def _keep_units(self, sizes: Sequence[int]) -> bool:
+        """Return whether units are interchangeable here where they are in the whole, given the whole sizes of groups.
+
+        Their groups have to be of one size where they have one here, and only there.
+        """
+        size_of = {entity: size for group, size in zip(self.alike, sizes, strict=True) for entity in group}
+        here: dict[object, set[int]] = {}
+        for group, size in zip(self.alike, sizes, strict=True):
+            here.setdefault((self.model.domain.facts.entities[group[0]], size), set()).add(len(group))
+        return all(len(found) == 1 for found in here.values()) and all(
+            len({size_of.get(entity) for entity in row}) == 1
+            for units in self.model.symmetries(0).joint
+            for row in zip(*units, strict=True)
+        )
 
     def explored_plans(self, length: int, prefix: Letters) -> int:
         """Return the number of plans of a length, by how many entities of each group they name."""
@@ -160,6 +178,9 @@ class Fewer:
                 found += prod(
                     perm(size, len(named.intersection(group)))
                     for group, size in zip(self.alike, self.whole_sizes or (), strict=True)
+                ) * prod(
+                    perm(len(units), sum(not named.isdisjoint(unit) for unit in units))
+                    for units in self.model.symmetries(0).joint
                 )
         except LimitReached as limit:
             raise stopped_at(str(limit).partition(" was reached")[0], found, "plan", length) from None
@@ -167,7 +188,7 @@ class Fewer:
 
     @cached_property
     def _members(self) -> frozenset[clingo.Symbol]:
-        return frozenset(entity for group in self.alike for entity in group)
+        return self.model.symmetries(0).entities
 
 
 def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:

@@ -18,6 +18,7 @@ from prag_asp.errors import QueryError
 from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.renaming import renamed
+from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import LEVELS, Draw, Engine, Level
 from prag_asp.space.engines.prefix import parse_plan, parse_prefix
@@ -125,6 +126,11 @@ class TaskSpace:
         """The domain, the length and the conditions in words."""
         where = "".join(f", where {clause}" for clause in self.condition.clauses)
         return f"{self.domain.label} of length {self.length}{where}"
+
+    @property
+    def symmetries(self) -> Symmetries:
+        """The interchangeable entities, alone and in units: tasks are plans up to the renamings that they generate."""
+        return self._shared.model.symmetries(self.length)
 
     def __repr__(self) -> str:
         where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
@@ -254,7 +260,7 @@ class TaskSpace:
         """
         from prag_asp.space.parts.split import held_out
 
-        without, having = held_out(what, self.domain.facts, self._shared.model.groups(self.length))
+        without, having = held_out(what, self.domain.facts, self.symmetries.orbits)
         return self.where(without), self.where(having)
 
     def index(self, task: Task | Sequence[str | Atom]) -> int:
@@ -264,7 +270,7 @@ class TaskSpace:
             QueryError: it is no task of this space, or has something that is no action.
         """
         plan = parse_plan(task.actions if isinstance(task, Task) else task, self.domain.facts)
-        names = canonical_names(plan, self._shared.model.groups(self.length))
+        names = canonical_names(plan, self.symmetries)
         word = tuple(str(renamed(action, names)) for action in plan)
         rank = self._engine("task").rank(word) if len(word) == self.length else None
         if rank is None:
@@ -482,8 +488,7 @@ class TaskSpace:
         found = parse_prefix(items, by, facts)
         if by != "task" or not found:
             return found
-        groups = self._shared.model.groups(self.length)
-        return canonical_prefix(found, {str(action): action for action in facts.actions}, groups)
+        return canonical_prefix(found, {str(action): action for action in facts.actions}, self.symmetries)
 
 
 def _sent(domain: Domain, length: int, engine: str, limits: Limits, condition: Condition) -> TaskSpace:

@@ -1,8 +1,8 @@
 """Domains over a few entities, their tasks by brute force, and the entities that are interchangeable in them.
 
-All of it from the definition, and no code of the library. Two entities of one class are interchangeable where swapping
-their names maps what is said of plans onto itself. What is said of states counts by the complete states that it
-allows, and a condition by what satisfies it, so that another way to say the same says nothing new.
+All of it from the definition, and no code of the library. Tasks are the orbits of plans under all renamings of entities
+within their classes that map what is said of plans onto itself. What is said of states counts by the complete states
+that it allows, and a condition by what satisfies it, so that another way to say the same says nothing new.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import random
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from operator import itemgetter
@@ -147,19 +147,22 @@ class Case:
         return (states[0] != states[-1] or "nontrivial" not in words) and (distinct or "loop-free" not in words)
 
     @cached_property
-    def groups(self) -> list[list[str]]:
-        """Return the entities that are interchangeable, in groups, those that are alone as well."""
-        groups: list[list[str]] = []
+    def renamings(self) -> list[Names]:
+        """Return all renamings that map what is said onto itself, tried one by one."""
         as_it_is = self._said_under({})
-        for entity, its_class in self.entities.items():
-            for group in groups:
-                names = {entity: group[0], group[0]: entity}
-                if self.entities[group[0]] == its_class and self._said_under(names) == as_it_is:
-                    group.append(entity)
-                    break
-            else:
-                groups.append([entity])
-        return groups
+        return [names for names in self._in_classes() if self._is_spoken(names) and self._said_under(names) == as_it_is]
+
+    def _is_spoken(self, names: Names) -> bool:
+        """Return whether fluents and actions are fluents and actions under other names."""
+        return all({rename(each, names) for each in own} == {*own} for own in (self.fluents, self.actions))
+
+    def _in_classes(self) -> Iterator[Names]:
+        """Yield all ways to rename entities within their classes."""
+        classes = [[e for e, c in self.entities.items() if c == each] for each in sorted({*self.entities.values()})]
+        for orders in itertools.product(*map(itertools.permutations, classes)):
+            yield {
+                e: name for own, order in zip(classes, orders, strict=True) for e, name in zip(own, order, strict=True)
+            }
 
     @cached_property
     def _every(self) -> list[State]:
@@ -240,12 +243,9 @@ class Case:
     def _sequences(self) -> list[Plan]:
         return [words for n in range(LONGEST + 1) for words in itertools.product(self.actions, repeat=n)]
 
-    def orbits(self, plans: Iterable[Plan], groups: Iterable[Sequence[str]] | None = None) -> set[frozenset[Plan]]:
-        """Return plans up to renaming of entities that are interchangeable, or that are in a group with each other."""
-        names: list[Names] = [{}]
-        for group in self.groups if groups is None else groups:
-            orders = [dict(zip(group, order, strict=True)) for order in itertools.permutations(group)]
-            names = [{**one, **other} for one in names for other in orders]
+    def orbits(self, plans: Iterable[Plan], renamings: Iterable[Names] | None = None) -> set[frozenset[Plan]]:
+        """Return plans up to all renamings that keep what is said, or up to those of a group of renamings."""
+        names = self.renamings if renamings is None else renamings
         actions = [{action: rename(action, each) for action in self.actions} for each in names]
         return {frozenset(tuple(each[action] for action in plan) for each in actions) for plan in plans}
 

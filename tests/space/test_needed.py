@@ -249,3 +249,24 @@ def test_settings_may_name_an_entity_that_is_not_ground(tmp_path: Path) -> None:
     names = "; ".join(f"c{n}" for n in range(30))
     domain = load_domain(text=f"entity(({names}), cube).\n{STACKS}", settings=path)
     assert domain.fewer and TaskSpace(domain, 1).count("plan") == 30 + 30 * 30
+
+
+def test_tasks_stand_for_the_renamings_of_units_as_well() -> None:
+    """Each arm has its own hand, and of the cubes no more are ground than plans need."""
+    domain = load_domain(
+        text="""class((arm; hand; cube)). entity((a; b), arm). entity((g; h), hand). hand(a, h). hand(b, g).
+        entity(cube(1..20), cube). fluent((held(C,H); moved(A))) :- is_a(C,cube), hand(A,H).
+        initially(F,false) :- fluent(F). action((move(A); take(H,C))) :- is_a(C,cube), hand(A,H).
+        precondition(take(H,C), held(C,H), false) :- action(take(H,C)).
+        postcondition(move(A), moved(A), true) :- action(move(A)).
+        precondition(take(H,C), moved(A), true) :- action(take(H,C)), hand(A,H).
+        postcondition(take(H,C), held(C,H), true) :- action(take(H,C))."""
+    )
+    assert isinstance(domain.needed, Needed), domain.needed
+    whole = TaskSpace(replace(domain, needed=None), 0)
+    assert len(whole.symmetries.joint) == 1
+    for engine in ("automaton", "clingo"):
+        for length in range(4):
+            for by in LEVELS:
+                found = TaskSpace(domain, length, engine=engine).count(by)
+                assert found == whole.at(length).count(by), (engine, length, by)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import random
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -14,13 +15,15 @@ from tests.domains import domain_of
 from tests.ganak import counting_by, one_process
 from tests.orbits.case import Case
 from tests.orbits.domains import draw_case, draw_redundant
+from tests.orbits.units import draw_units
 
 LENGTHS, LONGER = (0, 1, 2), (0, 1, 2, 3)
 LONGER_EACH = 5
 """Plans of three actions are many, so one domain of so many has them."""
 
-DOMAINS, REDUNDANT, PARTS = 300, 60, 10
-"""How many domains are drawn, and how many that say much again; with `pytest --fresh`, ten times as many."""
+DOMAINS, WITH_UNITS, REDUNDANT, PARTS = 300, 40, 60, 10
+"""How many domains are drawn, how many whose entities belong to each other, and how many that say much again; with
+`pytest --fresh`, ten times as many."""
 
 SHARP_EACH = 10
 """The counter counts one of so many."""
@@ -52,23 +55,25 @@ def test_what_follows_anyway_tells_no_entities_apart(part: int, chance: Chance) 
         case = draw_redundant(chance.generator(seed))
         space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
         model = space._shared.model
-        groups = [[*map(str, group)] for group in model.groups(0)]
+        told = model.symmetries(0)
         engine = select("clingo", model, "task") if model.obstacles else AutomatonEngine(model, "task", merge=True)
         for length in LENGTHS:
             plans = case.plans(length)
             orbits = case.orbits(plans)
-            found = f"seed {seed}, length {length}, {space.condition!s}, groups {groups}: {case.text()}"
-            assert case.orbits(plans, groups) == orbits, found
+            found = f"seed {seed}, length {length}, {space.condition!s}, {told}: {case.text()}"
             assert engine.count(length) == len(orbits), found
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("ganak")
+@pytest.mark.parametrize("draw", [draw_case, draw_units])
 @pytest.mark.parametrize("part", range(PARTS))
-def test_tasks_are_the_orbits_of_plans_in_every_engine(part: int, chance: Chance) -> None:
-    number = chance.examples(DOMAINS) // PARTS
+def test_tasks_are_the_orbits_of_plans_in_every_engine(
+    part: int, draw: Callable[[random.Random], Case], chance: Chance
+) -> None:
+    number = chance.examples(DOMAINS if draw is draw_case else WITH_UNITS) // PARTS
     for seed in range(part * number, (part + 1) * number):
-        case = draw_case(chance.generator(seed))
+        case = draw(chance.generator(seed))
         lengths = LENGTHS if seed % LONGER_EACH else LONGER
         expected = {length: case.orbits(case.plans(length)) for length in lengths}
         for name, space, engine in engines_of(case, sharp=seed % SHARP_EACH == 0):
@@ -80,3 +85,5 @@ def test_tasks_are_the_orbits_of_plans_in_every_engine(part: int, chance: Chance
                 assert case.orbits(words) == orbits, found
                 if name == "automaton":
                     assert [engine.unrank(length, rank) for rank in range(len(words))] == words, found
+                    orbit = max(orbits, key=len, default=frozenset())
+                    assert len({space.at(length).index(plan) for plan in orbit}) == bool(orbit), found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 @click.command()
 @asks((*options.DOMAIN, options.TRUST))
-def check(*, asked: Asked) -> None:
+@click.option("--symmetries", is_flag=True, help="Print which entities are interchangeable, alone or together.")
+def check(*, asked: Asked, symmetries: bool) -> None:
     """Check a domain and say what it declares, and on stderr what is strange about it.
 
     Errors mean that the domain means nothing, or that a count could be wrong. Warnings are well defined; the comment
@@ -57,6 +58,20 @@ def check(*, asked: Asked) -> None:
         scene,
     ]
     say(f"{domain.label}: ok; {', '.join(parts)}")
+    for line in _interchangeable(domain) if symmetries else ():
+        say(line)
+
+
+def _interchangeable(domain: Domain) -> Iterator[str]:
+    """Yield the entities up to whose names tasks are counted, in words."""
+    from prag_asp.space.task_space import TaskSpace
+
+    found = TaskSpace(domain, 0).symmetries
+    for group in found.groups:
+        yield f"interchangeable: {', '.join(map(str, group))}"
+    for units in found.joint:
+        told = ("(" + ", ".join(map(str, unit)) + ")" for unit in units)
+        yield f"interchangeable together: {', '.join(told)}"
 
 
 def _tell_needed(domain: Domain) -> None:

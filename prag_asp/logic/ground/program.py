@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import clingo
 
@@ -35,14 +35,28 @@ def closed_program(domain: Domain) -> Program | None:
     return Program((*domain.program.sources, *_rules(domain, "closed_invariants")))
 
 
-def canonical_program(domain: Domain, groups: Iterable[tuple[clingo.Symbol, ...]]) -> Program:
-    """Return the program whose plans introduce the entities of each group in the group's order.
+def canonical_program(
+    domain: Domain,
+    groups: Iterable[Sequence[clingo.Symbol]],
+    joint: Sequence[Sequence[Sequence[clingo.Symbol]]] = (),
+) -> Program:
+    """Return the program whose plans introduce the entities of each group, and the units of each joint one, in order.
 
     With groups of interchangeable entities, it has one plan for each task.
     """
-    program = Program((*domain.program.sources, *_rules(domain, "canonical_names")))
+    rules = [*_rules(domain, "canonical_names"), *(_rules(domain, "joint_names") if joint else ())]
+    program = Program((*domain.program.sources, *rules))
     pairs = [f"successor({d},{e})." for group in groups for d, e in pairwise(group)]
-    return with_facts(program, [*_added_facts(domain.facts), *pairs])
+    told = chain.from_iterable(_unit_facts(number, units) for number, units in enumerate(joint))
+    return with_facts(program, [*_added_facts(domain.facts), *pairs, *told])
+
+
+def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterator[str]:
+    """Yield what says which entities belong to the units of a joint group, and which unit follows which."""
+    for place, unit in enumerate(units):
+        yield from (f"joint_unit({entity},({number},{place}))." for entity in unit)
+        if place:
+            yield f"next_unit(({number},{place - 1}),({number},{place}))."
 
 
 def _rules(domain: Domain, name: str) -> tuple[Source, ...]:

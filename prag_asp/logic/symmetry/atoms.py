@@ -113,23 +113,65 @@ class Atoms:
         """Return whether there is an atom with a name."""
         return shaped in self._numbers
 
-    def swap(self, first: int, second: int) -> NDArray[np.int64]:
-        """Return the number of each atom under the swap of two entities, `MISSING` where there is no such atom."""
-        swapped = np.arange(len(self._keys))
-        names = {first: second, second: first}
-        for number in sorted({*self._with[first], *self._with[second]}):
-            swapped[number] = self._numbers.get(self._swapped(self._keys[number], names, swapped), MISSING)
-        return swapped
+    def named(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
+        """Yield the atoms with a name, and what is given for each."""
+        for number, mark in atoms.items():
+            key = self._keys[number]
+            if isinstance(key, tuple):
+                yield key, mark
 
-    def _swapped(self, key: Key, names: Mapping[int, int], swapped: NDArray[np.int64]) -> Key:
-        """Return what an atom is under a swap, which is known of the atoms with smaller numbers."""
+    def entities(self, rule: SpelledRule) -> frozenset[int]:
+        """Return the entities that a rule mentions."""
+        inside = (*rule.heads, *(atom for atom, _, _ in rule.body[2]))
+        return frozenset().union(*map(self.mentioned.__getitem__, inside))
+
+    def renamed(self, rule: SpelledRule, names: Mapping[int, int]) -> SpelledRule | None:
+        """Return a rule under other names for entities, or None where it has an atom that is none then."""
+        heads, (choice, bound, literals), last = rule
+        moved: dict[int, int] = {}
+        for atom in sorted({*heads, *(atom for atom, _, _ in literals)}):
+            self._rename(atom, names, moved)
+        if MISSING in moved.values():
+            return None
+        body = frozenset((moved[atom], sign, weight) for atom, sign, weight in literals)
+        return SpelledRule(frozenset(moved[atom] for atom in heads), (choice, bound, body), last)
+
+    def _rename(self, atom: int, names: Mapping[int, int], moved: dict[int, int]) -> int:
+        """Return the number of an atom under other names; `moved` holds what is known, with what it depends on."""
+        if atom not in moved:
+            key = self._keys[atom]
+            if names.keys().isdisjoint(self.mentioned[atom]):
+                moved[atom] = atom
+            elif isinstance(key, frozenset):
+                said = frozenset(
+                    (
+                        choice,
+                        bound,
+                        frozenset((self._rename(each, names, moved), sign, weight) for each, sign, weight in literals),
+                    )
+                    for choice, bound, literals in key
+                )
+                moved[atom] = self._numbers.get(said, MISSING)
+            else:
+                moved[atom] = self._numbers.get(self._under(key, names, np.empty(0, dtype=np.int64)), MISSING)
+        return moved[atom]
+
+    def under(self, names: Mapping[int, int]) -> NDArray[np.int64]:
+        """Return the number of each atom under other names for entities, `MISSING` where there is no such atom."""
+        renamed = np.arange(len(self._keys))
+        for number in sorted({number for entity in names for number in self._with[entity]}):
+            renamed[number] = self._numbers.get(self._under(self._keys[number], names, renamed), MISSING)
+        return renamed
+
+    def _under(self, key: Key, names: Mapping[int, int], renamed: NDArray[np.int64]) -> Key:
+        """Return what an atom is under other names, which is known of the atoms with smaller numbers."""
         if isinstance(key, tuple):
             shape, entities = key
             return shape, tuple(names.get(entity, entity) for entity in entities)
         if isinstance(key, int):
             return key
         return frozenset(
-            (choice, bound, frozenset((int(swapped[atom]), sign, weight) for atom, sign, weight in literals))
+            (choice, bound, frozenset((int(renamed[atom]), sign, weight) for atom, sign, weight in literals))
             for choice, bound, literals in key
         )
 

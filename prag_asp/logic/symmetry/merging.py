@@ -11,6 +11,8 @@ those named up to a state are the first ones of their group. A permutation of th
 completions onto those of the renamed state, and leaves alone which entities come next: these are permuted no further
 than that. They need not be: no action up to the state names them, so that it cannot tell them apart. The last of a
 group needs no atom `mentioned`; it is permuted as well once all others are mentioned, since no rule of naming is left.
+A group lies in one unit of a joint group, or in none: where one of it is named, so is its unit, and stays so. Units are
+not permuted.
 
 Twins are entities whose swap leaves a state as it is. An action and its renamings by twins lead to renamings of one
 state, so one of them is expanded and counted as often as there are renamings.
@@ -223,7 +225,7 @@ def find_merging(
     entities = {entity for group in permuted for entity in group}
     ordered = {entity for group in named_in_order for entity in group}
     mentions = {s.arguments[0]: place for place, s in enumerate(transition.variables) if _is_mention(s, ordered)}
-    kept = set(mentions.values())
+    kept = {*mentions.values(), *(place for place, s in enumerate(transition.variables) if s.match("unit_named", 1))}
     moved = [
         place
         for place, symbol in enumerate(transition.variables)

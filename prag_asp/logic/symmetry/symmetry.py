@@ -2,18 +2,18 @@
 
 Two entities of one class are interchangeable where swapping their names maps the ground rules of the step, the final
 check and the initial values onto themselves, up to rules that the others entail. Such swaps generate all permutations
-of a group of entities.
+of a group of entities. Where no single swap does, several together may: `joint` looks for them.
 
-A swap is its own inverse: where the rules entail their image, the image entails them as well, and both have the same
-answer sets.
+A renaming that is made of swaps is its own inverse: where the rules entail their image, the image entails them as well,
+and both have the same answer sets.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 
 import clingo
@@ -21,23 +21,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground import GroundStep
-from prag_asp.logic.symmetry.atoms import Atoms, SpelledRule
+from prag_asp.logic.symmetry.atoms import START, Atoms, SpelledRule
 from prag_asp.logic.symmetry.entailment import Consequences
+from prag_asp.logic.symmetry.joint import Conflict, joint_groups
+from prag_asp.logic.symmetry.kinds import refined
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
+from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.program.facts import Facts
 
 
-def interchangeable(facts: Facts, ground: GroundStep) -> list[tuple[clingo.Symbol, ...]]:
-    """Return the groups of two or more interchangeable entities, each in clingo's order of terms."""
+def find_symmetries(facts: Facts, ground: GroundStep) -> Symmetries:
+    """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups."""
     entities = sorted(facts.entities)
     by_class: dict[clingo.Symbol, list[int]] = {}
     for number, each in enumerate(entities):
         by_class.setdefault(facts.entities[each], []).append(number)
     classes = [members for members in by_class.values() if len(members) > 1]
     if not classes:
-        return []
+        return Symmetries()
     rules = _Rules(Atoms(ground, {entities[number]: number for members in classes for number in members}))
-    groups: list[list[int]] = []
+    blocks: list[list[int]] = []
     for members in classes:
         found: list[list[int]] = []
         for entity in members:
@@ -47,44 +50,80 @@ def interchangeable(facts: Facts, ground: GroundStep) -> list[tuple[clingo.Symbo
                     break
             else:
                 found.append([entity])
-        groups += [group for group in found if len(group) > 1]
-    return [tuple(entities[number] for number in group) for group in groups]
+        blocks += found
+    kinds = refined({number: facts.entities[entities[number]] for block in blocks for number in block}, rules.exact)
+    joint = joint_groups([tuple(block) for block in blocks], kinds, rules)
+
+    def named(numbers: Iterable[int]) -> tuple[clingo.Symbol, ...]:
+        return tuple(entities[number] for number in numbers)
+
+    groups = tuple(named(block) for block in blocks if len(block) > 1)
+    return Symmetries(groups, tuple(tuple(map(named, units)) for units in joint))
 
 
 def may_interchange(facts: Facts) -> bool:
-    """Return whether there are entities whose swap maps the actions onto themselves; `interchangeable` ones are some.
+    """Return whether some renaming maps the actions onto themselves: those that `find_symmetries` looks for do.
 
     A step has an atom for each action, so that no others need to be looked for on the ground program.
     """
     names_of_classes = list(facts.entities.values())
     shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
-    actions = {shapes.of(action) for action in facts.actions}
-    naming: dict[int, list[Shaped]] = {}
-    for action in actions:
-        for entity in set(action[1]):
-            naming.setdefault(entity, []).append(action)
+    actions = _Actions(dict.fromkeys(map(shapes.of, facts.actions)))
 
     def told(entity: int) -> object:
         """Return what a swap leaves as it is: the actions that name an entity, but for others of its class in them."""
         own = names_of_classes[entity]
         patterns = Counter(
             (shape, tuple(-1 if each == entity else -2 if names_of_classes[each] == own else each for each in inside))
-            for shape, inside in naming.get(entity, ())
+            for shape, inside in actions.naming.get(entity, ())
         )
         return own, frozenset(patterns.items())
 
     def kept(first: int, second: int) -> bool:
-        names = {first: second, second: first}
-        return all(
-            (shape, tuple(names.get(each, each) for each in inside)) in actions
-            for entity in (first, second)
-            for shape, inside in naming.get(entity, ())
-        )
+        return next(actions.lacking({first: second, second: first}, (first, second)), None) is None
 
     alike: dict[object, list[int]] = {}
     for entity in range(len(names_of_classes)):
         alike.setdefault(told(entity), []).append(entity)
-    return any(kept(*pair) for members in alike.values() for pair in combinations(members, 2))
+    if any(kept(*pair) for members in alike.values() for pair in combinations(members, 2)):
+        return True
+    kinds = refined(dict(enumerate(names_of_classes)), actions.all)
+    return bool(joint_groups([(entity,) for entity in kinds], kinds, actions))
+
+
+@dataclass(frozen=True)
+class _Actions:
+    """Actions alone, which renamings are to map onto themselves."""
+
+    all: dict[Shaped, None]
+
+    @cached_property
+    def naming(self) -> dict[int, list[Shaped]]:
+        """The actions by the entities that they name."""
+        found: dict[int, list[Shaped]] = {}
+        for action in self.all:
+            for entity in set(action[1]):
+                found.setdefault(entity, []).append(action)
+        return found
+
+    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
+        """Yield the actions that name some entities, and whose image is none."""
+        for entity in entities:
+            for shaped in self.naming.get(entity, ()):
+                if not self._has(shaped, names):
+                    yield Conflict(frozenset(shaped[1]), partial(self._has, shaped))
+
+    def _has(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
+        shape, inside = shaped
+        return (shape, tuple(names.get(each, each) for each in inside)) in self.all
+
+    def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
+        """Yield nothing: actions are all that is looked at."""
+        return iter(())
+
+    def size(self, entities: Iterable[int]) -> int:
+        """Return how many actions name some entities."""
+        return sum(len(self.naming.get(entity, ())) for entity in entities)
 
 
 @dataclass(frozen=True)
@@ -94,27 +133,58 @@ class _Rules:
     atoms: Atoms
 
     def kept_by(self, first: int, second: int) -> bool:
-        """Return whether the swap of two entities maps the rules onto themselves, up to those that others entail."""
-        if not self._may_keep(first, second):
-            return False
-        swap = self.atoms.swap(first, second)
-        for table in self._tables:
-            for rule in table.missing(swap, first, second):
-                if rule is None or not self._consequences(rule.last).has(rule):
-                    return False
-        return True
+        """Return whether the swap of two entities maps the rules onto themselves, up to those that others entail.
 
-    def _may_keep(self, first: int, second: int) -> bool:
-        """Return whether the swap of two entities maps the atoms that rules mention by name onto atoms.
-
-        Most pairs differ in the first of them already, and cost nothing more.
+        Most pairs differ in the first of the atoms already, and cost nothing more.
         """
         names = {first: second, second: first}
-        return all(
-            self.atoms.has((shape, tuple(names.get(each, each) for each in inside)))
-            for entity in (first, second)
-            for shape, inside in self._shapes.get(entity, ())
-        )
+        return next(self.lacking(names, names), None) is None and next(self.broken(names), None) is None
+
+    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
+        """Yield the atoms that name some entities, that rules mention, and whose image is no atom."""
+        for entity in entities:
+            for shape, inside in self._shapes.get(entity, ()):
+                if not self.atoms.has((shape, tuple([names.get(each, each) for each in inside]))):
+                    yield Conflict(frozenset(inside), partial(self._has, (shape, inside)))
+
+    def _has(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
+        """Return whether an atom is an atom under other names."""
+        shape, inside = shaped
+        return self.atoms.has((shape, tuple(names.get(each, each) for each in inside)))
+
+    def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
+        """Yield the rules whose image is none of the rules, nor entailed by them."""
+        renamed = self.atoms.under(names)
+        for table in self._tables:
+            for rule, image in table.missing(renamed, names):
+                if image is None or not self._consequences(image.last).has(image):
+                    yield Conflict(self.atoms.entities(rule), partial(self._says, rule))
+
+    def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
+        """Return whether the image of a rule is one of the rules, or entailed by them."""
+        image = self.atoms.renamed(rule, names)
+        return image is not None and (image in self._known or self._consequences(image.last).has(image))
+
+    @cached_property
+    def _known(self) -> frozenset[SpelledRule]:
+        return frozenset(self._deriving)
+
+    def size(self, entities: Iterable[int]) -> int:
+        """Return how much there is to rename where some entities are."""
+        return sum(len(self._shapes.get(entity, ())) for entity in entities)
+
+    @cached_property
+    def exact(self) -> list[Shaped]:
+        """The atoms, each with a mark, that every renaming which is looked for maps onto themselves.
+
+        They are stated at the start, or chosen. No rule that does so is ever entailed by others.
+        """
+        stated: dict[int, int] = {}
+        for heads, (choice, bound, _), _ in self.atoms.rules:
+            if choice or bound >= START:
+                for atom in heads:
+                    stated[atom] = stated.get(atom, 0) | (1 if choice else 2)
+        return [(4 * shape + mark, inside) for (shape, inside), mark in self.atoms.named(stated)]
 
     @cached_property
     def _shapes(self) -> dict[int, list[Shaped]]:
@@ -169,42 +239,51 @@ class _Table:
     last: bool
     having: dict[int, list[int]]
 
-    def missing(self, swap: NDArray[np.int64], first: int, second: int) -> Iterator[SpelledRule | None]:
-        """Yield the images of rules under the swap of two entities that are none of the rules.
+    def missing(
+        self, renamed: NDArray[np.int64], entities: Iterable[int]
+    ) -> Iterator[tuple[SpelledRule, SpelledRule | None]]:
+        """Yield rules whose image is none of the rules, where some entities are renamed, with the image.
 
-        None stands for an image that has an atom that is none of the program.
+        The image is None where it has an atom that is none of the program.
         """
-        having = sorted({*self.having.get(first, ()), *self.having.get(second, ())})
+        having = sorted({row for entity in entities for row in self.having.get(entity, ())})
         if not having:
             return
         rows = self.rows[having]
         image = rows.copy()
-        image[:, : self.heads] = swap[rows[:, : self.heads]]
+        image[:, : self.heads] = renamed[rows[:, : self.heads]]
         literals = rows[:, self.heads : self.literals]
-        image[:, self.heads : self.literals] = 2 * swap[literals >> 1] + (literals & 1)
-        if (image < 0).any():
-            yield None
+        image[:, self.heads : self.literals] = 2 * renamed[literals >> 1] + (literals & 1)
+        lacking = (image < 0).any(axis=1)
+        if lacking.any():
+            yield self._rule(rows[lacking.argmax()].tolist()), None
             return
-        image, rows = self._ordered(image), self._ordered(rows)
-        if not np.array_equal(image, rows):
-            known = set(map(tuple, rows.tolist()))
-            yield from (self._rule(row) for row in image.tolist() if tuple(row) not in known)
+        images, ordered = self._inside(image), self._inside(rows)
+        if not np.array_equal(_sorted(images), _sorted(ordered)):
+            known = set(map(tuple, ordered.tolist()))
+            for row, each in enumerate(images.tolist()):
+                if tuple(each) not in known:
+                    yield self._rule(ordered[row].tolist()), self._rule(each)
 
     def _rule(self, row: Sequence[int]) -> SpelledRule:
         inside = zip(row[self.heads : self.literals], row[self.literals :], strict=True)
         literals = frozenset((literal >> 1, literal & 1, weight) for literal, weight in inside)
         return SpelledRule(frozenset(row[: self.heads]), (self.choice, self.bound, literals), self.last)
 
-    def _ordered(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return rows in order, each with its heads and its literals in order."""
-        inside = rows.copy()
+    def _inside(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return rows, each with its heads and its literals in order."""
+        inside: NDArray[np.int64] = rows.copy()
         inside[:, : self.heads].sort(axis=1)
         order = np.argsort(inside[:, self.heads : self.literals], axis=1, kind="stable")
         for start in (self.heads, self.literals):
             part = inside[:, start : start + order.shape[1]]
             part[:] = np.take_along_axis(part, order, axis=1)
-        ordered: NDArray[np.int64] = inside[np.lexsort(inside.T[::-1])]
-        return ordered
+        return inside
+
+
+def _sorted(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    ordered: NDArray[np.int64] = rows[np.lexsort(rows.T[::-1])]
+    return ordered
 
 
 def _table(atoms: Atoms, rules: Iterable[SpelledRule]) -> _Table:

@@ -64,7 +64,7 @@ class Shelf:
         return write_entry(self.folder, self.key, Entry(texts, arrays))
 
 
-OF_TASKS = ("canonical_names", "closed_invariants")
+OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 """The rules by which tasks are told from plans."""
 
 

@@ -155,7 +155,7 @@ def refuse_weights(level: str, weights: Weights, model: Model, length: int) -> N
     if weights and level == "skeleton":
         raise QueryError("skeletons have no weights; choose task or plan, or give weights={} (--uniform)")
     if weights and level == "task":
-        refuse_unequal(weights, model.groups(length))
+        refuse_unequal(weights, model.symmetries(length).orbits)
 
 
 def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) -> None:

@@ -1,0 +1,227 @@
+"""Entities that are interchangeable together with others: each cup with its own saucer.
+
+What is looked for are renamings that swap several pairs at once, and that no part of does. A search begins with one
+pair, looks for an atom or a rule whose image is none, and lets what this names move as well, until nothing is left to
+mend: so hardly anything moves that need not. Two units are the two sides of such a swap, and more of them have the
+first in common. Units that are found are one block afterwards, so that those of units are found as well: trays, each
+with its own cups, each of these with its own saucer.
+
+Only groups of units any two of which may be swapped are found, so that all that they generate is known: a ring, whose
+turns and reflections are no such group, has the two sides of a reflection at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+Block = tuple[int, ...]
+"""Entities that move together, in an order that those of the same kind share."""
+
+Swap = dict[int, int]
+"""The place of each block that a renaming moves, and where it goes, which is where that one comes from."""
+
+FEWEST, MOST = 4, 256
+"""Blocks that one swap moves at most: first so few, then twice as many, and so on."""
+
+TRIES = 8
+"""How often one search goes on to a further pair, for each block that it may move."""
+
+WORK, EACH, RULES = 300_000, 40, 8
+"""Atoms that all searches rename at most: so many, and so many for each place where an atom names an entity. An atom
+whose rules are looked at counts as several."""
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Something whose image under a renaming is none: the entities that it names, and what tells it of others."""
+
+    entities: frozenset[int]
+    kept_by: Callable[[Mapping[int, int]], bool]
+
+
+class Renamed(Protocol):
+    """What renamings are to map onto itself."""
+
+    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
+        """Yield the atoms that name some entities, and whose image is none."""
+        ...
+
+    def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
+        """Yield the rules whose image no rules say, given that all images of atoms are atoms."""
+        ...
+
+    def size(self, entities: Iterable[int]) -> int:
+        """Return how many atoms name each of some entities, in all."""
+        ...
+
+
+def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renamed) -> list[list[Block]]:
+    """Return groups of aligned units, given blocks none of which can be swapped alone; outer ones come first.
+
+    `kinds` are those of entities that some renaming may map onto each other.
+    """
+    found: list[list[Block]] = []
+    search: _Search | None = None
+    while True:
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for place, block in enumerate(blocks):
+            alike.setdefault(tuple(kinds[entity] for entity in block), []).append(place)
+        classes = [places for places in alike.values() if len(places) > 1]
+        if not classes:
+            return found
+        if search is None:
+            search = _Search(rules, WORK + EACH * rules.size(kinds))
+        search.begin(blocks, classes)
+        new = search.groups()
+        if not new:
+            return found
+        moved = {place for units in new for unit in units for place in unit}
+        units_of = [[tuple(e for place in unit for e in blocks[place]) for unit in units] for units in new]
+        found = units_of + found
+        joined = [tuple(entity for unit in units for entity in unit) for units in units_of]
+        blocks = [*(block for place, block in enumerate(blocks) if place not in moved), *joined]
+
+
+class _Search:
+    """Looks for swaps of blocks, and for groups of units that they swap."""
+
+    def __init__(self, rules: Renamed, work: int) -> None:
+        self._rules = rules
+        self._left = work
+        self._alone: set[Block] = set()
+
+    def begin(self, blocks: Sequence[Block], classes: list[list[int]]) -> None:
+        """Take other blocks, in classes of those that may be swapped."""
+        self._blocks, self._classes = blocks, classes
+        self._class_of = {place: places for places in classes for place in places}
+        self._rank = {place: rank for places in classes for rank, place in enumerate(places)}
+        self._place_of = {entity: place for place in self._class_of for entity in blocks[place]}
+        self._taken: set[int] = set()
+
+    def groups(self) -> list[list[tuple[int, ...]]]:
+        """Return groups of aligned units, each the places of its blocks: of those with the fewest blocks."""
+        waiting = [[place for place in places if self._blocks[place] not in self._alone] for places in self._classes]
+        while self._left > 0 and (waiting := [left for left in waiting if len(left) > 1]):
+            most = FEWEST
+            while most < 2 * min(len(self._class_of), MOST):
+                if found := self._smallest(waiting, most):
+                    return found
+                most *= 2
+            self._alone |= {self._blocks[left[0]] for left in waiting}
+            waiting = [left[1:] for left in waiting]
+        return []
+
+    def _smallest(self, waiting: Sequence[Sequence[int]], most: int) -> list[list[tuple[int, ...]]]:
+        """Return groups of the smallest units that swaps of the first blocks lead to, of those with so many at most."""
+        stars: list[list[Swap]] = []
+        for left in waiting:
+            if not {place for star in stars for swap in star for place in swap}.issuperset(left):
+                stars.append(list(self._star(left, most)))
+        smallest = min((len(swap) for star in stars for swap in star), default=0)
+        found = [units for star in stars if (units := self._units(star, smallest))]
+        for places in waiting if found else ():
+            if self._taken.isdisjoint(places):
+                continue
+            left = self._free(places)
+            while len(left) > 1:
+                if units := self._units(list(self._star(left, smallest)), smallest):
+                    found.append(units)
+                left = self._free(left[1:])
+        return found
+
+    def _free(self, places: Iterable[int]) -> list[int]:
+        return [place for place in places if place not in self._taken]
+
+    def _star(self, places: Sequence[int], most: int) -> Iterator[Swap]:
+        """Yield a swap of the first of some blocks with each of the others, where one moves so many blocks at most."""
+        self._most = min(most, MOST)
+        first = places[0]
+        for other in places[1:]:
+            self._tries = TRIES * self._most
+            if swap := self._swap({first: other, other: first}, frozenset(), 0):
+                yield swap
+
+    def _units(self, star: Sequence[Swap], size: int) -> list[tuple[int, ...]]:
+        """Return the units that swaps of one block with others swap, if these move so many blocks; take them."""
+        swaps = [swap for swap in star if len(swap) == size and self._taken.isdisjoint(swap)]
+        if not swaps:
+            return []
+        first = next(iter(swaps[0]))
+        unit = self._side(swaps)
+        units = [unit]
+        used = set(unit)
+        for swap in swaps:
+            other = tuple(swap.get(place, place) for place in unit)
+            if swap.keys() == {*unit, *other} and used.isdisjoint(other):
+                units.append(other)
+                used.update(other)
+        assert first in unit, "a swap moves the block it was found for"
+        self._taken |= used
+        return units
+
+    def _side(self, swaps: Sequence[Swap]) -> tuple[int, ...]:
+        """Return the blocks that make a unit with the first one: what swaps have in common, or one side of a swap."""
+        one = swaps[0]
+        for other in swaps[1:]:
+            common = one.keys() & other.keys()
+            if 2 * len(common) == len(one) and len({*common, *(s[p] for s in (one, other) for p in common)}) == 3 * len(
+                common
+            ):
+                return self._ordered(common)
+        return self._ordered(place for place, goes in one.items() if place < goes)
+
+    def _ordered(self, places: Iterable[int]) -> tuple[int, ...]:
+        """Return blocks in an order that those of other units of their kind have as well."""
+        return tuple(sorted(places, key=lambda place: (self._class_of[place], place)))
+
+    def _swap(self, moved: Swap, fixed: frozenset[int], clean: int) -> Swap | None:
+        """Return a swap that moves some blocks in given ways, keeps others, and maps the rules onto themselves.
+
+        All atoms that name entities of the first `clean` blocks have images, if no more of the others move.
+        """
+        self._tries -= 1
+        if len(moved) > self._most or self._tries < 0 or self._left <= 0:
+            return None
+        clean, conflict = self._conflict(moved, clean)
+        if conflict is None:
+            return moved
+        places = {self._place_of[entity] for entity in conflict.entities if entity in self._place_of}
+        for place in sorted(places - moved.keys() - fixed):
+            settled = places <= {place, *moved, *fixed}
+            for partner in self._partners(place, moved, fixed):
+                self._left -= 1
+                longer = {**moved, place: partner, partner: place}
+                if settled and not conflict.kept_by(self._names({p: longer[p] for p in places if p in longer})):
+                    continue
+                if found := self._swap(longer, fixed, clean):
+                    return found
+            fixed |= {place}
+        return None
+
+    def _names(self, moved: Swap) -> dict[int, int]:
+        """Return the names of entities under a swap of blocks."""
+        pairs = (zip(self._blocks[place], self._blocks[goes], strict=True) for place, goes in moved.items())
+        return {entity: name for pair in pairs for entity, name in pair}
+
+    def _conflict(self, moved: Swap, clean: int) -> tuple[int, Conflict | None]:
+        """Return how many blocks have no atom without an image, and what else has no image, if there is any."""
+        names = self._names(moved)
+        for place in list(moved)[clean:]:
+            self._left -= 1 + self._rules.size(self._blocks[place])
+            for conflict in self._rules.lacking(names, self._blocks[place]):
+                return clean, conflict
+            clean += 1
+        self._left -= RULES * self._rules.size(names)
+        return clean, next(self._rules.broken(names), None)
+
+    def _partners(self, place: int, moved: Swap, fixed: frozenset[int]) -> Iterator[int]:
+        """Yield the blocks that one may be swapped with: first the one as far away as those of the first pair."""
+        first, other = next(iter(moved.items()))
+        places, step = self._class_of[place], self._rank[other] - self._rank[first]
+        likely = self._rank[place] + step
+        order = [places[likely]] if 0 <= likely < len(places) else []
+        for partner in dict.fromkeys([*order, *places]):
+            if partner != place and partner not in moved and partner not in fixed and partner not in self._taken:
+                yield partner

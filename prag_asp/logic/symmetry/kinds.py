@@ -1,0 +1,46 @@
+"""Entities told apart by what is said of them: renamings that keep all of it map each to one of its own kind.
+
+Refinement of a partition by what relates entities to which kinds, where the largest part of what is split keeps its
+number, so that each is looked at again only as often as the parts around it are halved (Hopcroft 1971).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Mapping
+
+from prag_asp.logic.symmetry.renaming import Shaped
+
+
+def refined(told: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
+    """Return the kind of each entity, a number: by what is `told` of it, and by the terms that name it."""
+    naming: dict[int, list[Shaped]] = {entity: [] for entity in told}
+    for term in dict.fromkeys(terms):
+        for entity in dict.fromkeys(term[1]):
+            naming[entity].append(term)
+    numbers: dict[Hashable, int] = {}
+    kinds = {entity: numbers.setdefault(each, len(numbers)) for entity, each in told.items()}
+    members: dict[int, set[int]] = {kind: set() for kind in numbers.values()}
+    for entity, kind in kinds.items():
+        members[kind].add(entity)
+    touched = {entity: None for entity in told if len(members[kinds[entity]]) > 1}
+    while touched:
+        parts: dict[int, dict[Hashable, list[int]]] = {}
+        for entity in touched:
+            said = sorted(
+                (shape, *(-1 if each == entity else kinds[each] for each in inside)) for shape, inside in naming[entity]
+            )
+            parts.setdefault(kinds[entity], {}).setdefault(tuple(said), []).append(entity)
+        moved: list[int] = []
+        for kind, split in parts.items():
+            # Those that were not touched are all alike, and unlike those that were: what is said of these is new.
+            others = len(members[kind]) > sum(map(len, split.values()))
+            ordered = sorted(split.values(), key=len, reverse=True)
+            for part in ordered if others else ordered[1:]:
+                new = len(members)
+                members[new] = set(part)
+                members[kind] -= members[new]
+                kinds |= dict.fromkeys(part, new)
+                moved += part
+        around = (each for entity in moved for _, inside in naming[entity] for each in inside)
+        touched = {entity: None for entity in around if len(members[kinds[entity]]) > 1}
+    return kinds

@@ -1,0 +1,75 @@
+"""Which entities of a program may have each other's names: alone, or together with others.
+
+The renamings are all that two kinds of swaps generate: those of two entities of a group, and those of two aligned units
+of a joint group, which swap the i-th entity of one with the i-th of the other, for all i. A group lies in one unit, or
+in none, and so does a joint group: a tray has its own cups, and each of these its own saucer. Hence the renamings of
+one joint group permute its units in all ways, and those of all groups are a product of wreath products.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from math import factorial, prod
+
+import clingo
+
+Unit = tuple[clingo.Symbol, ...]
+
+
+@dataclass(frozen=True)
+class Symmetries:
+    """Groups of two or more interchangeable entities, and joint groups of two or more units; outer ones come first."""
+
+    groups: tuple[tuple[clingo.Symbol, ...], ...] = ()
+    joint: tuple[tuple[Unit, ...], ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.groups or self.joint)
+
+    @property
+    def order(self) -> int:
+        """The number of renamings: how many plans a task stands for that names all entities."""
+        return prod(factorial(len(each)) for each in (*self.groups, *self.joint))
+
+    @cached_property
+    def entities(self) -> frozenset[clingo.Symbol]:
+        """All entities that some renaming moves."""
+        units = (entity for units in self.joint for unit in units for entity in unit)
+        return frozenset(entity for group in self.groups for entity in group).union(units)
+
+    @cached_property
+    def orbits(self) -> tuple[tuple[clingo.Symbol, ...], ...]:
+        """The entities that may have each other's names, in clingo's order of terms."""
+        orbit_of: dict[clingo.Symbol, set[clingo.Symbol]] = {}
+        for alike in (*self.groups, *(row for units in self.joint for row in zip(*units, strict=True))):
+            joined = set(alike).union(*(orbit_of.get(entity, ()) for entity in alike))
+            orbit_of |= dict.fromkeys(joined, joined)
+        return tuple(dict.fromkeys(tuple(sorted(orbit_of[entity])) for entity in sorted(orbit_of)))
+
+    def is_settled(self, entity: clingo.Symbol, named: set[clingo.Symbol]) -> bool:
+        """Return whether an entity keeps its name wherever those `named` do; one of a group has to be named itself."""
+        if entity in named:
+            return True
+        alone = all(entity not in group for group in self.groups)
+        return alone and all(not named.isdisjoint(unit) for unit in self.units_of(entity))
+
+    def units_of(self, entity: clingo.Symbol) -> Iterator[Unit]:
+        """Yield the units that an entity belongs to."""
+        return (unit for units in self.joint for unit in units if entity in unit)
+
+    def names(self, mentioned: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, clingo.Symbol]:
+        """Return the names of entities that introduce each group and each joint group in its order.
+
+        `mentioned` are those that a plan names, in the order in which it does. Of all renamings of a plan, one alone
+        introduces an entity only if it is the least that those before it leave possible (a chain of stabilizers, Sims
+        1970): the units of a joint group in their order, and within each of them its own groups.
+        """
+        names = {entity: entity for entity in mentioned if entity in self.entities}
+        for alike in (*self.joint, *(tuple((entity,) for entity in group) for group in self.groups)):
+            unit_of = {entity: unit for unit in alike for entity in unit}
+            introduced = dict.fromkeys(unit_of[name] for name in names.values() if name in unit_of)
+            places = {old: new for pair in zip(introduced, alike, strict=False) for old, new in zip(*pair, strict=True)}
+            names = {entity: places.get(name, name) for entity, name in names.items()}
+        return names
