@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import clingo
 
@@ -32,6 +32,12 @@ class Cnf:
         return self.literals.get(symbol, -TRUE)
 
 
+KEPT, KEPT_CLAUSES = 4, 100_000
+"""How many formulas are kept, and of how many clauses in all: tasks and skeletons of a length have the same."""
+
+_kept: dict[tuple[Program, int], Cnf] = {}
+
+
 def plan_cnf(program: Program, length: int, shown: str = "occurs") -> Cnf:
     """Return the formula of the answer sets with a number of steps, projected on the atoms of a predicate.
 
@@ -39,13 +45,22 @@ def plan_cnf(program: Program, length: int, shown: str = "occurs") -> Cnf:
         DomainError: clingo cannot ground the program.
         EngineError: the program has no counterpart in clauses.
     """
+    key = (program, length)
+    cnf = _kept.pop(key, None) or _written(program, length)
+    _kept[key] = cnf
+    while len(_kept) > KEPT or (_kept and sum(len(each.clauses) for each in _kept.values()) > KEPT_CLAUSES):
+        del _kept[next(iter(_kept))]
+    words = (literal for symbol, literal in cnf.literals.items() if symbol.match(shown, 2) and abs(literal) != TRUE)
+    return replace(cnf, shown=tuple(sorted(words)))
+
+
+def _written(program: Program, length: int) -> Cnf:
+    """Return the formula of the answer sets with a number of steps, which shows nothing."""
     ground = unroll(program, length)
     stage("writing clauses")
     completion = complete(ground.rules)
     literals = {symbol: completion.values.get(atom, -TRUE) for symbol, atom in ground.atoms.items()}
-    words = [literal for symbol, literal in literals.items() if symbol.match(shown, 2) and abs(literal) != TRUE]
-    clauses = completion.clauses
-    return Cnf(clauses.variables, tuple(clauses.clauses), literals, tuple(sorted(words)))
+    return Cnf(completion.clauses.variables, tuple(completion.clauses.clauses), literals, ())
 
 
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:
