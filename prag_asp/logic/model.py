@@ -123,6 +123,16 @@ class Model:
         """One step of tasks in normal form, made once for all engines."""
         return self._stratified(self.task_program(0))
 
+    @cached_property
+    def _plan_transition(self) -> Transition:
+        """The step function of plans, whose moves all levels and engines compile once."""
+        return build_transition(self.step)
+
+    @cached_property
+    def _task_transition(self) -> Transition:
+        """The same of tasks."""
+        return build_transition(self._task_step)
+
     def _stratified(self, program: Program) -> NormalStep:
         """Return one step of a program in normal form; what the library adds tells nothing of what a step reads."""
         reads = read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
@@ -131,7 +141,16 @@ class Model:
     def task_program(self, length: int) -> Program:
         """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""
         found = self.symmetries(length)
-        return canonical_program(self.domain, found.groups, found.joint) if found else self.program
+        if not found:
+            return self.program
+        if found not in self._canonical:
+            self._canonical[found] = canonical_program(self.domain, found.groups, found.joint)
+        return self._canonical[found]
+
+    @cached_property
+    def _canonical(self) -> dict[Symmetries, Program]:
+        """The programs of tasks, by the symmetries that these are counted up to."""
+        return {}
 
     def transition(
         self, *, tasks: bool, weighed: Sequence[str] = (), labels: Sequence[clingo.Symbol] = ()
@@ -146,6 +165,8 @@ class Model:
         if self.obstacles:
             raise EngineError(self.obstacles[0])
         tells_apart = tasks and bool(self.symmetries(0))
+        if not weighed and not labels:
+            return self._task_transition if tells_apart else self._plan_transition
         if not weighed:
             return build_transition(self._task_step if tells_apart else self.step, labels)
         program = self.task_program(0) if tells_apart else self.program

@@ -37,7 +37,7 @@ def known_rows() -> list[Row]:
             rows += [(domain, level, length, (), count) for length, count in counts.items()]
         for name, counts in read_table(folder / "counts.toml").get("skeleton_prefix", {}).items():
             rows += [(domain, "skeleton", int(n), (name,), count) for n, count in counts.items()]
-    return rows
+    return sorted(rows, key=lambda row: (row[0], row[1].startswith("flat."), row[2]))  # levels of a length share much
 
 
 COUNTS = known_rows()

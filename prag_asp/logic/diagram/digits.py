@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import clingo
 import numpy as np
@@ -49,8 +50,18 @@ class Digits:
         return tuple(sum(1 << bit for bit, place in enumerate(places) if true[place]) for places in self.places)
 
 
+_known: WeakKeyDictionary[Transition, Digits] = WeakKeyDictionary()
+
+
 def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
     """Return digits for the states of a step function that has an initial state; `look` is called now and then."""
+    known = _known.get(transition)
+    if known is None:
+        known = _known[transition] = _found(transition, look)
+    return known
+
+
+def _found(transition: Transition, look: Callable[[], None]) -> Digits:
     items = _items(transition.variables)
     walked = unpack(_walked(transition, look), len(transition.variables))
     excluded = _never_together(walked[np.array([item[0] for item in items], dtype=np.intp)].astype(np.float64))

@@ -42,9 +42,9 @@ class Successors:
     labels: NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Transition:
-    """The step function of a domain over the states of its cone of influence.
+    """The step function of a domain over the states of its cone of influence, which is itself alone.
 
     `variables` are timed atoms without their time, `actions` all actions in clingo's order of terms and `labels` the
     atoms of step t whose truth each edge carries. A move is compiled when its action is first tried.
@@ -54,7 +54,7 @@ class Transition:
     variables: tuple[clingo.Symbol, ...]
     constraints: tuple[Body, ...]
     labels: tuple[clingo.Symbol, ...]
-    _moves: dict[int, Move] = field(default_factory=dict, compare=False, repr=False)
+    _moves: dict[int, Move] = field(default_factory=dict, repr=False)
 
     @cached_property
     def actions(self) -> tuple[clingo.Symbol, ...]:

@@ -18,7 +18,7 @@ from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reach import HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
+from prag_asp.space.engines.reach import FEW_STATES, HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more, cache_folder
 from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
 
@@ -31,9 +31,6 @@ WORTH_KEEPING = 0.2
 
 RANKED = 8
 """Lengths whose rankings are kept."""
-
-FEW_STATES = 4096
-"""States up to which a domain is explored as a whole, though it may fall into parts: it answers more questions so."""
 
 LONG = 10_000
 """From this length on counting says how far it is."""

@@ -31,7 +31,7 @@ class WordFormula:
         """Return the literals that say that a word begins with `prefix`, or None where none can."""
         if len(prefix) > self.length:
             return None
-        found = [self.cnf.literal(self._atom(letter, step)) for step, letter in enumerate(prefix, 1)]
+        found = [self._known.get(place) or self._literal(*place) for place in enumerate(prefix, 1)]
         return None if -TRUE in found else found
 
     def fits(self, letter: str, wanted: Sequence[str]) -> bool:
@@ -70,10 +70,17 @@ class WordFormula:
         facts = [(step, letter) for literal, step, letter in self._shown if literal == TRUE]
         return [tuple(letter for at, letter in facts if at == step) for step in range(1, self.length + 1)]
 
-    def _atom(self, letter: str, step: int) -> clingo.Symbol:
+    @cached_property
+    def _known(self) -> dict[tuple[int, str], Literal]:
+        """The literals that were asked for, by step and letter."""
+        return {}
+
+    def _literal(self, step: int, letter: str) -> Literal:
         name = name_in_prefix(letter, self.letters)
         term = self.letters[letter] if name is None else clingo.Function(name)
-        return clingo.Function(SHOWN[self.level] if name is None else "named", [term, clingo.Number(step)])
+        shown = SHOWN[self.level] if name is None else "named"
+        found = self._known[step, letter] = self.cnf.literal(clingo.Function(shown, [term, clingo.Number(step)]))
+        return found
 
 
 def word_formula(model: Model, level: Level, length: int) -> WordFormula:

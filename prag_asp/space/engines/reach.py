@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import partial
 from math import factorial, prod
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import clingo
 import numpy as np
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
 """Edges of a space beyond which its states are merged, where these take few words, and have so many renamings."""
+
+FEW_STATES, FEW_EDGES = 4096, 50_000
+"""States up to which a domain is explored as a whole, though it may fall into parts: it answers more questions so. And
+edges up to which all levels share what was explored."""
 
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
@@ -161,6 +166,9 @@ class Explorer:
             merging = self._merging(transition, weights)
             return explore(transition, length, self._watch(length, budget), merging=merging), merging
         object_to = partial(_objection, allow) if allow else None
+        known = None if allow else self._known_to_others(transition, length, budget, halt)
+        if known is not None:
+            return known, None
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
         explored = explore(transition, length, self._watch(length, budget, patience, halt), object_to=object_to)
@@ -173,7 +181,23 @@ class Explorer:
             return explore(
                 transition, length, self._watch(length, budget), merging=merging, object_to=object_to
             ), merging
+        if not explored.stopped and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
+            _small[transition] = explored
         return explored, None
+
+    def _known_to_others(
+        self, transition: Transition, length: int, budget: Budget, halt: Halt | None
+    ) -> Explored | None:
+        """Return what an engine of another level has explored, where it is small and this one would find the same.
+
+        Who wants to hear of progress, or limits it, does so anew.
+        """
+        limits, known = budget.limits, _small.get(transition)
+        if known is None or self.tell or (limits.seconds, limits.memory_bytes) != (None, None):
+            return None
+        if halt and halt(Extent(length, known.automaton.states, len(known.labels), 0)):
+            return None
+        return known if known.automaton.horizon in (None, length) else None
 
     def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
         from prag_asp.logic.symmetry.merging import find_merging
@@ -197,6 +221,10 @@ class Explorer:
             return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
 
         return watch
+
+
+_small: WeakKeyDictionary[Transition, Explored] = WeakKeyDictionary()
+"""What was last explored of a step function, as long as there is one."""
 
 
 def _known(transition: Transition, explored: Explored, merging: Merging | None, automaton: Automaton) -> Reach:

@@ -1,0 +1,52 @@
+"""What one level or engine has found, those of the same domain do not look for again."""
+
+from __future__ import annotations
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.logic.model import Model
+from prag_asp.logic.step.transition import Transition
+from prag_asp.space.automaton.explore import Explored, explore
+from prag_asp.space.engines import reach
+from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.limits import Limits
+
+
+@pytest.fixture
+def explored(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The lengths up to which states are explored."""
+    lengths: list[int] = []
+
+    def counted(transition: Transition, length: int, *others: object, **more: object) -> Explored:
+        lengths.append(length)
+        return explore(transition, length, *others, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(reach, "explore", counted)
+    return lengths
+
+
+def test_levels_share_what_is_explored_and_who_listens_or_is_limited_explores_anew(explored: list[int]) -> None:
+    model = Model(load_domain("kitchen"))
+    plans = AutomatonEngine(model, "plan")
+    expected = [TaskSpace(load_domain("kitchen"), length).count("skeleton") for length in (2, 3)]
+    explored.clear()
+    assert plans.count(2) and explored == [2]
+    assert AutomatonEngine(model, "skeleton").count(2) == expected[0] and explored == [2]
+    assert plans.count(3) and explored == [2, 3]
+    assert AutomatonEngine(model, "skeleton").count(3) == expected[1] and explored == [2, 3]
+    said: list[str] = []
+    AutomatonEngine(model, "plan", said.append).count(3)
+    AutomatonEngine(model, "plan", limits=Limits(seconds=10.0**6)).count(3)
+    AutomatonEngine(model, "plan", limits=Limits(memory_bytes=10**15)).count(3)
+    assert explored == [2, 3, 3, 3, 3] and said
+
+
+def test_what_was_explored_up_to_a_length_answers_for_no_other(explored: list[int]) -> None:
+    model = Model(load_domain("kitchen"))
+    known = [TaskSpace(load_domain("kitchen"), length).count("plan") for length in range(5)]
+    explored.clear()
+    for length in (2, 4, 1, 0, 3):
+        engine = AutomatonEngine(model, "plan")
+        assert engine.count(length) == len(list(engine.words(length))) == known[length]
+    assert explored == [2, 4, 1, 0, 3]
