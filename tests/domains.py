@@ -8,15 +8,15 @@ from prag_asp.domain.load import Domain
 from prag_asp.program.facts import ground_facts
 from prag_asp.program.paths import data_folder
 from prag_asp.program.settings import Settings
-from prag_asp.program.sources import Program, Source, core_sources, read_sources
+from prag_asp.program.sources import Program, Source, asked_sources, core_sources, read_sources
 
 ENCODINGS = data_folder("encodings")
-CORE, HIERARCHY = core_sources(ENCODINGS), read_sources(ENCODINGS / "hierarchy.lp", ENCODINGS)
+CORE = core_sources(ENCODINGS)
 
 
 def domain_of(text: str, *rules: str) -> Domain:
     """Return the domain of a text, with rules by their names."""
     added = tuple(s for rule in rules for s in read_sources(ENCODINGS / "rules" / f"{rule}.lp", ENCODINGS))
-    hierarchy = HIERARCHY if "composite(" in text else ()
-    program = Program((*CORE, *hierarchy, Source(Path("domain.lp"), text), *added))
+    own = Source(Path("domain.lp"), text)
+    program = Program((*CORE, *asked_sources([own], ENCODINGS), own, *added))
     return Domain("toy", Path(), ENCODINGS, program, ground_facts(program), Settings(Path("domain.toml")))

@@ -21,7 +21,7 @@ from prag_asp.program.paths import data_folder
 from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
-from prag_asp.program.sources import HIERARCHY, Program, Source, core_sources, read_sources, read_text
+from prag_asp.program.sources import HIERARCHY, Program, Source, asked_sources, core_sources, read_sources, read_text
 
 if TYPE_CHECKING:
     from prag_asp.scene.model import Scene
@@ -106,10 +106,10 @@ def load_domain(
     core = core_sources(encodings)
     own = _unique(found.sources(encodings))
     own = set_constants(own, values, found.name) if values else own
-    hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in s.text for s in own) else ()
     asked = tuple(source for rule in rules for source in rule_sources(rule, encodings))
     known = {source.path.resolve() for source in core}
-    extra = tuple(source for source in (*hierarchy, *own, *asked) if source.path.resolve() not in known)
+    added = (*asked_sources(own, encodings), *own, *asked)
+    extra = tuple(source for source in added if source.path.resolve() not in known)
     program = Program((*core, *_unique(extra)))
     path = found.folder / LEARNED if learned and found.folder and settings is None else None
     path = path if path is not None and os.path.lexists(path) else None
@@ -122,7 +122,7 @@ def load_domain(
     if isinstance(needed, Needed):
         facts = needed.whole_facts()
     elif not facts.composites:
-        program = Program(tuple(source for source in program.sources if source not in hierarchy))
+        program = Program(tuple(source for source in program.sources if source.path != encodings / HIERARCHY))
     domain = Domain(
         found.name, found.folder, encodings, program, facts, checked.settings, trust,
         constants=values, warnings=checked.warnings, needed=needed,

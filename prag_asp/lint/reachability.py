@@ -37,10 +37,11 @@ def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
 
 
 class Unreached(NamedTuple):
-    """The actions that never occur, and the values of the goal that no state has."""
+    """The actions that never occur, the values of the goal that no state has, and one action where none ever occurs."""
 
     actions: tuple[clingo.Symbol, ...] = ()
     goal: tuple[tuple[clingo.Symbol, str], ...] = ()
+    instead_of_all: clingo.Symbol | None = None
 
 
 def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path) -> Unreached:
@@ -68,17 +69,21 @@ def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statem
             {tuple(atom.symbol.arguments) for atom in control.symbolic_atoms.by_signature(*each) if _is_in(model, atom)}
             for each in (("may_occur", 1), ("may_stand", 2))
         )
-    never = tuple(action for action in facts.actions if (action,) not in reached) if reached else ()
+    never = tuple(action for action in facts.actions if (action,) not in reached)
     missing = tuple(each for each in facts.goal if (each[0], clingo.Function(each[1])) not in standing)
-    return Unreached(never, missing)
+    return Unreached(never, missing) if reached else Unreached((), missing, next(iter(facts.tried), None))
 
 
 def unreached_problems(found: Unreached, origins: Origins) -> Iterator[Problem]:
-    """Yield why no plan leads to the goal."""
-    for fluent, value in found.goal[:1]:
+    """Yield why no plan leads to the goal, or why no plan has a step."""
+    if found.goal:
+        fluent, value = found.goal[0]
         place = origins.place("goal", fluent, clingo.Function(value))
         told = f"the goal is never reached: it needs {fluent} = {value}, and nothing that can occur makes that so"
         yield Problem(*place, f"{told}; change the goal, or add an action", "no-plan")
+    elif found.instead_of_all is not None:
+        told = f"no action can ever occur: {found.instead_of_all} and all others wait for what only actions make so"
+        yield Problem(*origins.place("action", found.instead_of_all), f"{told}; mend the conditions", "no-plan")
 
 
 def _is_in(model: clingo.Model, atom: clingo.SymbolicAtom) -> bool:

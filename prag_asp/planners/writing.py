@@ -13,7 +13,7 @@ import clingo
 
 from prag_asp.atom import symbol_of
 from prag_asp.domain.load import Domain
-from prag_asp.errors import DomainError, EngineError
+from prag_asp.errors import DomainError, EngineError, LimitReached
 from prag_asp.planners.actions import Case, Ground, GroundAction, Proposition, Value
 from prag_asp.planners.ground import (
     broken_invariant,
@@ -101,6 +101,8 @@ def _over_time(
 
     try:
         return ground_over_time(domain, stated, goal, whole=not conditional)
+    except LimitReached:
+        raise
     except EngineError as error:
         text = str(error)
         where = ":".join(text.split(":", 2)[:2])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,12 +21,19 @@ CONTRACT = "contract.lp"
 HIERARCHY = "hierarchy.lp"
 """The encoding that only domains with composites need."""
 
+ONE_VALUE = "one_value.lp"
+"""The encoding that only domains need whose own rules set fluents."""
+
 REACHABLE = "reachable.lp"
 """The encoding that the linter alone reads: it tells of actions, and of no plan."""
 
 ADDED = Path("<added by the library>")
 """Where the facts would be that the library adds to a program; there is no such file."""
 
+END = re.compile(r"(?<!\.)\.(?!\.)")
+"""The period that ends a statement."""
+
+SETS = re.compile(r"\b(?:holds|known)\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 
@@ -175,9 +182,23 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
     """
     if not (encodings / CONTRACT).is_file():
         raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
-    paths = sorted(path for path in encodings.glob("*.lp") if path.name not in (HIERARCHY, REACHABLE))
+    paths = sorted(path for path in encodings.glob("*.lp") if path.name not in (HIERARCHY, ONE_VALUE, REACHABLE))
     found: Iterable[Source] = (source for path in paths for source in read_sources(path, encodings))
     return tuple({source.path.resolve(): source for source in found}.values())
+
+
+def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
+    """Return the encodings that only some domains use: of composites, and of rules that set fluents."""
+    hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in each.text for each in own) else ()
+    one_value = read_sources(encodings / ONE_VALUE, encodings) if any(map(_sets_fluents, own)) else ()
+    return (*hierarchy, *one_value)
+
+
+def _sets_fluents(source: Source) -> bool:
+    """Return whether a head may derive `holds` or `known`; a mention in the condition of a head counts as well."""
+    if not SETS.search(source.text):
+        return False
+    return any(SETS.search(each.partition(":-")[0]) for each in END.split(blanked(source.text)))
 
 
 def owned(program: Program) -> list[tuple[Source, bool]]:

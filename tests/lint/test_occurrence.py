@@ -60,6 +60,9 @@ def test_an_action_is_reported_if_and_only_if_no_state_executes_it(toy: Toy) -> 
     if not able:
         assert "warning: no action can ever occur: " in said and said.endswith("[no-plan]")
         return
+    if "all others wait" in said:
+        assert not any(toy.after(toy.start(), (), number) for number in able)
+        said = "\n".join(line for line in said.splitlines() if "all others wait" not in line)
     reported = {int(number) for number in re.findall(r"\w\((\d+)\) can never occur", said)}
     assert reported == set(range(len(toy.actions))) - able
     assert all("warning" in line for line in said.splitlines())
