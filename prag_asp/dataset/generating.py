@@ -78,15 +78,9 @@ def generate(
     """
     require_pyarrow()
     place = place_of(workers, on)
-    if physics is None:
-        physics = bool(space.domain.settings.scene)
-    if not physics and (demonstrate or starts > 1 or budget is not None):
-        raise QueryError("demonstrations, first states and a budget need physics; leave them out")
-    if physics:
-        require_physics()
+    chosen = _budget(space.domain, physics, budget, demonstrate, starts)
     if staging is not None:
         require_staging(staging, space.domain, demonstrate, starts)
-    chosen = _budget(budget, demonstrate) if physics else None
     division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
     wanted = Wanted(
         tasks, seed, division, chosen, starts, demonstrate, evenly, weights, temperature, shard, language, staging,
@@ -95,8 +89,20 @@ def generate(
     return Run(space, Path(folder), wanted, kept(space.domain), place, progress).done()
 
 
-def _budget(given: Budget | None, demonstrate: bool) -> Budget:
-    """Return a budget with the tier of demonstrations where these are to be recorded."""
+def _budget(
+    domain: Domain, physics: bool | None, given: Budget | None, demonstrate: bool, starts: int
+) -> Budget | None:
+    """Return the budget of physics, with the tier of demonstrations where these are recorded; None without physics.
+
+    Raises:
+        QueryError: something is asked for that only physics gives, and physics is not asked.
+        PhysicsMissingError: PyBullet is not installed.
+    """
+    if not (domain.settings.scene if physics is None else physics):
+        if demonstrate or starts > 1 or given is not None:
+            raise QueryError("demonstrations, first states and a budget need physics; leave them out")
+        return None
+    require_physics()
     budget = given or Budget()
     return Budget(budget.restarts, budget.samples, "demonstration") if demonstrate else budget
 

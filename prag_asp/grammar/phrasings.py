@@ -54,6 +54,8 @@ class Phrasings:
 
     def of(self, ways: Sequence[Way]) -> Sequence[Way]:
         """Return those of a list of ways; all where there are none."""
+        if self.all == 1:
+            return ways
         return [way for place, way in enumerate(ways) if self.has(place)] or ways
 
     def disjoint(self, other: Phrasings) -> bool:

@@ -169,16 +169,21 @@ class Reader:
 
     def clause(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> frozenset[Said]:
         """Return what a sentence can say in a state, where "it" would mean `topic`."""
+        return self.heard(view, text, topic, of_actions=of_actions)[0]
+
+    def heard(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> tuple[frozenset[Said], bool]:
+        """Return what a sentence can say in a state, and whether that depends on what is known of the state."""
         key = (view.crowd, text, topic, of_actions)
         known = self._heard.get(key)
-        if known is None:
-            said, of_state = self._clause(view, text, topic, self._actions if of_actions else self._facts)
-            known = frozenset(said)
-            if not of_state:
-                if len(self._heard) > LONGEST:
-                    self._heard.clear()
-                self._heard[key] = known
-        return known
+        if known is not None:
+            return known, False
+        said, of_state = self._clause(view, text, topic, self._actions if of_actions else self._facts)
+        known = frozenset(said)
+        if not of_state:
+            if len(self._heard) > LONGEST:
+                self._heard.clear()
+            self._heard[key] = known
+        return known, of_state
 
     def _clause(self, view: View, text: str, topic: str | None, clauses: Sequence[Clause]) -> tuple[set[Said], bool]:
         """Return what a sentence can say, and whether that depends on what is known of the state."""
@@ -288,8 +293,7 @@ def read_instruction(domain: Domain | Reader, start: Start | Task, text: str, la
 
 def start_of(task: Task, number: int = 0) -> Start:
     """Return what somebody sees before the action of a number of a task, from 0."""
-    state = task.states[number - 1] if number else task.initial
-    return Start(frozenset(task.entities), state if isinstance(state, FrozenDict) else FrozenDict(state))
+    return Start(frozenset(task.entities), {}).at(task.states[number - 1] if number else task.initial)
 
 
 def capital(text: str) -> str:

@@ -20,7 +20,7 @@ from prag_asp.dataset.language.tongue import Tongue
 from prag_asp.dataset.language.view import Start, View
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
-from prag_asp.task import State, Task
+from prag_asp.task import FrozenDict, State, Task
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
@@ -31,6 +31,9 @@ START_FACTS, CAPTION_FACTS = 4, 2
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 VARIANTS = (0, 1)
 """Ways to say a relation, the shorter one first."""
+
+KEPT = 1 << 16
+"""Sentences that are kept: tasks of one space share most of them."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,10 @@ class Instructions:
     named: tuple[str, ...] = ()
 
 
+Clear = tuple[str, str | None]
+"""A sentence that means one thing alone, and what it is about."""
+
+
 @dataclass(frozen=True)
 class _Sentences:
     """The sentences that tell something: those `given`, and others for where none of them means it alone.
@@ -60,9 +67,8 @@ class _Sentences:
     spare: tuple[Clause, ...]
     known: bool
 
-    def ways(self, dice: Dice | None) -> Iterator[tuple[Clause, int]]:
-        """Yield them and the ways to say relations in them, from one that the dice pick on; without dice, the first."""
-        first = dice.number(len(self.given)) if self.given and dice else 0
+    def ways(self, first: int) -> Iterator[tuple[Clause, int]]:
+        """Yield them and the ways to say relations in them, from the sentence of a number on."""
         for variant in VARIANTS:
             for clause in (*self.given[first:], *self.given[:first], *self.spare):
                 yield clause, variant
@@ -85,7 +91,13 @@ class Teller:
         self.reader = Reader(self.tongue)
         self.phrasings = Phrasings.parse(phrasings)
         self.phrasings.require(self.tongue.grammar.actions, self.tongue.words.frames, language)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Begin to keep what tells actions and fluents, and which sentence does where things are described in a way."""
         self._sentences: dict[tuple[Atom, bool, bool], _Sentences] = {}
+        self._clear: dict[object, Clear | None] = {}
+        self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> Teller:
         """Return what tells and reads in pictures that show some entities in other colours than the scene's."""
@@ -94,7 +106,7 @@ class Teller:
         other = copy(self)
         other.tongue = self.tongue.recoloured(colors)
         other.reader = Reader(other.tongue)
-        other._sentences = {}
+        other._forget()
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
@@ -103,25 +115,26 @@ class Teller:
         Raises:
             QueryError: the task is not one of this domain, or an action has no sentence that means nothing else.
         """
+        plan, seen = str(task), start_of(task)
         vague, default, exact, each = (
-            Dice(f"{seed} {level} {task}") for level in ("vague", "default", "exact", "each")
+            Dice(f"{seed} {level} {plan}") for level in ("vague", "default", "exact", "each")
         )
-        view = self.tongue.view(start_of(task))
+        view = self.tongue.view(seen)
         named: dict[str, None] = {}
         written = self.tongue.words.contracted
         subgoals = []
         for number, action in enumerate(task.actions):
-            here = self.tongue.view(start_of(task, number))
+            here = self.tongue.view(seen.at(task.states[number - 1]) if number else seen)
             clause, _ = self._clause(here, action, True, None, each)
             subgoals.append(written(capital(self._frame("subgoal").format(action=clause))))
             self._note(here, [action], named)
         goal = self.goal(task)
-        aims = [fluent for subgoal in task.subgoals for fluent in worth_telling(subgoal, self.tongue)]
-        self._note(view, [*task.actions, *goal, *aims], named)
+        aims = list(map(self._aim, task.subgoals))
+        self._note(view, [*task.actions, *goal, *(fluent for aim in aims for fluent in aim)], named)
         return Instructions(
             written(self._vague(view, goal, vague)),
             written(self._default(view, task.actions, default)),
-            written(self._exact(view, task, exact)),
+            written(self._exact(view, task.actions, aims, exact)),
             tuple(subgoals),
             tuple(sorted(named)),
         )
@@ -191,6 +204,15 @@ class Teller:
         told = worth_telling(changed, self.tongue)
         return told or worth_telling(task.subgoals[-1] if task.subgoals else {}, self.tongue)
 
+    def _aim(self, subgoal: State) -> State:
+        """Return what is told of what an action makes so: tasks of one space share what their actions do."""
+        frozen = subgoal if isinstance(subgoal, FrozenDict) else FrozenDict(subgoal)
+        if frozen not in self._aims:
+            if len(self._aims) > KEPT:
+                self._aims.clear()
+            self._aims[frozen] = worth_telling(frozen, self.tongue)
+        return self._aims[frozen]
+
     def _note(self, view: View, atoms: Sequence[Atom], named: dict[str, None]) -> None:
         """Note the entities that have to be called by their names."""
         for atom in atoms:
@@ -220,14 +242,13 @@ class Teller:
         frame = dice.pick(self.phrasings.of(self.tongue.words.frames["default"]))
         return capital(frame.format(actions=self._joined(clauses, "sentences", dice)))
 
-    def _exact(self, view: View, task: Task, dice: Dice) -> str:
+    def _exact(self, view: View, actions: Sequence[Atom], aims: Sequence[State], dice: Dice) -> str:
         """Return what is to be done and what each action is for."""
         words, steps = self.tongue.words, []
         alone, aimed = words.frames["exact"]
-        for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
+        for number, (action, aim) in enumerate(zip(actions, aims, strict=True), 1):
             clause, topic = self._clause(view, action, True, None, dice)
-            worth = worth_telling(subgoal, self.tongue).items()
-            facts = [told for fluent, value in worth for told in self._told(view, fluent, value, topic, dice)]
+            facts = [told for fluent, value in aim.items() for told in self._told(view, fluent, value, topic, dice)]
             frame = aimed if facts else alone
             told = frame.format(
                 number=words.number(number), action=clause, facts=self._joined(facts, "facts", dice) if facts else ""
@@ -252,20 +273,25 @@ class Teller:
 
     def _clause(
         self, view: View, atom: Atom, value: bool, topic: str | None, dice: Dice | None, *, of_actions: bool = True
-    ) -> tuple[str, str | None]:
+    ) -> Clear:
         """Return a sentence that means an action, or a fluent and its value, and nothing else; and what it is about.
 
         Raises:
             QueryError: there is none.
         """
         sentences = self._sentences_of(atom, value, of_actions)
-        for clause, variant in sentences.ways(dice):
-            text = self._written(view, clause, atom, topic, variant)
-            heard = self.reader.clause(view, text, topic, of_actions=of_actions)
-            if len(heard) == 1:
-                (said,) = heard
-                if (said.atom, said.value) == (atom, value):
-                    return text, said.topic
+        first = dice.number(len(sentences.given)) if sentences.given and dice else 0
+        key = (view.crowd, atom, value, topic, of_actions, first, view.related(atom.arguments))
+        try:
+            found = self._clear[key]
+        except KeyError:
+            found, of_state = self._search(view, sentences.ways(first), (atom, value, of_actions), topic)
+            if not of_state:
+                if len(self._clear) > KEPT:
+                    self._clear.clear()
+                self._clear[key] = found
+        if found is not None:
+            return found
         where = "actions" if of_actions else "facts"
         if not sentences.known:
             kind = "action" if of_actions else "fluent"
@@ -274,6 +300,24 @@ class Teller:
             f"no sentence for {atom} that means nothing else; write one that names all that it speaks of "
             f"under [language.{self.tongue.language}.{where}]"
         )
+
+    def _search(
+        self, view: View, ways: Iterator[tuple[Clause, int]], what: tuple[Atom, bool, bool], topic: str | None
+    ) -> tuple[Clear | None, bool]:
+        """Return the first of some sentences that means one thing alone, and whether that depends on the state.
+
+        It does not if what the things are described by is all that it depends on.
+        """
+        (atom, value, of_actions), of_state = what, False
+        for clause, variant in ways:
+            text = self._written(view, clause, atom, topic, variant)
+            heard, unsure = self.reader.heard(view, text, topic, of_actions=of_actions)
+            of_state |= unsure
+            if len(heard) == 1:
+                (said,) = heard
+                if (said.atom, said.value) == (atom, value):
+                    return (text, said.topic), of_state
+        return None, of_state
 
     def _sentences_of(self, atom: Atom, value: bool, of_actions: bool) -> _Sentences:
         """Return the sentences that tell an action, or a fluent and its value."""

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from prag_asp.atom import Atom
 from prag_asp.dataset.language.looks import APART, LARGER, Looks
-from prag_asp.task import State
+from prag_asp.task import FrozenDict, State
 
 NEARLY = 1.05
 """Within which factor the extents of things are as large as the largest of them."""
@@ -28,6 +28,10 @@ class Start(NamedTuple):
 
     entities: frozenset[str]
     state: State
+
+    def at(self, state: State) -> Start:
+        """Return what somebody knows in another state of the same things."""
+        return self._replace(state=state if isinstance(state, FrozenDict) else FrozenDict(state))
 
 
 class Relation(NamedTuple):
@@ -64,6 +68,8 @@ class Crowd:
         self.entities = tuple(sorted(entities))
         self._groups: dict[str, tuple[str, ...]] = {}
         self._best: dict[str, Description | None] = {}
+        self._short: dict[str, Description | None] = {}
+        self._settled: dict[tuple[str, ...], bool] = {}
         self._meant: dict[Description, str | None] = {}
 
     def fits(self, what: Description, entity: str) -> bool | None:
@@ -85,6 +91,21 @@ class Crowd:
             found = (each for each in self.properties(entity) if self.meant(each) == entity)
             self._best[entity] = next(found, None)
         return self._best[entity]
+
+    def short(self, entity: str) -> Description | None:
+        """Return the best description of an entity if none with a relation can be better, whatever the state."""
+        if entity not in self._short:
+            best = self.best(entity)
+            enough = best is not None and (not self.looks.pictured or sum(map(bool, best[1:])) <= 1)
+            self._short[entity] = best if enough else None
+        return self._short[entity]
+
+    def settled(self, arguments: tuple[str, ...]) -> bool:
+        """Tell whether each of some arguments has a description that is the best one whatever the state."""
+        found = self._settled.get(arguments)
+        if found is None:
+            found = self._settled[arguments] = all(map(self.short, arguments))
+        return found
 
     def properties(self, entity: str) -> Iterator[Description]:
         """Yield what can be said of an entity, the shortest first (full brevity, Dale 1989).
@@ -177,8 +198,15 @@ class View:
     def describe(self, entity: str) -> Description:
         """Return the shortest description that fits an entity and nothing else; by its name where there is none."""
         if entity not in self._described:
-            self._described[entity] = self._search(entity)
+            self._described[entity] = self.crowd.short(entity) or self._search(entity)
         return self._described[entity]
+
+    def related(self, arguments: tuple[str, ...]) -> tuple[Description | None, ...]:
+        """Return the descriptions of arguments that have relations: all others are the same in every state."""
+        if self.crowd.settled(arguments):
+            return ()
+        found = (self.describe(each) if each in self.crowd.looks.nouns else None for each in arguments)
+        return tuple(each if each is not None and each.relation is not None else None for each in found)
 
     def _search(self, entity: str) -> Description:
         """Return the best description: relations cost as much as a property, and come after those."""
@@ -186,8 +214,6 @@ class View:
         named = Description(next(iter(self.crowd.looks.nouns.get(entity, ())), ""), name=entity)
         if not self.crowd.looks.pictured:
             return best or named
-        if best is not None and sum(map(bool, best[1:])) <= 1:
-            return best
         relations = self.relations.get(entity, ())
         for plain in self.crowd.properties(entity) if relations else ():
             if best is not None and sum(map(bool, plain[1:])) + 1 >= sum(map(bool, best[1:])):

@@ -8,6 +8,7 @@ signals, nor what it prints; and whatever ends ours ends that, and with it what 
 from __future__ import annotations
 
 import os
+import pickle
 import re
 import socket
 import subprocess
@@ -27,8 +28,11 @@ from prag_asp.processes.stage import stage
 AHEAD = 2
 """Tasks of Ray for each processor that are handed out: the one that it does, and one that it need not wait for."""
 
-SECONDS = 2.0
-"""How long a task of Ray is to take, about: much longer than it takes to hand it out, and soon done again."""
+SECONDS = 0.5
+"""How long a task of Ray is to take, about: much longer than it takes to hand it out, and soon done again.
+
+When the last tasks are done, some processors have nothing to do, for so long at most.
+"""
 
 LARGEST, GROWTH = 512, 2
 """Draws of a task of Ray at most, and by how much these grow at once."""
@@ -69,7 +73,7 @@ class Cluster:
                         if isinstance(answer, int):
                             talker.send(list(islice(draws, answer)))
                         else:
-                            yield from answer
+                            yield from pickle.loads(answer)
                 finally:
                     with uninterrupted():
                         _let_go(talker)
@@ -85,8 +89,10 @@ def _let_go(talker: Child) -> None:
         talker.process.wait(PARTING)
 
 
-def answers(messages: Iterator[Any]) -> Iterator[int | list[Found] | None]:
+def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
     """Yield how many draws are wanted, and get them, fewer where there are no more; yield what is known of some.
+
+    That passes through as the node has pickled it: a list of `Found`.
 
     First of all comes how they are looked at; None comes last.
 
@@ -159,8 +165,8 @@ def _processors(ray: Any) -> int:
     return found
 
 
-def _answer(ray: Any, reference: Any) -> tuple[list[Found], float]:
-    """Return what a task of Ray has found, and how long that took.
+def _answer(ray: Any, reference: Any) -> tuple[bytes, float]:
+    """Return what a task of Ray has found, pickled, and how long that took.
 
     Raises:
         WorkerError: Ray has given it up.
@@ -192,8 +198,11 @@ class _Kept:
 _KEPT = _Kept()
 
 
-def looked_at(run: str, look: Look, draws: list[Draw]) -> tuple[list[Found], Exception | None, float]:
-    """Return what is known of draws, or the error that was met, and how many seconds it took; this is run on a node."""
+def looked_at(run: str, look: Look, draws: list[Draw]) -> tuple[bytes, Exception | None, float]:
+    """Return what is known of draws, pickled, or the error that was met, and how many seconds it took.
+
+    This is run on a node.
+    """
     begun = monotonic()
     try:
         if _KEPT.run != run:
@@ -201,6 +210,6 @@ def looked_at(run: str, look: Look, draws: list[Draw]) -> tuple[list[Found], Exc
             _KEPT.run, _KEPT.resources = "", ExitStack()
             _KEPT.look, _KEPT.run = _KEPT.resources.enter_context(looker(look)), run
             begun = monotonic()
-        return _KEPT.look(draws), None, monotonic() - begun
+        return pickle.dumps(_KEPT.look(draws)), None, monotonic() - begun
     except Exception as error:
-        return [], error, monotonic() - begun
+        return b"", error, monotonic() - begun

@@ -150,4 +150,8 @@ def _spelled(known: FrozenDict[Atom, bool]) -> tuple[list[str], list[bool]]:
 
 
 def _texts(known: Known) -> tuple[list[str], list[bool]]:
-    return list(map(str, known)), list(known.values())
+    return list(map(_text, known)), list(known.values())
+
+
+_text = lru_cache(maxsize=1 << 16)(str)
+"""The text of a fluent: the states of a space have few fluents, each in thousands of states."""

@@ -70,15 +70,15 @@ class PartWriter:
     def add(self, placed: Placed, task: Task, looked: Looked, words: Told) -> None:
         """Add a draw, and what is known of it."""
         row = _row(placed, task, looked, words)
+        texts = [start.text for start in looked.starts]
+        witnesses = sum(text is not None for text in texts)
         if looked.passed:
             number = self.tasks
-            starts = sum(start.text is not None for start in looked.starts)
-            self._rows["tasks"].add({**row, "task": number, "starts": starts})
-            for start, each in enumerate(looked.starts):
-                self._add_start(number, start, each)
+            self._rows["tasks"].add({**row, "task": number, "starts": witnesses})
+            for start, (each, text) in enumerate(zip(looked.starts, texts, strict=True)):
+                self._add_start(number, start, each, text)
         else:
             self._rows["refused"].add(row)
-        witnesses = sum(start.text is not None for start in looked.starts)
         self._tally(_tally(len(task), looked.verdict, witnesses), self._ours)
         self._draws += 1
 
@@ -140,10 +140,10 @@ class PartWriter:
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
         self._versions = {*tail.versions.split(TOGETHER)}
 
-    def _add_start(self, task: int, start: int, found: Start) -> None:
-        """Add a first state of a task."""
+    def _add_start(self, task: int, start: int, found: Start, text: str | None) -> None:
+        """Add a first state of a task, with the text of its witness."""
         of_it = {"task": task, "start": start}
-        if (text := found.text) is not None:
+        if text is not None:
             self._rows["witnesses"].add({**of_it, "index": found.index, "witness": text})
         if found.recording is not None:
             self._rows["recordings"].add({**of_it, **msgspec.structs.asdict(found.recording)})

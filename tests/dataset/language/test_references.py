@@ -62,6 +62,17 @@ def test_a_shorter_description_is_taken_before_a_longer_one(tmp_path: Path) -> N
     assert "the cube in the gripper" in told.subgoals[1] and "small" not in told.subgoals[1] and told.named == ()
 
 
+def test_what_is_kept_of_other_states_is_said_only_where_it_means_the_same(tmp_path: Path, chance: Chance) -> None:
+    domain = twins(tmp_path)
+    often = teller_of(domain)
+    tasks = list(TaskSpace(domain, 4).sample(chance.examples(25), seed=chance.seed(9)))
+    for task in tasks:
+        often.instructions(task)
+    told = [often.instructions(task) for task in reversed(tasks)]
+    assert any("gripper" in subgoal for each in told for subgoal in each.subgoals)
+    assert told == [teller_of(domain).instructions(task) for task in reversed(tasks)]
+
+
 def test_what_nothing_tells_apart_goes_by_its_name_and_is_told_to_do_so(tmp_path: Path) -> None:
     domain = twins(tmp_path)
     space = TaskSpace(domain, 1)
