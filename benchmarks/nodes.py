@@ -48,7 +48,10 @@ def cluster(nodes: int) -> Iterator[None]:
     )  # fmt: skip
     try:
         assert process.stdout is not None
-        os.environ["RAY_ADDRESS"] = process.stdout.readline().strip()
+        address = process.stdout.readline().strip()
+        if not address:
+            raise SystemExit("no cluster has started; install the extra: pip install 'prag-asp[ray]'")
+        os.environ["RAY_ADDRESS"] = address
         yield
     finally:
         os.environ.pop("RAY_ADDRESS", None)
@@ -77,11 +80,19 @@ def measured(nodes: int, tasks: int) -> tuple[float, float]:
     return many - few, much - little
 
 
+def positive(text: str) -> int:
+    """Return a number of one or more."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is less than 1")
+    return number
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tasks", type=int, default=2000)
-    parser.add_argument("--rounds", type=int, default=2)
+    parser.add_argument("--tasks", type=positive, default=2000)
+    parser.add_argument("--rounds", type=positive, default=2)
     given = parser.parse_args()
     ratios = []
     for _ in range(given.rounds):

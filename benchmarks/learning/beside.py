@@ -10,9 +10,8 @@ process of Gymnasium waits for the slower one at each step, and has the observat
 All take turns. A process works for so many seconds, from a word on that both are told, and counts what it has done; so
 nothing waits for another one's end. Printed are the medians of the rounds, and the lowest and the highest ratio.
 Seconds of processor time tell what the work itself costs more beside another one, seconds on the clock also who else
-was busy. It ends
-with code 1 where two environments do less than 1.8 times what one does, and less than nine tenths of that where the
-machine lets PyBullet itself do less than twice as much: then it says so.
+was busy. It ends with code 1 where two environments do less than 1.8 times what one does, and less than nine tenths of
+that where the machine lets PyBullet itself do less than twice as much: then it says so.
 """
 
 from __future__ import annotations
