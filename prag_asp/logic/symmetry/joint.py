@@ -105,7 +105,7 @@ class _Search:
         waiting = [[place for place in places if self._blocks[place] not in self._alone] for places in self._classes]
         while self._left > 0 and (waiting := [left for left in waiting if len(left) > 1]):
             most = FEWEST
-            while most < 2 * min(len(self._class_of), MOST):
+            while most < 2 * max(min(len(self._class_of), MOST), FEWEST):
                 if found := self._smallest(waiting, most):
                     return found
                 most *= 2

@@ -31,6 +31,13 @@ precondition(clear(S), on(C), true) :- of(C, S, _). postcondition(clear(S), on(C
 precondition(carry(T), full(T), true) :- of(_, _, T).
 """
 
+PAIRS = """
+class(sock). entity((s1; s2; s3; s4), sock). pair(s1, s2). pair(s3, s4). pair(B, A) :- pair(A, B).
+fluent(worn(S)) :- entity(S, sock). initially(worn(S), false) :- entity(S, sock).
+action(change(A, B)) :- pair(A, B). precondition(change(A, B), worn(A), false) :- pair(A, B).
+postcondition(change(A, B), worn(A), true; change(A, B), worn(B), false) :- pair(A, B).
+"""
+
 SEATS = """
 class(seat). entity((s1; s2; s3; s4; s5), seat).
 beside(s1,s2). beside(s2,s3). beside(s3,s4). beside(s4,s5). beside(s5,s1). beside(B, A) :- beside(A, B).
@@ -64,8 +71,17 @@ def renamings_of_saucers() -> Iterable[Names]:
         yield {**cups, **{saucer[one]: saucer[other] for one, other in cups.items()}}
 
 
+def renamings_of_pairs() -> Iterable[Names]:
+    for pairs, *socks in itertools.product(itertools.permutations(["s1 s2", "s3 s4"]), *[(1, -1)] * 2):
+        named = [name for pair, turn in zip(pairs, socks, strict=True) for name in pair.split()[::turn]]
+        yield dict(zip(["s1", "s2", "s3", "s4"], named, strict=True))
+
+
 @pytest.mark.parametrize("engine", ["automaton", "clingo", "sat", "symbolic"])
-@pytest.mark.parametrize(("text", "names"), [(SAUCERS, renamings_of_saucers), (TRAYS, renamings_of_trays)])
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [(SAUCERS, renamings_of_saucers), (TRAYS, renamings_of_trays), (PAIRS, renamings_of_pairs)],
+)
 def test_tasks_are_orbits_under_renamings_of_what_belongs_together(text, names, engine) -> None:
     space = TaskSpace(domain_of(text), 3, engine=engine)
     found = orbits(space.words("plan"), names())
