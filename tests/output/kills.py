@@ -15,11 +15,12 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from tests.commands import PRAG
 from tests.output.faults import content
@@ -61,6 +62,23 @@ BEFORE = {
     "learn": ["mine/learned.lp"],
 }
 """Files that are there before a command writes them."""
+
+
+WROTE = "while it wrote"
+"""How a command is to be met: a file was begun that was not whole."""
+
+ATTEMPTS = 5
+"""Moments that are chosen for one kill, at most: a busy machine computes for longer than the undisturbed run did."""
+
+AFTERWARDS = 0.02
+"""Seconds for which a command goes on after the moment, at most."""
+
+
+class Running(NamedTuple):
+    """A command that is running, and where it writes."""
+
+    process: subprocess.Popen[str]
+    folder: Path
 
 
 @dataclass(frozen=True)
@@ -133,29 +151,63 @@ def faults(found: Mapping[str, bytes], before: Mapping[str, bytes], whole: Mappi
     return [name for name, text in ours.items() if text not in (before.get(name), whole.get(name))]
 
 
+def moment_of(reference: Reference, found: Mapping[str, bytes], chance: random.Random) -> Callable[[Running], bool]:
+    """Return what tells a random moment of a command: so much is computed, or a file is there that is not `found` yet.
+
+    The second kind comes close to the last steps, each of which writes a file and takes hardly any time.
+    """
+    missing = sorted(name for name, text in reference.files.items() if found.get(name) != text)
+    if missing and chance.random() < 0.5:
+        name = chance.choice(missing)
+        before = found.get(name)
+        return lambda running: _read(running.folder / name) not in (None, before)
+    moment = chance.uniform(0.9 * reference.first, reference.end)
+    return lambda running: seconds(running.process) >= moment
+
+
+def _read(path: Path) -> bytes | None:
+    return path.read_bytes() if path.is_file() else None
+
+
+def kill(name: str, folder: Path, reference: Reference, chance: random.Random) -> str:
+    """Start a command, kill it at a random moment, and return how it was met.
+
+    Raises:
+        AssertionError: a file was cut.
+    """
+    before = content(folder)
+    comes = moment_of(reference, before, chance)
+    process = started(name, folder)
+    running = Running(process, folder)
+    while process.poll() is None and not comes(running):
+        time.sleep(0.002)
+    time.sleep(chance.uniform(0.0, AFTERWARDS))
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    found = content(folder)
+    cut = faults(found, before, reference.files)
+    assert not cut, f"{name}: cut: {cut}"
+    if any(file.endswith((".part", ".run")) for file in found):
+        return WROTE
+    return "not: all was written" if found == reference.files else "before it wrote"
+
+
 def kill_once(name: str, prepared: Path, folder: Path, reference: Reference, chance: random.Random) -> str:
     """Kill a command at a random moment, once or twice, run it to its end, and return how it was met.
+
+    A moment that is not while it writes is chosen anew, up to `ATTEMPTS` times, from the beginning on.
 
     Raises:
         AssertionError: a file was cut, or the end is not that of a run that nobody disturbs.
     """
-    place(name, prepared, folder)
-    before, met = content(folder), "before it wrote"
-    for _ in range(chance.choice((1, 1, 2))):
-        process = started(name, folder)
-        moment = chance.uniform(0.9 * reference.first, reference.end)
-        while process.poll() is None and seconds(process) < moment:
-            time.sleep(0.002)
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
-        found = content(folder)
-        cut = faults(found, before, reference.files)
-        assert not cut, f"{name}: cut: {cut}"
-        if any(file.endswith((".part", ".run")) for file in found):
-            met = "while it wrote"
-        elif process.returncode == reference.code:
-            met = "not: it had ended"
+    for _ in range(ATTEMPTS):
+        shutil.rmtree(folder, ignore_errors=True)
+        place(name, prepared, folder)
+        met = [kill(name, folder, reference, chance) for _ in range(chance.choice((1, 1, 2)))]
+        if WROTE in met:
+            met = [WROTE]
+            break
     process = started(name, folder)
     told = process.communicate()[1]
     assert process.returncode == reference.code, f"{name}: {process.returncode}: {told}"
@@ -163,7 +215,7 @@ def kill_once(name: str, prepared: Path, folder: Path, reference: Reference, cha
     assert left.keys() == reference.files.keys(), f"{name}: {sorted(left.keys() ^ reference.files.keys())}"
     different = [file for file, text in left.items() if text != reference.files[file]]
     assert not different, f"{name}: other bytes: {different}"
-    return f"{met}, and went on" if "goes on after" in told else met
+    return f"{met[-1]}, and went on" if "goes on after" in told else met[-1]
 
 
 def campaign(count: int, seed: int, names: Sequence[str]) -> Counter[tuple[str, str]]:
