@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Literal, get_args
 
 from prag_asp.bits import SeededBits
@@ -14,6 +14,7 @@ from prag_asp.rl.curriculum.course import Course, Episode, Keys, State
 from prag_asp.rl.curriculum.pool import Offer, Pool, Word, derived
 from prag_asp.rl.curriculum.stream import Stream, times
 from prag_asp.space.drawing.drawers import OverSkeletons
+from prag_asp.space.engines import Draw
 from prag_asp.space.ordered import MISSES, lengths_of
 from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.wording import unknown
@@ -124,7 +125,7 @@ class Passes:
 
     def seed(self, seed: int) -> None:
         """Begin anew."""
-        self._seed, self._drawn = seed, 0
+        self._go_on(seed, 0)
 
     def offer(self) -> Offer:
         """Return a task of what comes next, with its probability given all that came before."""
@@ -147,15 +148,25 @@ class Passes:
 
     def load_state_dict(self, state: State) -> None:
         """Go on from what `state_dict` returned."""
-        self._seed, self._drawn = state["seed"], state["drawn"]
+        self._go_on(state["seed"], state["drawn"])
+
+    def _go_on(self, seed: int, drawn: int) -> None:
+        self._seed, self._drawn = seed, drawn
+        self._draws = self._pool.together(self._coming(seed, drawn))
 
     def _next(self) -> Offer:
         """Return a task of what comes next, of the pool or none of it."""
-        times, place = divmod(self._drawn, self._things.size)
         self._drawn += 1
-        seed = derived(self._seed, "pass", times)
-        word, probability = self._things.word(Shuffle(self._things.size, seed)[place], seed)
-        return Offer(word, probability / (self._things.size - place))
+        draw = next(self._draws)
+        return Offer(draw.word, draw.probability)
+
+    def _coming(self, seed: int, drawn: int) -> Iterator[Draw]:
+        """Yield what comes after so many draws."""
+        for number in count(drawn):
+            times, place = divmod(number, self._things.size)
+            own = derived(seed, "pass", times)
+            word, probability = self._things.word(Shuffle(self._things.size, own)[place], own)
+            yield Draw(word, probability / (self._things.size - place))
 
 
 class Coverage:

@@ -106,7 +106,7 @@ class Pool:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
         space = self.space if length is None else self.at(length)
-        for draw in self._together(space.draw_words(seed=seed, weights=weights)):
+        for draw in self.together(space.draw_words(seed=seed, weights=weights)):
             yield Offer(draw.word, draw.probability)
 
     def kept(self, draw: Callable[[], Offer], misses: int = MISSES) -> Offer:
@@ -121,7 +121,7 @@ class Pool:
                 return found._replace(passed=passed)
         raise NotFound(f"none of {misses} tasks drawn in a row is one of those to be learned; give a larger part")
 
-    def _together(self, draws: Iterator[Draw]) -> Iterator[Draw]:
+    def together(self, draws: Iterator[Draw]) -> Iterator[Draw]:
         """Yield draws, and note which come together: their tasks are told together, where one is asked for."""
         size = 1
         while batch := list(islice(draws, size)):

@@ -194,23 +194,31 @@ def weight_without(
 ) -> int:
     """Return the weight of all words that have none of some `single` names, nor some `pairs` of consecutive ones.
 
-    `names` maps letters to numbers of names. Ways are told apart by their last name.
+    `names` maps letters to numbers of names. States are told apart by the name that led to them, and by none at first.
     """
     if not automaton.states:
         return 0
     width = int(names.max(initial=-1)) + 1
-    may_follow = np.ones((width, width + 1), dtype=np.int64)
+    may_follow = np.ones((width + 1, width), dtype=np.bool_)
     for one, two in pairs:
-        may_follow[two, one] = 0
-    may_follow[list(single)] = 0
-    named, factors = names[automaton.letters], _factors(automaton)
-    ways = np.zeros((width + 1, automaton.states), dtype=object)
-    ways[width, 0] = 1  # no name came before
-    for _ in range(length):
-        over = (may_follow.astype(object) @ ways)[named, automaton.sources] * factors
-        found = _summed(over, named * automaton.states + automaton.targets, (width + 1) * automaton.states)
-        ways = np.array(found, dtype=object).reshape(width + 1, automaton.states)
-    return int(ways[:, automaton.accepting].sum())
+        may_follow[one, two] = False
+    may_follow[:, list(single)] = False
+    named = names[automaton.letters]
+    coming, into = np.unique(automaton.targets * (width + 1) + named, return_inverse=True)
+    states, before = np.divmod(np.concatenate([[width], coming]), width + 1)
+    degrees = np.diff(automaton.offsets)[states]
+    begins = np.cumsum(degrees) - degrees
+    edges = np.arange(degrees.sum()) + np.repeat(automaton.offsets[states] - begins, degrees)
+    kept = may_follow[np.repeat(before, degrees), named[edges]]
+    left = edges[kept]
+    apart = Automaton(
+        np.concatenate([[0], np.cumsum(kept)])[np.append(begins, len(edges))],
+        automaton.letters[left],
+        into[left] + 1,
+        automaton.accepting[states],
+        None if automaton.weights is None else automaton.weights[left],
+    )
+    return int(Completions(apart).last_row(length)[0])
 
 
 def entropy(automaton: Automaton, passing: Sequence[int], total: int) -> Decimal:
