@@ -17,14 +17,13 @@ from prag_asp.fields import decoded
 from prag_asp.integers import number_of
 from prag_asp.missing import require_pyarrow
 from prag_asp.reading import is_inside
-from prag_asp.space.ordered import Division, order_of
-from prag_asp.space.task_space import TaskSpace
 from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.tables import Tables
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Demonstration, Witness
+    from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
 
@@ -207,6 +206,8 @@ class Dataset:
     @cached_property
     def _space(self) -> TaskSpace:
         """The tasks that satisfy the conditions."""
+        from prag_asp.space.task_space import TaskSpace
+
         return TaskSpace(self.domain, 0).where(*self.conditions)
 
     @cached_property
@@ -220,6 +221,8 @@ class Dataset:
 
         Where the draw is uniform, and parts differ by tasks alone, it is known which draw it was.
         """
+        from prag_asp.space.ordered import Division, order_of
+
         asked, lengths = self.manifest.asked, [space.length for space in self.manifest.spaces if space.tasks != "0"]
         known = not asked.weights and not asked.skeletons and asked.hold_out is None
         if known and (length not in lengths or not 0 <= rank < int(self._sizes[length])):

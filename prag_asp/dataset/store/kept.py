@@ -7,15 +7,17 @@ from collections.abc import Iterator
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 
-from prag_asp.domain.identity import scene_files
-from prag_asp.domain.load import LEARNED, Domain, load_domain
 from prag_asp.errors import DomainError
 from prag_asp.output import file_in, make_folder, replace_file
-from prag_asp.program.sources import HIERARCHY, Source, core_sources
 from prag_asp.reading import is_inside, open_binary, read_bytes
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.program.sources import Source
 
 DOMAIN, ENCODINGS = "domain", "encodings"
 """The folders of a data set that hold its domain and the encodings that this was read with."""
@@ -82,6 +84,8 @@ def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domai
     Raises:
         DomainError: a file is missing, is not what dataset.json says, or is read though that does not name it.
     """
+    from prag_asp.domain.load import load_domain
+
     for name in (DOMAIN, ENCODINGS):
         if not is_inside(folder / name, folder):
             raise DomainError(f"{folder / name}: leads out of the data set; {MEND}")
@@ -105,6 +109,8 @@ def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domai
 
 def _read(domain: Domain) -> Iterator[Path]:
     """Yield the files that a domain was read from."""
+    from prag_asp.domain.identity import scene_files
+
     yield from (source.path for source in domain.program.sources)
     if domain.settings.text:
         yield domain.settings.path
@@ -131,6 +137,8 @@ def _told(files: dict[str, bytes]) -> Iterator[KeptFile]:
 
 def _own_sources(domain: Domain) -> list[Source]:
     """Return the sources of a domain that every domain has not: rules that were asked for among them."""
+    from prag_asp.program.sources import HIERARCHY, core_sources
+
     known = {source.path.resolve() for source in core_sources(domain.encodings)}
     known.add((domain.encodings / HIERARCHY).resolve())
     return [source for source in domain.program.sources if source.path.resolve() not in known]
@@ -138,6 +146,9 @@ def _own_sources(domain: Domain) -> list[Source]:
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a domain, as a folder that says the same: those of its own folder as they are."""
+    from prag_asp.domain.identity import scene_files
+    from prag_asp.domain.load import LEARNED
+
     sources = _own_sources(domain)
     learned = [source for source in sources if source.path.name == LEARNED]
     logic = [source for source in sources if source not in learned]
