@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from weakref import WeakValueDictionary
 
 import clingo
 
@@ -13,6 +14,9 @@ from prag_asp.logic.ground.unroll import unroll
 from prag_asp.processes.stage import stage
 from prag_asp.program.sources import Program
 
+OCCURS = "occurs"
+"""The predicate whose atoms tell plans apart."""
+
 
 @dataclass(frozen=True)
 class Cnf:
@@ -20,32 +24,49 @@ class Cnf:
 
     `literals` has the literal of every atom; the first variable is true, and stands for what holds in all of them.
     `shown` are the variables of the atoms ``occurs(A,t)`` or ``named(N,t)``, sorted: what they tell apart is a word.
+    `plans` is the formula that this one shows in another way, if it does.
     """
 
     variables: int
     clauses: tuple[tuple[Literal, ...], ...]
     literals: Mapping[clingo.Symbol, Literal]
     shown: tuple[int, ...]
+    plans: Cnf | None = field(default=None, repr=False, compare=False)
 
     def literal(self, symbol: clingo.Symbol) -> Literal:
         """Return the literal of an atom; one that no rule speaks of is false."""
         return self.literals.get(symbol, -TRUE)
 
 
-def plan_cnf(program: Program, length: int, shown: str = "occurs") -> Cnf:
+_in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
+"""The formulas that somebody uses, by program and length: nobody changes one, and levels and engines share most."""
+
+
+def plan_cnf(program: Program, length: int, shown: str = OCCURS) -> Cnf:
     """Return the formula of the answer sets with a number of steps, projected on the atoms of a predicate.
 
     Raises:
         DomainError: clingo cannot ground the program.
         EngineError: the program has no counterpart in clauses.
     """
+    plans = _in_use.get((program, length))
+    if plans is None:
+        plans = _in_use[program, length] = _plans(program, length)
+    return plans if shown == OCCURS else replace(plans, shown=_variables(plans.literals, shown), plans=plans)
+
+
+def _plans(program: Program, length: int) -> Cnf:
     ground = unroll(program, length)
     stage("writing clauses")
     completion = complete(ground.rules)
     literals = {symbol: completion.values.get(atom, -TRUE) for symbol, atom in ground.atoms.items()}
-    words = [literal for symbol, literal in literals.items() if symbol.match(shown, 2) and abs(literal) != TRUE]
     clauses = completion.clauses
-    return Cnf(clauses.variables, tuple(clauses.clauses), literals, tuple(sorted(words)))
+    return Cnf(clauses.variables, tuple(clauses.clauses), literals, _variables(literals, OCCURS))
+
+
+def _variables(literals: Mapping[clingo.Symbol, Literal], shown: str) -> tuple[int, ...]:
+    """Return the variables of the atoms of a predicate; clingo is slow to tell which these are, and most are facts."""
+    return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(shown, 2)))
 
 
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:

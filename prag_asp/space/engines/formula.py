@@ -56,8 +56,9 @@ class WordFormula:
     @cached_property
     def _shown(self) -> list[tuple[Literal, int, str]]:
         name = SHOWN[self.level]
-        named = ((literal, each) for each, literal in self.cnf.literals.items() if each.name == name)
-        timed = ((literal, each.arguments) for literal, each in named if each.match(name, 2))
+        may_be = {TRUE, *self.cnf.shown}
+        found = ((literal, each) for each, literal in self.cnf.literals.items() if literal in may_be)
+        timed = ((literal, each.arguments) for literal, each in found if each.name == name and each.match(name, 2))
         return [(literal, step.number, str(what)) for literal, (what, step) in timed if step.number > 0]
 
     @cached_property

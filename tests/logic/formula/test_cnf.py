@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import weakref
 from collections import Counter
 
 import pytest
@@ -190,6 +191,22 @@ def test_dimacs_says_how_many_plans_there_are_and_what_they_are(name: str, lengt
     lines = list(dimacs(plan_cnf(Model(load_domain(name)).program, length), ["a comment"]))
     assert lines[0] == "c a comment"
     assert words_of(lines, length) == plans
+
+
+def test_a_formula_in_use_is_made_once_and_goes_with_its_last_user() -> None:
+    domain = domain_of(LINES)
+    plans = plan_cnf(whole_program(domain), 2)
+    skeletons = plan_cnf(whole_program(domain), 2, "named")
+    assert plan_cnf(whole_program(domain), 2) is plans
+    assert skeletons.clauses is plans.clauses
+    assert skeletons.shown != plans.shown
+    assert plan_cnf(whole_program(domain), 1) is not plans
+    assert plan_cnf(whole_program(domain_of(f"{LINES} class(more).")), 2) is not plans
+    gone = weakref.ref(plans)
+    del plans
+    assert plan_cnf(whole_program(domain), 2) is gone()  # the formula of skeletons is in use
+    del skeletons
+    assert gone() is None
 
 
 @pytest.mark.parametrize("condition", ["uses apple", "has at least 1 grasp", "loop-free", "ends holding(panda,can_1)"])
