@@ -10,6 +10,7 @@ import itertools
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 State = tuple[bool, ...]
 Values = dict[int, bool | None]
@@ -68,34 +69,52 @@ class Toy:
         return "\n".join(lines) + "\n"
 
     def allowed(self, state: State) -> bool:
-        return not any(state[f] and state[g] for f, g in (*self.exclusive, *self.impossible)) and all(
-            state[g] for f, g in self.implies if state[f]
+        return state in self._allowed
+
+    @cached_property
+    def _allowed(self) -> frozenset[State]:
+        """The states that satisfy the invariants."""
+        return frozenset(
+            state
+            for state in itertools.product((False, True), repeat=self.fluents)
+            if not any(state[f] and state[g] for f, g in (*self.exclusive, *self.impossible))
+            and all(state[g] for f, g in self.implies if state[f])
         )
 
     def start(self) -> frozenset[State]:
-        everything = itertools.product((False, True), repeat=self.fluents)
-        return frozenset(s for s in everything if self.allowed(s) and agrees(s, self.initially))
+        return frozenset(state for state in self._allowed if agrees(state, self.initially))
 
     def after(self, states: frozenset[State], plan: tuple[int, ...], i: int) -> frozenset[State]:
-        action = self.actions[i]
         if plan and (plan[-1], i) in self.never_after:
             return frozenset()
-        names = Counter(self.actions[j].name for j in (*plan, i))
-        if any(names[name] > k for name, k in self.at_most.items()):
-            return frozenset()
-        found = set()
-        for state in states:
-            if not agrees(state, action.before):
-                continue
-            if any(i == j and state[f] and not state[g] for j, f, g in self.blocked):
-                continue
-            free = [f for f, v in action.after.items() if v is None]
-            for values in itertools.product((False, True), repeat=len(free)):
-                changed = {**action.after, **dict(zip(free, values, strict=True))}
-                after = tuple(bool(changed.get(f, state[f])) for f in range(self.fluents))
-                if self.allowed(after):
-                    found.add(after)
-        return frozenset(found)
+        if self.at_most:
+            names = Counter(self.actions[j].name for j in (*plan, i))
+            if any(names[name] > k for name, k in self.at_most.items()):
+                return frozenset()
+        return frozenset().union(*(self._after(state, i) for state in states))
+
+    def _after(self, state: State, i: int) -> frozenset[State]:
+        """Return the states after an action, whatever came before: each is asked for by many plans."""
+        if (state, i) not in self._known:
+            self._known[state, i] = frozenset(self._found_after(state, i))
+        return self._known[state, i]
+
+    @cached_property
+    def _known(self) -> dict[tuple[State, int], frozenset[State]]:
+        return {}
+
+    def _found_after(self, state: State, i: int) -> Iterator[State]:
+        action = self.actions[i]
+        if not agrees(state, action.before):
+            return
+        if any(i == j and state[f] and not state[g] for j, f, g in self.blocked):
+            return
+        free = [f for f, v in action.after.items() if v is None]
+        for values in itertools.product((False, True), repeat=len(free)):
+            changed = {**action.after, **dict(zip(free, values, strict=True))}
+            after = tuple(bool(changed.get(f, state[f])) for f in range(self.fluents))
+            if self.allowed(after):
+                yield after
 
     def plans(self, length: int) -> Iterator[tuple[int, ...]]:
         def extend(plan: tuple[int, ...], states: frozenset[State]) -> Iterator[tuple[int, ...]]:

@@ -124,10 +124,14 @@ class Case:
         )
 
     def _agrees_with_what_is_told(self, run: Run) -> bool:
-        """Return whether a run satisfies what is told of its states: of the last, what all that are asked for share."""
+        """Return whether a run satisfies what is told of its states."""
+        return agrees(run[-1], self._told_of_the_last) and self._passes_what_is_asked(run)
+
+    @cached_property
+    def _told_of_the_last(self) -> Values:
+        """What all last states that are asked for share."""
         last = zip(*self._said["last"], strict=True)
-        told = {i: values[0] for i, values in enumerate(last) if len(set(values)) == 1}
-        return agrees(run[-1], told) and self._passes_what_is_asked(run)
+        return {i: values[0] for i, values in enumerate(last) if len(set(values)) == 1}
 
     def _lacks(self, state: State) -> bool:
         """Return whether a first state satisfies nothing that is to be achieved."""

@@ -6,6 +6,7 @@ import itertools
 import random
 import re
 from collections.abc import Callable
+from functools import cache
 
 from tests.orbits.case import Clause, Plan
 
@@ -21,12 +22,14 @@ def draw_clauses(
     return tuple({clause.words: clause for clause in chosen}.values())
 
 
+@cache
 def head(action: str) -> str:
     return action.partition("(")[0]
 
 
-def named_in(action: str) -> set[str]:
-    return set(re.findall(r"\b[xy]\d\b", action))
+@cache
+def named_in(action: str) -> frozenset[str]:
+    return frozenset(re.findall(r"\b[xy]\d\b", action))
 
 
 def quantity(chance: random.Random) -> tuple[str, Callable[[int], bool]]:
