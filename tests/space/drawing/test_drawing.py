@@ -225,7 +225,8 @@ def test_sums_of_large_numbers_are_kept_within_a_bound_of_bytes(monkeypatch: pyt
             return made[-1]
 
         monkeypatch.setattr(draws, "OverSkeletons", remembered)
-        tasks = TaskSpace(domain, 3).sample(300, seed=1, weights=weights, over="skeletons")
+        space = with_engine(TaskSpace(domain, 3), "auto")  # it has no drawer yet
+        tasks = space.sample(300, seed=1, weights=weights, over="skeletons")
         return list(map(str, tasks)), [sum(map(bytes_of, each._known.values())) for each in made]
 
     never, _ = drawn(0)
