@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
+from weakref import WeakValueDictionary
 
 import clingo
 
@@ -119,15 +120,20 @@ class ClingoEngine:
     def _plans(self, length: int) -> _Unrolled:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
-            self._unrolled = (length, _Unrolled(program, length, self._level, self._symbols))
+            shown = "named" if self._level == "skeleton" else "occurs"
+            found = _in_use.get((id(program), length, shown))
+            if found is None:
+                found = _in_use[id(program), length, shown] = _Unrolled(program, length, shown, self._symbols)
+            self._unrolled = (length, found)
         return self._unrolled[1]
 
 
 class _Unrolled:
-    """The ground program of all plans of one length."""
+    """The ground program of all plans of one length; between two questions it is as it was before."""
 
-    def __init__(self, program: Program, length: int, level: Level, letters: Mapping[str, clingo.Symbol]) -> None:
-        self._shown = "named" if level == "skeleton" else "occurs"
+    def __init__(self, program: Program, length: int, shown: str, letters: Mapping[str, clingo.Symbol]) -> None:
+        self._program = program  # as long as this is in use, no other program has its identity
+        self._shown = shown
         self._letters = letters
         projected = f"{self._shown}(X,t) : {self._shown}(X,t)"
         grounder = Grounder(program, "0", "--project=project")
@@ -241,3 +247,8 @@ class _Unrolled:
         solving = self._control.configuration.solve
         assert isinstance(solving, clingo.Configuration)
         solving.models = str(models)
+
+
+_in_use: WeakValueDictionary[tuple[int, int, str], _Unrolled] = WeakValueDictionary()
+"""What engines of one domain have ground, by the program, the length and what is shown: without interchangeable
+entities, tasks are plans."""

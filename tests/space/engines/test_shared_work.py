@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import gc
+
 import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.sources import Program
 from prag_asp.space.automaton.explore import Explored, explore
-from prag_asp.space.engines import reach
+from prag_asp.space.engines import clingo, reach
 from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.engines.clingo import ClingoEngine
+from prag_asp.space.engines.protocol import LEVELS
 from prag_asp.space.limits import Limits
+from tests.domains import domain_of
 
 
 @pytest.fixture
@@ -50,3 +57,29 @@ def test_what_was_explored_up_to_a_length_answers_for_no_other(explored: list[in
         engine = AutomatonEngine(model, "plan")
         assert engine.count(length) == len(list(engine.words(length))) == known[length]
     assert explored == [2, 4, 1, 0, 3]
+
+
+@pytest.mark.parametrize(("entities", "tasks_are_plans"), [("", True), ("class(c). entity((x; y), c).", False)])
+def test_clingo_grounds_plans_and_tasks_once_where_they_are_the_same(
+    entities: str, tasks_are_plans: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    domain = domain_of(f"{entities} fluent(f). action(a(x; y)). action(b). postcondition(b,f,true).")
+    ground: list[int] = []
+
+    def counted(program: Program, *arguments: str) -> Grounder:
+        ground.append(len(arguments))
+        return Grounder(program, *arguments)
+
+    expected = {by: list(ClingoEngine(Model(domain), by).words(3)) for by in LEVELS}
+    model = Model(domain)
+    assert bool(model.symmetries(3)) != tasks_are_plans
+    monkeypatch.setattr(clingo, "Grounder", counted)
+    engines = {by: ClingoEngine(model, by) for by in LEVELS}
+    asked = {by: engine.words(3) for by, engine in engines.items()}
+    begun = {by: [next(words)] for by, words in asked.items()}
+    assert {by: engine.count(3) for by, engine in engines.items()} == {by: len(expected[by]) for by in LEVELS}
+    assert {by: [*begun[by], *words] for by, words in asked.items()} == expected
+    assert len(ground) == (2 if tasks_are_plans else 3)
+    del engines, asked
+    gc.collect()
+    assert not [key for key in clingo._in_use if key[0] in (id(model.program), id(model.task_program(3)))]
