@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
 from itertools import islice
@@ -14,10 +15,18 @@ from prag_asp import QueryError, TaskSpace, TaskSpaces, load_domain
 from prag_asp.errors import LimitReached
 from prag_asp.space.engines.protocol import Level
 from prag_asp.space.limits import Limits
+from tests.sharing import logic_shared
 from tests.space.drawing.test_sampling import DOMAIN, KINDS, expected_weight
 
 DRAWS = 20_000
 SPACES = TaskSpaces(DOMAIN, range(3))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def logic() -> Iterator[None]:
+    """Compute once what logic says of a domain."""
+    with logic_shared():
+        yield
 
 
 @cache
