@@ -1,4 +1,4 @@
-"""States up to renaming of interchangeable entities.
+"""States up to renaming of interchangeable entities, or units of a joint group.
 
 Where permutations of some entities map a step function onto itself, they map the plans that go on from a state onto
 those that go on from the renamed state. So it is enough to explore one renaming of each state. It is found by sorting
@@ -11,8 +11,10 @@ those named up to a state are the first ones of their group. A permutation of th
 completions onto those of the renamed state, and leaves alone which entities come next: these are permuted no further
 than that. They need not be: no action up to the state names them, so that it cannot tell them apart. The last of a
 group needs no atom `mentioned`; it is permuted as well once all others are mentioned, since no rule of naming is left.
-A group lies in one unit of a joint group, or in none: where one of it is named, so is its unit, and stays so. Units are
-not permuted.
+
+Units. Those of a joint group that hold no other group are permuted like entities: here a unit *is* an entity, and what
+names its members names it, each at its place. `rules/joint_names.lp` has atoms `unit_named` for them. Units that hold
+other groups are not permuted, these groups alone: where one of a group is named, so is its unit, and stays so.
 
 Twins are entities whose swap leaves a state as it is. An action and its renamings by twins lead to renamings of one
 state, so one of them is expanded and counted as often as there are renamings.
@@ -24,7 +26,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import clingo
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +34,7 @@ from prag_asp.logic.step.packed import WORD, Rows, mask_of
 from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.colours import Bits, Colours, are_twins, coloured, find_bits
 from prag_asp.logic.symmetry.patterns import NOBODY, Patterns, read_patterns
+from prag_asp.logic.symmetry.symmetries import Symmetries, Unit
 from prag_asp.logic.symmetry.twins import Twins
 
 Orders = NDArray[np.int64]
@@ -52,13 +54,13 @@ MARK = np.uint64(0x5851F42D4C957F2D)
 class Merging:
     """How the states and the actions of a transition are renamed.
 
-    `groups` are the entities that may be permuted; they are numbered through all groups, each of which begins at its
-    place of `starts`. `variables` and `actions` are the patterns of the variables that renaming moves, whose numbers
-    are `moved`, and of all actions. `guards` has for each entity the variable that is true once it may be renamed,
-    `ALWAYS` or `NEVER`, and `before` the entity that has to be named before it, or itself.
+    `groups` are the units that may be permuted; they are numbered through all groups, each of which begins at its
+    place of `starts`, and called entities throughout. `variables` and `actions` are the patterns of the variables that
+    renaming moves, whose numbers are `moved`, and of all actions. `guards` has for each entity the variable that is
+    true once it may be renamed, `ALWAYS` or `NEVER`, and `before` the entity that has to be named before it, or itself.
     """
 
-    groups: tuple[tuple[clingo.Symbol, ...], ...]
+    groups: tuple[tuple[Unit, ...], ...]
     starts: tuple[int, ...]
     variables: Patterns
     actions: Patterns
@@ -212,20 +214,18 @@ ALWAYS, NEVER = -1, -2
 
 
 def find_merging(
-    transition: Transition,
-    groups: Sequence[Sequence[clingo.Symbol]],
-    named_in_order: Sequence[Sequence[clingo.Symbol]] = (),
+    transition: Transition, groups: Sequence[Sequence[Unit]], named_in_order: Symmetries | None = None
 ) -> Merging | None:
-    """Return how states may be renamed, given entities whose permutations map the step function onto itself.
+    """Return how states may be renamed, given units whose permutations map the step function onto itself.
 
-    `named_in_order` are the groups whose entities tasks introduce in order. The answer is None where there is nothing
-    to rename, or where a table of all renamings would take too much room.
+    `named_in_order` are the symmetries whose entities tasks introduce in order. The answer is None where there is
+    nothing to rename, or where a table of all renamings would take too much room.
     """
     permuted = tuple(tuple(group) for group in groups if len(group) > 1)
-    entities = {entity for group in permuted for entity in group}
-    ordered = {entity for group in named_in_order for entity in group}
-    mentions = {s.arguments[0]: place for place, s in enumerate(transition.variables) if _is_mention(s, ordered)}
-    kept = {*mentions.values(), *(place for place, s in enumerate(transition.variables) if s.match("unit_named", 1))}
+    entities = {entity for group in permuted for unit in group for entity in unit}
+    naming = named_in_order.naming if named_in_order else {}
+    mentions = {naming[symbol]: place for place, symbol in enumerate(transition.variables) if symbol in naming}
+    kept = set(mentions.values())
     moved = [
         place
         for place, symbol in enumerate(transition.variables)
@@ -238,13 +238,13 @@ def find_merging(
     if not (variables.complete and actions.complete):
         return None
     starts = tuple(int(place) for place in np.cumsum([0, *map(len, permuted)])[:-1])
-    before = {entity: group[max(place - 1, 0)] for group in named_in_order for place, entity in enumerate(group)}
+    ordered = named_in_order.innermost if named_in_order else ()
+    before = {unit: group[max(place - 1, 0)] for group in ordered for place, unit in enumerate(group)}
+    units = [unit for group in permuted for unit in group]
     guards = tuple(
-        mentions.get(entity, mentions.get(before[entity], NEVER)) if entity in ordered else ALWAYS
-        for group in permuted
-        for entity in group
+        mentions.get(unit, mentions.get(before[unit], NEVER)) if unit in before else ALWAYS for unit in units
     )
-    numbers = {entity: place for place, entity in enumerate(entity for group in permuted for entity in group)}
+    numbers = {unit: place for place, unit in enumerate(units)}
     return Merging(
         permuted,
         starts,
@@ -253,9 +253,5 @@ def find_merging(
         np.array(moved, dtype=np.int64),
         transition.initial[0],
         guards,
-        tuple(numbers.get(before.get(entity, entity), place) for entity, place in numbers.items()),
+        tuple(numbers.get(before.get(unit, unit), place) for unit, place in numbers.items()),
     )
-
-
-def _is_mention(symbol: clingo.Symbol, ordered: set[clingo.Symbol]) -> bool:
-    return symbol.name == "mentioned" and len(symbol.arguments) == 1 and symbol.arguments[0] in ordered

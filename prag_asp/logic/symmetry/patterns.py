@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.symmetry.renaming import Shapes
+from prag_asp.logic.symmetry.symmetries import Unit
 
 LARGEST_TABLE, LARGEST_CODE = 2**24, 2**62
 NOBODY = -1
@@ -19,8 +20,9 @@ NOBODY = -1
 
 @dataclass(frozen=True)
 class Patterns:
-    """Terms, each as a pattern and the different entities that it names, from the left.
+    """Terms, each as a pattern and the different units that it names, from the left.
 
+    An entity that is interchangeable alone is a unit of one, and is called an entity throughout.
     `pattern` has shape (terms,); `entities` has shape (terms, most entities in a term), filled up with -1; `named`
     is how many entities each pattern names, `places` the number of entities in all. They are `complete` where every
     renaming of a term that permutes the groups is a term again.
@@ -68,20 +70,22 @@ class Patterns:
         return order, codes[order]
 
 
-def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[clingo.Symbol]]) -> Patterns | None:
-    """Return terms as patterns, with the entities of all groups numbered in order; None where codes grow too large."""
-    number = {entity: place for place, entity in enumerate(e for group in groups for e in group)}
+def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[Unit]]) -> Patterns | None:
+    """Return terms as patterns, with the units of all groups numbered in order; None where codes grow too large."""
+    units = [unit for group in groups for unit in group]
     group_of = [place for place, group in enumerate(groups) for _ in group]
-    shapes = Shapes(number)
-    kinds: dict[tuple[int, tuple[int, ...]], int] = {}
+    members = [(number, slot) for number, unit in enumerate(units) for slot in range(len(unit))]
+    shapes = Shapes({entity: place for place, entity in enumerate(each for unit in units for each in unit)})
+    kinds: dict[tuple[int, tuple[object, ...]], int] = {}
     signatures: list[tuple[int, ...]] = []
     named: list[list[int]] = []
     pattern = np.empty(len(terms), dtype=np.int64)
     for row, term in enumerate(terms):
         shape, entities = shapes.of(term)
-        different = list(dict.fromkeys(entities))
-        signature = tuple(group_of[entity] for entity in different)
-        kind = (shape, (*(different.index(entity) for entity in entities), -1, *signature))
+        inside = [members[entity] for entity in entities]
+        different = list(dict.fromkeys(number for number, _ in inside))
+        signature = tuple(group_of[number] for number in different)
+        kind = (shape, (*((different.index(number), slot) for number, slot in inside), *signature))
         if kind not in kinds:
             kinds[kind] = len(kinds)
             signatures.append(signature)
@@ -90,14 +94,14 @@ def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[clin
     table = np.full((len(terms), max(map(len, named), default=0)), NOBODY, dtype=np.int64)
     for row, different in enumerate(named):
         table[row, : len(different)] = different
-    if len(kinds) * (len(number) + 1) ** table.shape[1] > LARGEST_CODE:
+    if len(kinds) * (len(units) + 1) ** table.shape[1] > LARGEST_CODE:
         return None
     sizes = [len(group) for group in groups]
     wanted = [_renamings(signature, sizes) for signature in signatures]
     complete = np.bincount(pattern, minlength=len(kinds)).tolist() == wanted
-    return Patterns(pattern, table, np.array([*map(len, signatures)], dtype=np.int64), len(number), complete)
+    return Patterns(pattern, table, np.array([*map(len, signatures)], dtype=np.int64), len(units), complete)
 
 
 def _renamings(signature: tuple[int, ...], sizes: Sequence[int]) -> int:
-    """Return the number of ways to name different entities, of which the i-th is from group ``signature[i]``."""
+    """Return the number of ways to name different units, of which the i-th is from group ``signature[i]``."""
     return prod(perm(size, signature.count(group)) for group, size in enumerate(sizes))

@@ -48,6 +48,30 @@ class Symmetries:
             orbit_of |= dict.fromkeys(joined, joined)
         return tuple(dict.fromkeys(tuple(sorted(orbit_of[entity])) for entity in sorted(orbit_of)))
 
+    @cached_property
+    def innermost(self) -> tuple[tuple[Unit, ...], ...]:
+        """The groups, as units of one, and the joint groups whose units hold no other group: all permute at once."""
+        found: list[tuple[Unit, ...]] = [tuple((entity,) for entity in group) for group in self.groups]
+        inside = {entity for group in self.groups for entity in group}
+        for units in reversed(self.joint):
+            members = {entity for unit in units for entity in unit}
+            if inside.isdisjoint(members):
+                found.append(units)
+            inside |= members
+        return tuple(found)
+
+    @cached_property
+    def naming(self) -> dict[clingo.Symbol, Unit]:
+        """The atoms by which a step of a task tells that something was named, and the unit that this is."""
+        atoms: dict[clingo.Symbol, Unit] = {}
+        for entity in (entity for group in self.groups for entity in group):
+            atoms[clingo.Function("mentioned", [entity])] = (entity,)
+        for number, units in enumerate(self.joint):
+            for place, unit in enumerate(units):
+                name = clingo.Function("", [clingo.Number(number), clingo.Number(place)])
+                atoms[clingo.Function("unit_named", [name])] = unit
+        return atoms
+
     def is_settled(self, entity: clingo.Symbol, named: set[clingo.Symbol]) -> bool:
         """Return whether an entity keeps its name wherever those `named` do; one of a group has to be named itself."""
         if entity in named:

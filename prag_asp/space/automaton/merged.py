@@ -2,7 +2,7 @@
 
 A path of the merged automaton stands for many words. Walking along it, the names of its entities are composed edge by
 edge, and each edge is spread into the actions that it stands for. So words come in the order that they have in the
-automaton that was never merged.
+automaton that was never merged. A unit of a joint group counts as an entity here, as in `Merging`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
-import clingo
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.symmetry.patterns import Patterns
+from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.logic.symmetry.twins import Twins
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word
 from prag_asp.space.automaton.explore import Renamings
@@ -54,7 +54,7 @@ class Merged:
     base: Automaton
     renamings: Renamings
     actions: Patterns
-    groups: tuple[tuple[clingo.Symbol, ...], ...]
+    groups: tuple[tuple[Unit, ...], ...]
     own: NDArray[Any] | None = None
     _orbits: dict[int, tuple[NDArray[np.intp], NDArray[np.int64]]] = field(default_factory=dict, repr=False)
 

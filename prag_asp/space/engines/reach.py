@@ -18,6 +18,7 @@ from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Transition
+from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.explore import Explored, Extent, Watch, explore
@@ -52,7 +53,7 @@ Forecast = Callable[[Extent, int], bool]
 Allow = Callable[[Rows], NDArray[np.bool_]]
 """Tells of states whether exploring may go on; where one of them forbids it, it is halted."""
 
-Groups = Sequence[Sequence[clingo.Symbol]]
+Groups = Sequence[Sequence[Unit]]
 
 
 @dataclass(frozen=True)
@@ -202,9 +203,9 @@ class Explorer:
     def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
         from prag_asp.logic.symmetry.merging import find_merging
 
-        groups = self.model.groups(0)
-        named = groups if self.level == "task" else ()
-        return find_merging(transition, _present(equal_groups(groups, weights), transition), named)
+        found = self.model.symmetries(0)
+        groups = _present(equal_groups(found.innermost, weights), transition)
+        return find_merging(transition, groups, found if self.level == "task" else None)
 
     def _watch(self, length: int, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
         """Return what tells of progress, and says when to stop: by the budget, `patience` with the edges, or `halt`."""
@@ -243,22 +244,24 @@ def _objection(allow: Allow, rows: Rows) -> str:
     return "" if allow(rows).all() else HALTED
 
 
-def _present(groups: Groups, transition: Transition) -> list[Sequence[clingo.Symbol]]:
-    """Return the groups all of whose entities a step function speaks of: one of a part need not speak of all."""
-    entities = [entity for group in groups for entity in group]
+def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
+    """Return the groups of whose units a step function speaks alike: one of a part need not speak of all."""
+    entities = {entity for group in groups for unit in group for entity in unit}
     spoken = {each for symbol in (*transition.actions, *transition.variables)
               for each in mentioned_entities(symbol, entities)}  # fmt: skip
-    return [group for group in groups if spoken.issuperset(group)]
+    told = ({tuple(entity in spoken for entity in unit) for unit in group} for group in groups)
+    return [group for group, kinds in zip(groups, told, strict=True) if len(kinds) == 1 and any(*kinds)]
 
 
-def equal_groups(groups: Groups, weights: Weights) -> list[tuple[clingo.Symbol, ...]]:
-    """Return the groups of entities that neither the domain nor the weights tell apart."""
-    single = {entity for group in groups for action in weights.actions for entity in mentioned_entities(action, group)}
-    found: list[tuple[clingo.Symbol, ...]] = []
+def equal_groups(groups: Groups, weights: Weights) -> list[tuple[Unit, ...]]:
+    """Return the groups of units that neither the domain nor the weights tell apart."""
+    entities = {entity for group in groups for unit in group for entity in unit}
+    single = {entity for action in weights.actions for entity in mentioned_entities(action, entities)}
+    found: list[tuple[Unit, ...]] = []
     for group in groups:
-        by_weight: dict[object, list[clingo.Symbol]] = {}
-        for entity in group:
-            if entity not in single:
-                by_weight.setdefault(weights.entities.get(entity), []).append(entity)
+        by_weight: dict[object, list[Unit]] = {}
+        for unit in group:
+            if single.isdisjoint(unit):
+                by_weight.setdefault(tuple(map(weights.entities.get, unit)), []).append(unit)
         found += [tuple(members) for members in by_weight.values() if len(members) > 1]
     return found

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.domain.load import Domain
+from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.program.paths import PACKAGE
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.explore import Renamings
@@ -51,7 +52,7 @@ class Shelf:
         arrays: dict[str, NDArray[Any]] = {
             name: getattr(base, name) for name in ("offsets", "letters", "targets", "accepting")
         }
-        groups: Sequence[Sequence[clingo.Symbol]] = ()
+        groups: Sequence[Sequence[Unit]] = ()
         if reach.merged:
             arrays |= {name: getattr(reach.merged.renamings, name) for name in RENAMINGS}
             groups = reach.merged.groups
@@ -59,7 +60,7 @@ class Shelf:
             "letters": reach.letters,
             "names": reach.names,
             "horizon": base.horizon,
-            "groups": [list(map(str, group)) for group in groups],
+            "groups": [[list(map(str, unit)) for unit in group] for group in groups],
         }
         return write_entry(self.folder, self.key, Entry(texts, arrays))
 
@@ -113,7 +114,7 @@ def _restored(entry: Entry) -> Reach | None:
     from prag_asp.logic.symmetry.patterns import read_patterns
     from prag_asp.space.automaton.merged import Merged
 
-    groups = tuple(tuple(map(clingo.parse_term, group)) for group in texts["groups"])
+    groups = tuple(tuple(tuple(map(clingo.parse_term, unit)) for unit in group) for group in texts["groups"])
     actions = read_patterns([clingo.parse_term(letter) for letter in letters], groups)
     renamings = Renamings(*(arrays[name] for name in RENAMINGS))
     edges, entities = len(automaton.letters), sum(map(len, groups))

@@ -31,7 +31,7 @@ action(flip(F)) :- fluent(F). precondition(flip(F),F,false) :- fluent(F). postco
 def parts() -> tuple[Transition, Merging]:
     model = Model(domain_of(TEXT))
     transition = model.transition(tasks=False)
-    groups = model.groups(0)
+    groups = model.symmetries(0).innermost
     assert [len(group) for group in groups] == [4, 2]
     merging = find_merging(transition, groups)
     assert merging is not None
@@ -39,7 +39,7 @@ def parts() -> tuple[Transition, Merging]:
 
 
 TRANSITION, MERGING = parts()
-ENTITIES = [entity for group in MERGING.groups for entity in group]
+ENTITIES = [entity for group in MERGING.groups for (entity,) in group]
 PLACE = {variable: place for place, variable in enumerate(TRANSITION.variables)}
 PERMUTATIONS = [(*things, *places) for things in itertools.permutations(range(4)) for places in ((4, 5), (5, 4))]
 
@@ -110,24 +110,25 @@ def test_ties_of_entities_that_are_no_twins_are_broken_the_same_way(pairs: list[
 def test_patterns_say_where_renamings_are_missing() -> None:
     terms = [clingo.parse_term(text) for text in ("f(a,b)", "f(b,a)", "f(a,a)", "f(b,b)", "g(c)", "h")]
     a, b, c = map(clingo.parse_term, "abc")
-    patterns = read_patterns(terms, [(a, b)])
+    patterns = read_patterns(terms, [[(a,), (b,)]])
     assert patterns is not None and patterns.complete
     assert patterns.arity.tolist() == [2, 2, 1, 1, 0, 0]
     assert patterns.find(patterns.pattern, patterns.entities).tolist() == list(range(6))
     assert patterns.find(patterns.pattern[:1], np.array([[1, 0]])).tolist() == [1]
     for missing in (1, 3):
-        left = read_patterns(terms[:missing] + terms[missing + 1 :], [(a, b)])
+        left = read_patterns(terms[:missing] + terms[missing + 1 :], [[(a,), (b,)]])
         assert left is not None and not left.complete
-    assert read_patterns(terms, [(a, b), (c,)]).complete  # type: ignore[union-attr]
+    assert read_patterns(terms, [[(a,), (b,)], [(c,)]]).complete  # type: ignore[union-attr]
 
 
 def test_patterns_with_too_many_codes_for_a_table_are_searched() -> None:
     from prag_asp.logic.symmetry import patterns as module
 
     entities = [clingo.Function(f"e{number}") for number in range(400)]
+    units = [(entity,) for entity in entities]
     terms = [clingo.Function("f", list(chosen)) for chosen in itertools.islice(itertools.permutations(entities, 4), 50)]
-    patterns = read_patterns(terms, [entities])
+    patterns = read_patterns(terms, [units])
     assert patterns is not None and module.LARGEST_TABLE < 401**4
     assert patterns.find(patterns.pattern, patterns.entities).tolist() == list(range(50))
     many = [clingo.Function("f", entities[:8])]
-    assert read_patterns(many, [entities]) is None
+    assert read_patterns(many, [units]) is None

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from prag_asp import load_domain
+from prag_asp import TaskSpace, load_domain
 from prag_asp.bits import SeededBits
 from prag_asp.logic.model import Model
 from prag_asp.space.drawing.draws import drawn_words, make_drawer
@@ -20,9 +20,11 @@ from prag_asp.space.engines.reach import equal_groups
 from prag_asp.space.weighing.weights import Weights, parse_weights
 from tests.chance import Chance, examples
 from tests.domains import domain_of
+from tests.orbits.units import draw_units
 from tests.strategies import symmetric_texts
 
-SHOWN = 300
+SHOWN, UNITS = 300, 40
+"""Words that are compared, and how many domains are drawn whose entities belong to each other."""
 
 
 @cache
@@ -69,6 +71,7 @@ def check_that_merging_changes_nothing(model: Model, level: Level, length: int, 
         ("blocks", 6, {"block": 3, "stack": "1/2", "stack>unstack": 7}),
         ("hanoi", 4, {}),
         ("tabletop", 3, {"cube": 2, "brick": "0.5", "pick>place": 3}),
+        ("two_arms", 2, {"arm": 3}),
     ],
 )
 def test_shipped_domains_are_the_same_merged_or_not(
@@ -97,7 +100,8 @@ def test_weights_split_the_entities_that_they_tell_apart(weights: dict[str, str]
 def test_entities_that_weigh_the_same_and_are_in_no_weighed_action_stay_together() -> None:
     model = shipped("blocks")
     weights = parse_weights({"a": 2, "b": 2, "pick_up(d)": 3}, model.domain.facts)
-    assert [list(map(str, group)) for group in equal_groups(model.groups(0), weights)] == [["a", "b"]]
+    found = equal_groups(model.symmetries(0).innermost, weights)
+    assert [[str(entity) for (entity,) in group] for group in found] == [["a", "b"]]
 
 
 LAMPS = """
@@ -162,3 +166,48 @@ def test_states_that_relate_entities_of_one_class_are_merged_to_their_shapes() -
     assert states_of(engine, 11) == sum(partitions(12, k) for k in range(1, 13))
     assert [small.count(n) for n in range(6)] == [plain.count(n) for n in range(6)]
     assert engine.count(1) == 12 * 11 and engine.count(12) == 0
+
+
+SETS = """
+class((cup; saucer; cube)). entity(cup(1..K),cup). entity(saucer(1..K),saucer). entity((k1;k2),cube).
+of(cup(I),saucer(I)) :- entity(cup(I),cup). fluent(on(C)) :- of(C,_). fluent(up(B)) :- entity(B,cube).
+initially(F,false) :- fluent(F). action((serve(C);clear(S))) :- of(C,S). action((lift(B);drop(B))) :- entity(B,cube).
+precondition(serve(C),on(C),false) :- of(C,_). postcondition(serve(C),on(C),true) :- of(C,_).
+precondition(clear(S),on(C),true) :- of(C,S). postcondition(clear(S),on(C),false) :- of(C,S).
+precondition(lift(B),up(B),false) :- entity(B,cube). postcondition(lift(B),up(B),true) :- entity(B,cube).
+precondition(drop(B),up(B),true) :- entity(B,cube). postcondition(drop(B),up(B),false) :- entity(B,cube).
+"""
+
+
+def test_states_are_merged_up_to_whole_units() -> None:
+    """All that is left of cups with their own saucers is how many stand there: up to 8 of 60, and 0 to 2 cubes up."""
+    many, few = (Model(domain_of(SETS.replace("K", str(cups)))) for cups in (60, 8))
+    merged = AutomatonEngine(many, "plan", merge=True)
+    assert states_of(merged, 8) == sum(cups + cubes <= 8 for cups in range(9) for cubes in range(3))
+    assert merged.count(2) == 60 * (59 + 1 + 2) + 2 * (60 + 1 + 1)
+    # No plan of 3 actions needs a fourth cup, so that skeletons and tasks are those of 8 cups.
+    plain = {level: AutomatonEngine(few, level, merge=False) for level in LEVELS}
+    for level in ("skeleton", "task"):
+        assert list(AutomatonEngine(many, level, merge=True).words(3)) == list(plain[level].words(3))
+    assert plain["plan"].count(3, ("serve", "serve(cup(2))", "clear(saucer(2))")) == 7
+    assert merged.count(3, ("serve", "serve(cup(2))", "clear(saucer(2))")) == 59
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", LEVELS)
+def test_random_domains_with_units_are_the_same_merged_or_not(level: Level, chance: Chance) -> None:
+    merged_by_units = 0
+    for seed in range(chance.examples(UNITS)):
+        generator = chance.generator(seed)
+        case = draw_units(generator)
+        space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
+        model = space._shared.model
+        if model.symmetries(0).joint and not model.obstacles:
+            facts = model.domain.facts
+            entity = generator.choice(["c", "d", *(map(str, facts.entities) if level == "plan" else [])])
+            action = str(generator.choice(list(facts.actions))) if level == "plan" else str(facts.actions[0].name)
+            weights = parse_weights({entity: 3, action: "1/2"}, facts)
+            check_that_merging_changes_nothing(model, level, generator.randrange(1, 4), seed, weights)
+            innermost = model.symmetries(0).innermost
+            merged_by_units += any(len(unit) > 1 for units in innermost for unit in units)
+    assert merged_by_units > UNITS // 8

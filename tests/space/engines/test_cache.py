@@ -18,6 +18,8 @@ from prag_asp.space.engines import cache, stored
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.cache import Entry, read_entry, write_entry
 from prag_asp.space.limits import Limits, cache_folder
+from tests.domains import domain_of
+from tests.logic.symmetry.test_joint import SAUCERS
 
 KEY = "0123"
 ENTRY = Entry(
@@ -162,6 +164,19 @@ def test_merged_states_are_kept_as_well(folder: Path, level: str) -> None:
     assert again.explored(6).merged is not None and list(again.words(6)) == words
     assert [again.rank(word) for word in words[:40]] == list(range(40))
     assert AutomatonEngine(model, level, merge=False).explored(6).merged is None
+
+
+@pytest.mark.parametrize("level", ["plan", "task"])
+def test_states_merged_by_units_are_kept_with_their_units(folder: Path, level: str) -> None:
+    plain = AutomatonEngine(Model(domain_of(SAUCERS)), level, merge=False)
+    words = list(plain.words(4))
+    for _ in range(2):
+        engine = AutomatonEngine(Model(domain_of(SAUCERS)), level, merge=True)
+        merged = engine.explored(4).merged
+        assert merged is not None and [len(unit) for units in merged.groups for unit in units] == [2, 2, 2]
+        assert list(engine.words(4)) == words
+        assert [engine.unrank(4, rank) for rank in range(len(words))] == words
+    assert len(files(folder)) == 2
 
 
 def test_another_length_rule_or_level_is_never_answered_from_the_wrong_file(folder: Path) -> None:
