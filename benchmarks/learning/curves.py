@@ -25,6 +25,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import torch
 from matplotlib.figure import Figure
+from normed import Normed
 from rich.console import Console
 from rich.table import Table
 from stable_baselines3 import SAC
@@ -36,15 +37,16 @@ from prag_asp.rl.rewards import REWARDS
 COLOURS = {"dense": "#2e86ab", "faded": "#3a9d5d", "sparse": "#e4572e"}
 
 SETTINGS: dict[str, Any] = {
-    "learning_rate": 1e-3, "gamma": 0.95, "batch_size": 128, "learning_starts": 300, "gradient_steps": 2,
-    "policy_kwargs": {"net_arch": [64, 64]}, "device": "cpu",
+    "policy": "MlpPolicy", "learning_rate": 1e-3, "gamma": 0.95, "batch_size": 128, "learning_starts": 300,
+    "gradient_steps": 2, "policy_kwargs": {"net_arch": [64, 64]}, "device": "cpu",
 }  # fmt: skip
 """What soft actor-critic is told; all else is as Stable-Baselines3 has it."""
 
-OWN: dict[str, dict[str, Any]] = {"grasp": {"ent_coef": "auto_0.02"}}
-"""What it is told of a skill beside. To close the fingers earns little and ends the episode.
+OWN: dict[str, dict[str, Any]] = {"grasp": {"policy": Normed, "ent_coef": "auto_0.02"}}
+"""What it is told of a skill otherwise. To close the fingers earns little and ends the episode.
 
-So with the weight of entropy that it begins with as a rule, it learns first to put that off.
+So with the weight of entropy that it begins with as a rule, it learns first to put that off; and with critics that are
+not normed, it unlearns a grasp again as they promise more and more.
 """
 
 AT_MOST = 100
@@ -104,7 +106,7 @@ def curve(
     console = Console(stderr=True)
     env, test = begun(given, reward, seed=seed, begin=options.begin), begun(others, "sparse")
     wholes = begun(others, "sparse", begin="task") if options.begin is not None else None
-    model = SAC("MlpPolicy", env, seed=seed, **SETTINGS, **OWN.get(options.skill, {}))
+    model = SAC(env=env, seed=seed, **SETTINGS | OWN.get(options.skill, {}))
     seconds = 0.0
     for step in range(options.every, options.steps + 1, options.every):
         before = time.process_time()

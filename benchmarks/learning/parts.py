@@ -72,7 +72,7 @@ def learned(
 ) -> Iterator[dict[str, Any]]:
     """Yield how chained policies do from home as the approach is learned, and then each of two grasps."""
     first = begun(given, "dense", seed=seed)
-    approach = SAC("MlpPolicy", first, seed=seed, **SETTINGS)
+    approach = SAC(env=first, seed=seed, **SETTINGS)
     yield from _curve("approach", "witnesses", approach, {"approach": approach}, others, seed, options)
     for whence in LEARNED_FROM:
         env: gymnasium.Env[Any, Any]
@@ -80,7 +80,7 @@ def learned(
             env = begun([start._replace(stage=1) for start in given], "dense", seed=seed)
         else:
             env = After(begun(given, "dense", seed=seed, begin="task"), approach, limit=STEPS["grasp"])
-        grasp = SAC("MlpPolicy", env, seed=seed, **SETTINGS, **OWN["grasp"])
+        grasp = SAC(env=env, seed=seed, **SETTINGS | OWN["grasp"])
         yield from _curve("grasp", whence, grasp, {"approach": approach, "grasp": grasp}, others, seed, options)
         env.close()
     first.close()

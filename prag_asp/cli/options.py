@@ -35,7 +35,14 @@ def _limit_memory(context: click.Context, parameter: click.Parameter, given: str
     if given and not context.resilient_parsing:
         from prag_asp.space.limits import parse_memory
 
-        ending.limit(memory=parse_memory(given))
+        memory = parse_memory(given)
+        if memory < LEAST_MEMORY:
+            raise QueryError(f"--memory {given}: no command does with {memory:,} bytes; write 500MB or 4GB")
+        ending.limit(memory=memory)
+
+
+LEAST_MEMORY = 10**7
+"""Less memory, in bytes, than Python takes for itself."""
 
 
 MOST = 10**15

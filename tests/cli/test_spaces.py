@@ -78,6 +78,7 @@ def test_skeletons_are_split_and_things_are_held_out(tmp_path: Path) -> None:
         (["split", "prag", "-n", "3", "--hold-out", "banana"], "no entity or class 'banana'"),
         (["count", "prag", "-n", "3", "--time", "soon"], "write a time above 0"),
         (["count", "prag", "-n", "3", "--memory", "much"], "write a number of bytes"),
+        (["count", "prag", "-n", "3", "--memory", "4000"], "4,000 bytes; write 500MB"),
     ],
 )
 def test_bad_questions_are_answered_by_one_line(arguments: list[str], told: str) -> None:

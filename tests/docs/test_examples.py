@@ -41,6 +41,7 @@ SETUP = {
     ".venv/bin/python benchmarks/learning/fresh.py MODELS",
     ".venv/bin/python benchmarks/learning/standing.py",
     ".venv/bin/python benchmarks/learning/beside.py",
+    ".venv/bin/python benchmarks/learning/lasting.py",
     "python -m tests.fuzz --count 10000 --seed 7",
 }
 """Commands that need a fresh machine, in what the tests run already, or hours; tests/rl/test_learning.py shortens."""

@@ -35,6 +35,7 @@ SHORTENED = {
         "1",
     ],
     "beside.py": ["--rounds", "1", "--seconds", "0.1"],
+    "lasting.py": ["--steps", "60", "--every", "30"],
     "chained.py": ["--demonstrations", "2", "--count", "1", "--epochs", "1", "--length", "2"],
 }
 
@@ -64,6 +65,11 @@ def names(folder: Path) -> set[str]:
 @pytest.mark.parametrize("name", ["oracle.py", "standing.py"])
 def test_the_commands_of_the_page_run_that_learn_nothing(name: str) -> None:
     assert re.findall(r"\d of [12]\)", done(of(name)))
+
+
+def test_the_command_runs_that_measures_memory() -> None:
+    measured = re.findall(r"^(\d+) steps, \d+ episodes, \d+ s: [\d.]+ MB$", done(of("lasting.py")), re.MULTILINE)
+    assert measured == ["30", "60"]
 
 
 def test_the_command_that_chains_runs(tmp_path: Path) -> None:

@@ -117,9 +117,11 @@ def weight_of_words_without(
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     numbers = {name: number for number, name in enumerate(sorted(set(name_of)))}
     asked = [tuple(part.strip() for part in each.split(">")) for each in what]
+    known = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.left_out)}
     for name in (name for each in asked for name in each):
-        if name not in numbers:
-            raise QueryError(unknown(name, sorted(numbers), "action"))
+        if name not in known:
+            raise QueryError(unknown(name, sorted(known), "action"))
+    asked = [each for each in asked if numbers.keys() >= {*each}]  # others never occur
     single = {numbers[each[0]] for each in asked if len(each) == 1}
     pairs = {(numbers[one], numbers[two]) for one, two in (each for each in asked if len(each) == 2)}
     places = np.array([numbers[name] for name in name_of], dtype=np.int64)

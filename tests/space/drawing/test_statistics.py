@@ -149,6 +149,24 @@ def test_the_weight_without_names_and_pairs_is_that_of_a_brute_force() -> None:
         space.weight_without(["grsp>move"])
 
 
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
+@given(toys(closed=False), st.dictionaries(st.sampled_from("ab"), st.fractions(0, 9), max_size=2), st.data())
+def test_the_weight_without_names_and_pairs_is_exact_on_random_domains(
+    toy: Toy, weights: dict[str, Number], data: st.DataObject
+) -> None:
+    names = sorted({action.name for action in toy.actions})
+    weights = {name: weight for name, weight in weights.items() if name in names}
+    without = data.draw(st.lists(st.sampled_from([*names, *(f"{a}>{b}" for a in names for b in names)]), max_size=3))
+    left = Fraction(0)
+    space = TaskSpace(domain_of(toy.text(), "at_most"), 3, engine="automaton")
+    for word in space.words():
+        named = [action.partition("(")[0] for action in word]
+        if {*named, *(">".join(pair) for pair in pairwise(named))}.isdisjoint(without):
+            left += expected_weight(word, weights)
+    for each in (space, with_engine(space, "clingo")):
+        assert each.weight_without(without, weights=weights) == left
+
+
 def test_names_and_actions_that_never_occur_have_no_share(tmp_path: Path) -> None:
     (tmp_path / "domain.lp").write_text(
         """
@@ -163,3 +181,5 @@ def test_names_and_actions_that_never_occur_have_no_share(tmp_path: Path) -> Non
     for by in LEVELS:
         found = space.statistics(by=by)
         assert found.contains_name == found.expected_names == {"press": 1}
+        assert space.weight_without(["turn", "twist>press"], by=by) == 1
+        assert space.weight_without(["turn", "press"], by=by) == 0

@@ -1,0 +1,43 @@
+"""Soft actor-critic whose critics keep what they promise in bounds: each layer of them is normalised."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stable_baselines3.common.policies import ContinuousCritic
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+from stable_baselines3.sac.policies import SACPolicy
+from torch import nn
+
+
+class NormedCritic(ContinuousCritic):
+    """Has a layer normalisation (Ba, Kiros, Hinton 2016) between each hidden layer and its activation.
+
+    What a critic says of an action that nobody has tried is then bounded by the weights of its last layer, so that it
+    cannot grow from update to update (Ball, Smith, Kostrikov, Levine 2023, *Efficient online reinforcement learning
+    with offline data*).
+    """
+
+    def __init__(self, *given: Any, **named: Any):
+        super().__init__(*given, **named)
+        self.q_networks = [_normed(network) for network in self.q_networks]
+        for index, network in enumerate(self.q_networks):
+            self.add_module(f"qf{index}", network)
+
+
+class Normed(SACPolicy):
+    """The policy of soft actor-critic as Stable-Baselines3 has it, with normed critics."""
+
+    def make_critic(self, features_extractor: BaseFeaturesExtractor | None = None) -> ContinuousCritic:
+        """Return the critics."""
+        return NormedCritic(**self._update_features_extractor(self.critic_kwargs, features_extractor)).to(self.device)
+
+
+def _normed(network: nn.Sequential) -> nn.Sequential:
+    """Return a network with a normalisation behind each linear layer but the last."""
+    layers: list[nn.Module] = []
+    for layer in network:
+        layers.append(layer)
+        if isinstance(layer, nn.Linear):
+            layers.append(nn.LayerNorm(layer.out_features))
+    return nn.Sequential(*layers[:-1])
