@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from itertools import combinations
 
-import clingo
 import pytest
 
 from prag_asp import TaskSpace
@@ -100,20 +100,30 @@ def drawn_rule(chance: random.Random) -> Rule:
     return Rule(heads, tuple(literals), len(heads) > 1 or (bool(heads) and chance.random() < 0.2))
 
 
-def answer_sets(rules: Sequence[Rule]) -> list[tuple[int, ...]]:
-    control = clingo.Control(["0"])
-    with control.backend() as backend:
-        atoms = [backend.add_atom() for _ in range(7)]
-        for rule in rules:
-            heads = [atoms[head - 1] for head in rule.heads]
-            body = [(1 if literal > 0 else -1) * atoms[abs(literal) - 1] for literal in rule.body]
-            if rule.weights:
-                backend.add_weight_rule(heads, rule.bound, [*zip(body, rule.weights, strict=True)], rule.choice)
-            else:
-                backend.add_rule(heads, body, rule.choice)
-    found: list[tuple[int, ...]] = []
-    control.solve(on_model=lambda model: found.append(tuple(i for i, atom in enumerate(atoms) if model.is_true(atom))))
-    return sorted(found)
+def answer_sets(rules: Sequence[Rule]) -> list[set[int]]:
+    """The sets that are the least model of their own reduct; of weighted choices that go around clasp loses some."""
+    sets = (set(each) for size in range(8) for each in combinations(range(1, 8), size))
+    return [found for found in sets if follows(rules, found) == found]
+
+
+def follows(rules: Sequence[Rule], assumed: set[int]) -> set[int] | None:
+    """What rules derive where what is not `assumed` is false, and choices are made as assumed; None if one forbids it."""
+    derived: set[int] = set()
+    while True:
+        held = [rule for rule in rules if holds(rule, derived, assumed)]
+        if not all(rule.heads for rule in held):
+            return None
+        new = {head for rule in held for head in rule.heads if not rule.choice or head in assumed}
+        if new <= derived:
+            return derived
+        derived |= new
+
+
+def holds(rule: Rule, derived: set[int], assumed: set[int]) -> bool:
+    true = [literal in derived if literal > 0 else -literal not in assumed for literal in rule.body]
+    if rule.weights:
+        return sum(weight for weight, each in zip(rule.weights, true, strict=True) if each) >= rule.bound
+    return all(true)
 
 
 def test_settled_rules_have_the_same_answer_sets(chance: Chance) -> None:
