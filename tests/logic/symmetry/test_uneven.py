@@ -107,7 +107,7 @@ def answer_sets(rules: Sequence[Rule]) -> list[set[int]]:
 
 
 def follows(rules: Sequence[Rule], assumed: set[int]) -> set[int] | None:
-    """What rules derive where what is not `assumed` is false, and choices are made as assumed; None if one forbids it."""
+    """What rules derive where only what is `assumed` may be chosen, and all else is false; None if one forbids it."""
     derived: set[int] = set()
     while True:
         held = [rule for rule in rules if holds(rule, derived, assumed)]
