@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -19,6 +20,11 @@ from prag_asp.rl.observing import Layout, skill
 from prag_asp.rl.origin import Origin
 from prag_asp.rl.sources import Assignment, Finder, OneTask, Source, fitting
 from prag_asp.task import Task
+
+KEPT = 512
+"""How many tasks that were begun with, and subgoals of tasks, are kept, so that to begin with them again is quick."""
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -66,6 +72,7 @@ class Draws:
     ):
         self.finder, self.seeded = finder, False
         self._stage, self._domain, self._scene, self._layout = stage, domain, finder.scene, layout
+        self._kept: OrderedDict[tuple[int, ...], tuple[tuple[object, ...], Any]] = OrderedDict()
         alone = origin.task is not None or witness is not None
         self._source: Source = OneTask(self._named(origin.task, witness)) if alone else origin.source(finder)
         self._walk = origin.stages.walk() if origin.stages else None
@@ -89,7 +96,7 @@ class Draws:
             given = self._named(task, witness)
         else:
             given = self._source.draw() if rank is None else self._source.ranked(rank)
-        subgoals = subgoals_of(given.task, self._scene)
+        subgoals = self._once(lambda: subgoals_of(given.task, self._scene), given.task)
         return Beginning(given, subgoals, *self._first(stage, len(subgoals), rng), stage is not None)
 
     def report(self, begun: Beginning, stage: int, *, success: bool) -> None:
@@ -133,7 +140,20 @@ class Draws:
         for action in task.actions:
             if skill(action, self._scene) not in self._layout.skills:
                 raise QueryError(f"{action} is no action of the domain {self._domain.name}; give a task of that domain")
-        return Assignment(task, self.finder.required(task)) if witness is None else fitting(task, witness, self._scene)
+        if witness is None:
+            return Assignment(task, self.finder.required(task))
+        return self._once(lambda: fitting(task, witness, self._scene), task, witness)
+
+    def _once(self, make: Callable[[], Made], *whose: object) -> Made:
+        """Return what is made of some values, and was made of the very same ones not long ago; both are kept."""
+        key = tuple(map(id, whose))
+        if key not in self._kept:
+            self._kept[key] = whose, make()
+        self._kept.move_to_end(key)
+        if len(self._kept) > KEPT:
+            self._kept.popitem(last=False)
+        found: Made = self._kept[key][1]
+        return found
 
     def _first(self, asked: int | str | None, count: int, rng: np.random.Generator) -> tuple[int, Fraction | None]:
         """Return the number of the subgoal of so many to begin with, and its probability where it was drawn."""

@@ -1,13 +1,16 @@
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from prag_asp.physics import physical_task
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Witness
+from prag_asp.physics.world.dynamics import Dynamics
 from prag_asp.rl.arena import Arena
 from prag_asp.rl.control import FINGERS, STRIDE
 from prag_asp.scene.geometry import rotate
@@ -57,6 +60,29 @@ def test_what_follows_a_start_is_the_same_after_any_history(
             assert (found.poses, found.arms) == (fresh.poses, fresh.arms)
             for _ in range(rng.randrange(20)):
                 arena.act(np.array([rng.uniform(-1.0, 1.0) for _ in range(5)]), "tool")
+
+
+def test_witnesses_of_the_same_objects_share_a_world_in_whatever_order_they_have_them(
+    scenes: Mapping[str, Scene], given: Mapping[str, list[Given]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built: list[Sequence[str]] = []
+    begin = Dynamics.begin
+    monkeypatch.setattr(Dynamics, "begin", lambda own, each, *more: built.append(each) or begin(own, each, *more))
+    _, witness = given["tabletop"][0]
+    poses = [dict(reversed(moment.poses.items())) for moment in witness.moments]
+    turned = replace(witness, moments=tuple(map(lambda each, own: replace(each, poses=own), witness.moments, poses)))
+    with ExitStack() as resources:
+        arena = Arena(scenes["tabletop"], resources)
+        one, two = arena.start(witness, 1), arena.start(turned, 1)
+        assert one.poses == two.poses and len(built) == 1
+        one, two = (moved(arena, each) for each in (turned, witness))
+    assert one == two and len(built) == 1
+
+
+def moved(arena: Arena, witness: Witness) -> object:
+    arena.start(witness, 1)
+    situation = arena.act(np.array([0.3, 0.2, -0.5, 0.1, 0.0]), "tool")
+    return situation.poses, situation.arms
 
 
 @pytest.mark.parametrize("name", ["tabletop", "two_arms"])

@@ -14,12 +14,13 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import prag_asp.rl
-from prag_asp import TaskSpace, TaskSpaces, load_domain
+from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
-from prag_asp.rl import TaskEnv, oracle
+from prag_asp.rl import TaskEnv, draws, oracle
 from prag_asp.rl.goals import PLACES
+from prag_asp.rl.sources import fitting
 from prag_asp.scene.geometry import yaw_of
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given
@@ -326,6 +327,23 @@ def test_the_witness_of_another_task_is_refused(given: Mapping[str, list[Given]]
     ):
         with pytest.raises(QueryError, match=told):
             TaskEnv(task=task, witness=wrong)
+
+
+def test_a_task_with_its_witness_is_judged_once_and_only_so_many_are_kept(
+    given: Mapping[str, list[Given]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judged: list[Task] = []
+    monkeypatch.setattr(draws, "fitting", lambda task, *more: judged.append(task) or fitting(task, *more))
+    (one, first), (two, second), (three, third) = given["tabletop"][:3]
+    env = TaskEnv(task=one, witness=first)
+    monkeypatch.setattr(draws, "KEPT", 4)
+    for task, witness in ((one, first), (two, second), (two, second), (one, first)):
+        env.reset(options={"task": task, "witness": witness})
+    assert judged == [one, two]
+    env.reset(options={"task": three, "witness": third})
+    env.reset(options={"task": two, "witness": second})
+    assert judged == [one, two, three, two], "what was begun with longest ago is forgotten"
+    env.close()
 
 
 def test_environments_without_a_seed_draw_different_tasks(space: TaskSpace) -> None:
