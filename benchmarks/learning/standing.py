@@ -45,7 +45,7 @@ def main() -> None:
         count = (options.count + number) // len(SHIPPED)
         stages, facts, taken, lost = stood(domain, count, length=options.length, seed=options.seed)
         told = f"{1000 * median(taken):.2f}" if taken else "-"
-        table.add_row(domain, str(count), str(stages), f"{facts.successes:,} of {facts.trials:,}", told)
+        table.add_row(domain, str(count), *(f"{rate.successes:,} of {rate.trials:,}" for rate in (stages, facts)), told)
         fallen += lost
     console = Console()
     console.print(table)
