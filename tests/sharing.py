@@ -56,7 +56,7 @@ def _known(model: Model, engine: str, progress: Progress | None, limits: Limits,
     """Return what a space shares with others: all that there is, or the logic alone."""
     if model.domain.needed is not None:
         return Shared(model, engine, progress, limits, fewest_actions)
-    like = [each for each in _shared if _equal(each.model.domain, model.domain)]
+    like = [each for each in _shared if _alike(each.model, model)]
     asked = engine, progress, limits, fewest_actions
     for each in like:
         if asked == (each.engine, None, UNLIMITED, each.fewest_actions):
@@ -65,6 +65,13 @@ def _known(model: Model, engine: str, progress: Progress | None, limits: Limits,
     if progress is None and limits is UNLIMITED:
         _shared.append(made)
     return made
+
+
+def _alike(one: Model, other: Model) -> bool:
+    """Tell whether models say the same of equal domains: parts of a space count up to the symmetries of the whole."""
+    if one.part_of is None or other.part_of is None:
+        return one.part_of is other.part_of and _equal(one.domain, other.domain)
+    return _equal(one.domain, other.domain) and _alike(one.part_of, other.part_of)
 
 
 def _equal(one: load.Domain, other: load.Domain) -> bool:

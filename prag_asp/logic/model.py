@@ -32,9 +32,13 @@ class Model:
 
     A plan's step may fail to be a function of state and action. Then `step` and `transition` raise EngineError, which
     says why, and what else there is works on the unrolled program.
+
+    With `part_of`, its plans are some of those of another model, chosen by what all renamings of its tasks keep. They
+    are counted up to these renamings alone, so that the tasks of all parts of it are its own.
     """
 
     domain: Domain
+    part_of: Model | None = None
 
     @cached_property
     def program(self) -> Program:
@@ -80,6 +84,8 @@ class Model:
 
         What is never reached may tell entities apart as well: what the author has written decides.
         """
+        if self.part_of is not None:
+            return self.part_of.symmetries(length)
         if self.domain.facts.unreached:
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:

@@ -77,6 +77,7 @@ class TaskSpace:
         self.domain = domain
         self.length = _checked(length)
         self.condition = Condition()
+        self._part_of: TaskSpace | None = None
 
     def __copy__(self) -> TaskSpace:
         space = object.__new__(type(self))
@@ -86,14 +87,16 @@ class TaskSpace:
     def __reduce__(self) -> tuple[Any, ...]:
         """Let it be sent to other processes, where it computes anew; nobody is told of progress there."""
         shared = self._shared
-        return _sent, (self.domain, self.length, shared.engine, shared.limits, self.condition)
+        return _sent, (self.domain, self.length, shared.engine, shared.limits, self.condition, self._part_of)
 
     def same_tasks(self, other: object) -> bool:
         """Tell whether another space is of the same domain, length and conditions: its ranks mean the same tasks."""
         if not isinstance(other, TaskSpace):
             return False
         asked = self.domain, self.length, self.condition
-        return self is other or asked == (other.domain, other.length, other.condition)
+        if self is other or asked != (other.domain, other.length, other.condition):
+            return self is other
+        return self._part_of is other._part_of or self.symmetries == other.symmetries
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of another length, which shares all that was computed."""
@@ -109,17 +112,29 @@ class TaskSpace:
         Raises:
             QueryError: a condition is none, or speaks of something that the domain does not have.
         """
+        return self._asked(conditions, None)
+
+    def _asked(self, conditions: Iterable[str | Condition], part_of: TaskSpace | None) -> TaskSpace:
+        """Return the space under further conditions, as a part of another one where that is given."""
         space = copy(self)
         for condition in conditions:
             space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
         if space.condition != self.condition:
             from prag_asp.space.conditions.conditioned import conditioned
 
-            domain = conditioned(self.domain, space.condition)
+            model = Model(conditioned(self.domain, space.condition), part_of._shared.model if part_of else None)
             shared = self._shared
             fewest = space.condition.fewest_actions
-            space._shared = Shared(Model(domain), shared.engine, shared.progress, shared.limits, fewest)
+            space._shared = Shared(model, shared.engine, shared.progress, shared.limits, fewest)
+            space._part_of = part_of
         return space
+
+    def _part(self, condition: str | Condition) -> TaskSpace:
+        """Return the tasks that satisfy a condition which all renamings of tasks keep, up to the same renamings.
+
+        Under both conditions, other entities may be interchangeable: where one is on b and one on a, these are.
+        """
+        return self._asked([condition], self)
 
     @property
     def title(self) -> str:
@@ -236,7 +251,7 @@ class TaskSpace:
 
         def count(condition: Condition) -> int:
             if condition not in spaces:
-                spaces[condition] = self.where(condition)
+                spaces[condition] = self._part(condition)
             return spaces[condition].count()
 
         parts = divide_skeletons(parse_shares(shares), seed, count, self._tasks_by_skeleton)
@@ -253,7 +268,8 @@ class TaskSpace:
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
         """Return the tasks without and those with something: an entity, a class, an action's name or a pair of names.
 
-        The first part is for training; the second has a composition that training never showed.
+        The first part is for training; the second has a composition that training never showed. Their tasks are those
+        of this space, whatever is interchangeable in a part alone.
 
         Raises:
             QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
@@ -261,7 +277,7 @@ class TaskSpace:
         from prag_asp.space.parts.split import held_out
 
         without, having = held_out(what, self.domain.facts, self.symmetries.orbits)
-        return self.where(without), self.where(having)
+        return self._part(without), self._part(having)
 
     def index(self, task: Task | Sequence[str | Atom]) -> int:
         """Return the rank of a task, or of its plan; interchangeable entities may have any of their names.
@@ -491,9 +507,11 @@ class TaskSpace:
         return canonical_prefix(found, {str(action): action for action in facts.actions}, self.symmetries)
 
 
-def _sent(domain: Domain, length: int, engine: str, limits: Limits, condition: Condition) -> TaskSpace:
+def _sent(
+    domain: Domain, length: int, engine: str, limits: Limits, condition: Condition, part_of: TaskSpace | None
+) -> TaskSpace:
     """Return the space that another process has sent."""
-    return TaskSpace(domain, length, engine=engine, limits=limits).where(condition)
+    return TaskSpace(domain, length, engine=engine, limits=limits)._asked([condition], part_of)
 
 
 def _checked(length: int) -> int:

@@ -169,6 +169,6 @@ def test_what_is_kept_for_one_value_is_never_taken_for_another(tmp_path: Path, m
     keys = {
         shelf.key
         for domain in (load_domain("hanoi"), load_domain("hanoi", constants={"discs": 3}))
-        if (shelf := shelf_for(tmp_path, domain, "task", None))
+        if (shelf := shelf_for(tmp_path, Model(domain), "task", None))
     }
     assert len(keys) == 1  # the same program

@@ -285,7 +285,7 @@ def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
         return None
     from prag_asp.space.engines.stored import shelf_for
 
-    return shelf_for(folder, model.domain, level, merge)
+    return shelf_for(folder, model, level, merge)
 
 
 def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:

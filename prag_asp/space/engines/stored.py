@@ -15,7 +15,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.domain.load import Domain
+from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.program.paths import PACKAGE
 from prag_asp.space.automaton.automaton import Automaton, Completions
@@ -69,18 +69,22 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 """The rules by which tasks are told from plans."""
 
 
-def shelf_for(folder: Path, domain: Domain, level: str, merge: bool | None) -> Shelf | None:
+def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> Shelf | None:
     """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
-    The key covers all that the arrays depend on: the program, what of it is never reached, the rules of tasks, and
-    the code that explores.
+    The key covers all that the arrays depend on: the program, what of it is never reached, those of which it is a part,
+    the rules of tasks, and the code that explores.
     """
+    domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []
     try:
         told = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules), _code()]
     except OSError:
         return None
     told += map(str, domain.facts.unreached)
+    while model.part_of is not None:
+        model = model.part_of
+        told += [model.domain.program.text, *map(str, model.domain.facts.unreached)]
     told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
     return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
 

@@ -126,6 +126,12 @@ def test_the_folder_is_the_users_own_or_none(monkeypatch: pytest.MonkeyPatch) ->
     assert cache_folder() == Path("/home/me/.cache/prag_asp")
 
 
+CUPS = """
+class(cup). entity(cup_1,cup). entity(cup_2,cup). fluent(clean). initially(clean,true).
+action(wash(C)) :- entity(C,cup). action(dry(C)) :- entity(C,cup).
+"""
+
+
 def answers(space: TaskSpace) -> list[object]:
     return [
         [space.count(by) for by in ("plan", "task", "skeleton")],
@@ -189,6 +195,14 @@ def test_another_length_rule_or_level_is_never_answered_from_the_wrong_file(fold
                     assert TaskSpace(domain, length).count(by) == space.at(length).count(by)
 
 
+def test_parts_of_different_spaces_are_kept_apart(folder: Path) -> None:
+    """Under both conditions cup_1 and cup_2 are interchangeable; where the one is held out, they are not."""
+    for _ in range(2):
+        space = TaskSpace(domain_of(CUPS), 2).where("uses cup_2")
+        part, asked = space.hold_out("cup_1")[1], space.where("uses cup_1")
+        assert (part.count(), asked.count()) == (8, 4)
+
+
 def test_a_damaged_cache_is_rebuilt_silently(folder: Path) -> None:
     domain = load_domain("prag")
     assert TaskSpace(domain, 3).count("plan") == 2800
@@ -205,7 +219,7 @@ def test_arrays_that_do_not_make_an_automaton_are_not_believed(folder: Path) -> 
     key = files(folder)[0].stem
     entry = read_entry(folder, key, ENTRY.arrays)
     assert entry is not None
-    shelf = stored.shelf_for(folder, domain, "plan", None)
+    shelf = stored.shelf_for(folder, Model(domain), "plan", None)
     assert shelf is not None and shelf.key == key and shelf.read() is not None
     for name, array in entry.arrays.items():
         for wrong in (array[:-1], array.astype(np.int64) + 10**6, array.reshape(1, -1)):
