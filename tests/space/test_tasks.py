@@ -234,6 +234,17 @@ def test_a_skeleton_exists_for_tasks_wherever_it_exists_for_plans() -> None:
     assert names == set(space.words("skeleton"))
 
 
+def test_an_entity_that_is_an_action_itself_is_told_apart_by_its_name() -> None:
+    """Renaming a or b changes names, of which skeletons are made; renaming n(1) or n(2) does not."""
+    own = "class(c). class(d). entity((a;b),c). entity(n(1..2),d). action((E;q(E))) :- entity(E,_)."
+    space = TaskSpace(domain_of(own), 2)
+    assert groups_of(own) == [["n(1)", "n(2)"]]
+    assert space.count("plan") == 64 and space.count() == 16 + (64 - 16) // 2
+    assert space.count("task", ["q"]) == 8 + (32 - 8) // 2
+    names = {tuple(a.partition("(")[0] for a in task) for task in space.words("task")}
+    assert names == set(space.words("skeleton")) and len(names) == 16
+
+
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 def test_a_prefix_counts_the_tasks_some_renaming_of_which_begins_with_it(engine: str) -> None:
     space = TaskSpace(load_domain("prag"), 3, engine=engine)

@@ -11,7 +11,7 @@ and both have the same answer sets.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import combinations
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground import GroundStep
+from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.symmetry.atoms import START, Atoms, SpelledRule
 from prag_asp.logic.symmetry.entailment import Consequences
 from prag_asp.logic.symmetry.joint import Conflict, joint_groups
@@ -32,10 +33,10 @@ from prag_asp.program.facts import Facts
 
 def find_symmetries(facts: Facts, ground: GroundStep) -> Symmetries:
     """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups."""
-    entities = sorted(facts.entities)
-    by_class: dict[clingo.Symbol, list[int]] = {}
+    entities, told = sorted(facts.entities), _told(facts)
+    by_class: dict[Hashable, list[int]] = {}
     for number, each in enumerate(entities):
-        by_class.setdefault(facts.entities[each], []).append(number)
+        by_class.setdefault(told[each], []).append(number)
     classes = [members for members in by_class.values() if len(members) > 1]
     if not classes:
         return Symmetries()
@@ -51,7 +52,7 @@ def find_symmetries(facts: Facts, ground: GroundStep) -> Symmetries:
             else:
                 found.append([entity])
         blocks += found
-    kinds = refined({number: facts.entities[entities[number]] for block in blocks for number in block}, rules.exact)
+    kinds = refined({number: told[entities[number]] for block in blocks for number in block}, rules.exact)
     joint = joint_groups([tuple(block) for block in blocks], kinds, rules)
 
     def named(numbers: Iterable[int]) -> tuple[clingo.Symbol, ...]:
@@ -66,11 +67,11 @@ def may_interchange(facts: Facts) -> bool:
 
     A step has an atom for each action, so that no others need to be looked for on the ground program.
     """
-    names_of_classes = list(facts.entities.values())
+    names_of_classes = list(_told(facts).values())
     shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
     actions = _Actions(dict.fromkeys(map(shapes.of, facts.actions)))
 
-    def told(entity: int) -> object:
+    def spoken(entity: int) -> object:
         """Return what a swap leaves as it is: the actions that name an entity, but for others of its class in them."""
         own = names_of_classes[entity]
         patterns = Counter(
@@ -84,11 +85,20 @@ def may_interchange(facts: Facts) -> bool:
 
     alike: dict[object, list[int]] = {}
     for entity in range(len(names_of_classes)):
-        alike.setdefault(told(entity), []).append(entity)
+        alike.setdefault(spoken(entity), []).append(entity)
     if any(kept(*pair) for members in alike.values() for pair in combinations(members, 2)):
         return True
     kinds = refined(dict(enumerate(names_of_classes)), actions.all)
     return bool(joint_groups([(entity,) for entity in kinds], kinds, actions))
+
+
+def _told(facts: Facts) -> dict[clingo.Symbol, Hashable]:
+    """Return what tells entities apart at once: their class, and the name of an action that an entity is itself.
+
+    Skeletons are made of names, so that renamings have to keep these.
+    """
+    actions = frozenset(facts.actions)
+    return {each: (kind, action_name(each) if each in actions else "") for each, kind in facts.entities.items()}
 
 
 @dataclass(frozen=True)
