@@ -47,8 +47,9 @@ def main() -> None:
 def _hear_nothing() -> None:
     """Ignore signals from here on; a command that has told all tells nothing of memory that is refused now."""
     try:
-        from prag_asp.cli.ending import deafen, ignore
+        from prag_asp.cli.ending import deafen, done, ignore
 
+        done()
         ignore(signal.SIGINT)
         deafen()
     except (MemoryError, SystemError, ImportError):

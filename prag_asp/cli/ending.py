@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 LONGEST = 300
 """Characters of what a command is just doing."""
 
-STAGE, LIMITS, SIZE = 128, 64, 2048
-"""Where on the board the stage and the limits stand; its first byte says how far an end has come."""
+STAGE, LIMITS, DONE, SIZE = 128, 64, 1, 2048
+"""Where on the board the stage, the limits and the own end stand; its first byte says how far an end has come."""
 
 
 LATER = 0.05
@@ -101,6 +101,15 @@ class Board:
     def tell_end(self, *, said: bool) -> None:
         """Write that the command has heard that it is to end, or has said so itself."""
         os.pwrite(self._file, b"s" if said else b"h", 0)
+
+    def tell_done(self) -> None:
+        """Write that the command has come to its own end, whatever that is."""
+        os.pwrite(self._file, b"d", DONE)
+
+    @property
+    def done(self) -> bool:
+        """Whether the command has come to its own end."""
+        return os.pread(self._file, 1, DONE) == b"d"
 
     @property
     def heard(self) -> bool:
@@ -226,6 +235,12 @@ def said() -> None:
         _command.board.tell_end(said=True)
 
 
+def done() -> None:
+    """Note that the command has come to its own end: native code that ends the process does not come here."""
+    if _command.board is not None:
+        _command.board.tell_done()
+
+
 def doing() -> str:
     """Return what the command is just doing."""
     return _command.stage
@@ -313,6 +328,12 @@ def crashed(name: str, stage: str) -> str:
         "SIGSEGV": "most likely something is nested too deeply; make it flatter",
     }.get(name, "native code of a library has failed")
     return f"the command was ended by {name}{_while(stage)}: {reason}"
+
+
+def gave_up(stage: str) -> str:
+    """Return the line of a process that native code has ended with a code of its own."""
+    reason = "most likely it got no more memory; ask for less"
+    return f"native code of a library has ended the command{_while(stage)}: {reason}"
 
 
 def _while(stage: str) -> str:

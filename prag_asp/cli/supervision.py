@@ -165,10 +165,14 @@ class _Supervisor:
         return code
 
     def _code_of(self, ended: int) -> int:
-        """Return the code of a command that has ended by itself, and say how where a signal has ended it.
+        """Return the code of a command that has ended by itself, and say how where something else ended it.
 
-        Foreign code that is asked to end may end the process instead: that is no crash.
+        Foreign code that is asked to end may end the process instead: that is no crash. Where an error comes to clingo
+        that it cannot hand on, it ends the process with the code of an answer, which this is not.
         """
+        if ended > 0 and not self._board.done and self._asked is None:
+            ending.write_line(ending.gave_up(self._board.stage()))
+            return Exit.LIMIT
         if ended >= 0:
             return ended
         if self._asked is not None:

@@ -228,6 +228,7 @@ def _one(process: subprocess.Popen[str], number: int) -> str:
         ("signal.raise_signal(signal.SIGABRT)", "the command was ended by SIGABRT while working: most likely it got"),
         ("signal.raise_signal(signal.SIGKILL)", "the command was ended by SIGKILL while working: most likely the mach"),
         ("raise MemoryError", "there is no more memory while working; "),
+        ("import os; os._exit(1)", "native code of a library has ended the command while working: most likely it got"),
     ],
 )
 def test_a_sudden_end_is_one_line_and_a_code(work: str, told: str) -> None:
@@ -269,6 +270,17 @@ def test_memory_that_is_refused_is_told_so_whatever_native_code_makes_of_it(work
     code, said = ends(work)
     assert code == 3, said
     assert re.fullmatch(r"there is no more memory while (working|reading the domain); ask for less, or [^\n]*\n", said)
+
+
+def test_memory_that_is_refused_where_clingo_ends_the_process_is_no_answer() -> None:
+    """An error at the end of a search cannot be handed on, and clingo's code for it is that of an answer."""
+    code, said = ends("""
+    import clingo.control
+    def refused(self, result): raise MemoryError
+    next(each for each in vars(clingo.control).values() if hasattr(each, "on_finish")).on_finish = refused
+    from prag_asp import TaskSpace, load_domain
+    TaskSpace(load_domain(text="fluent(f). action(a). initially(f,true)."), 2, engine="clingo").count()""")
+    assert code == 3 and said.splitlines()[-1].startswith("native code of a library has ended the command while ")
 
 
 def test_an_error_that_memory_has_no_part_in_is_told_as_what_it_is() -> None:
