@@ -110,8 +110,9 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
-        self.control, self._until, self._steps, self._discount = control, until, steps, discount
-        self._share, self._fading = float(reward != "sparse"), Fading(fade) if reward == "faded" else None
+        self.control, self._until, self._steps, self._discount = control, until, int(steps), float(discount)
+        fading = Fading(fade)
+        self._share, self._fading = float(reward != "sparse"), fading if reward == "faded" else None
         self._made = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
         finder = Finder(self.scene, self._resources, budget)
         self._draws = Draws(origin, witness, stage, finder, domain=self.domain, layout=self.layout)
