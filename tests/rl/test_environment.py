@@ -19,7 +19,7 @@ import prag_asp.rl
 from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
-from prag_asp.physics import Witness
+from prag_asp.physics import Budget, Validator, Witness
 from prag_asp.rl import TaskEnv, draws, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
@@ -286,6 +286,45 @@ def test_each_number_of_an_observation_has_a_name(env: TaskEnv) -> None:
     told = seen["body 1: cos turn"], seen["body 1: sin turn"]
     assert told == pytest.approx((math.cos(turn), math.sin(turn)), abs=1e-6)
     assert seen["body 1: dz"] == pytest.approx(at[2] - z, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["two_arms", "kitchen"])
+def test_bodies_are_seen_from_the_arm_that_acts_and_all_of_them_where_asked(
+    name: str, given: Mapping[str, list[Given]]
+) -> None:
+    acted, opened = set(), False
+    for task, witness in given[name]:
+        env = TaskEnv(task=task, witness=witness, everything=True)
+        for stage, action in enumerate(task.actions):
+            observation, _ = env.reset(options={"stage": stage})
+            seen = dict(zip(env.layout.names, observation["observation"].tolist(), strict=True))
+            robot = next(argument for argument in action.arguments if argument in env.layout.robots)
+            tool = env.situation.tool(robot).position
+            assert env.layout.bodies
+            for entity in env.layout.bodies:
+                assert (seen[f"{entity}: is there"] == 1.0) is (entity in env.situation.poses)
+                if entity in env.situation.poses:
+                    at = env.situation.part(entity).position
+                    told = [seen[f"{entity}: {what}"] for what in ("x", "y", "z", "dx", "dy", "dz", "opening")]
+                    opening = env.situation.opening(entity)
+                    assert told == pytest.approx([*at, *np.subtract(at, tool), opening], abs=1e-6)
+                    opened |= opening > 0.1
+            acted.add(robot)
+        env.close()
+    assert acted == set(env.layout.robots) and opened is (name == "kitchen")
+
+
+def test_witnesses_are_looked_for_within_the_budget(space: TaskSpace, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+    validate = Validator.validate
+    monkeypatch.setattr(
+        Validator, "validate", lambda own, task, **more: asked.append(more["budget"]) or validate(own, task, **more)
+    )
+    env = TaskEnv(space, budget=Budget(restarts=7))
+    env.reset(seed=1)
+    env.reset(options={"rank": 3})
+    assert set(asked) == {Budget(restarts=7)}
+    env.close()
 
 
 def test_a_closed_environment_leaves_nothing_behind_and_prints_nothing(tmp_path: Path) -> None:
