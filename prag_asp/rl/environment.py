@@ -21,14 +21,14 @@ from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
 from prag_asp.rl.asking import Until, check_episodes, check_figures, moves_of, options_of
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.draws import Draws
 from prag_asp.rl.fading import Fading
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.observing import Layout, observe
-from prag_asp.rl.origin import Curricula, Origin
 from prag_asp.rl.rewards import Reward, earned, reached
 from prag_asp.rl.sealing import check_seal, sealed
-from prag_asp.rl.sources import Finder
+from prag_asp.rl.tasks.draws import Draws
+from prag_asp.rl.tasks.origin import Curricula, Origin
+from prag_asp.rl.tasks.sources import Finder
 from prag_asp.rl.viewing import Image, Viewer
 from prag_asp.space.parts.ranked import RankedTasks
 from prag_asp.space.task_space import TaskSpace

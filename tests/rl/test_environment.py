@@ -20,10 +20,11 @@ from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
-from prag_asp.rl import TaskEnv, draws, oracle
+from prag_asp.rl import TaskEnv, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
-from prag_asp.rl.sources import fitting
+from prag_asp.rl.tasks import draws
+from prag_asp.rl.tasks.sources import fitting
 from prag_asp.scene.geometry import yaw_of
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given

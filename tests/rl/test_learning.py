@@ -136,6 +136,16 @@ def test_what_environments_do_alone_and_by_twos_is_measured(name: str, cells: in
     assert len(rates) == ours and all(int(rate.replace(",", "")) > 0 for rate in rates)
 
 
+def test_what_curricula_cost_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    module = importlib.import_module("curriculum")
+    for name, value in {"SPACES": {"prag": 3}, "COUNT": 4, "TIMES": 1}.items():
+        monkeypatch.setattr(module, name, value)
+    module.main()
+    (row,) = re.findall(r"^│ prag, n = 3 (.*)$", capsys.readouterr().out, re.MULTILINE)
+    assert len(re.findall(r"\d\.\d\d", row)) == 7
+
+
 def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("gymnasium")
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
