@@ -33,6 +33,13 @@ def fresh(session: nox.Session) -> None:
 
 
 @nox.session
+def learning(session: nox.Session) -> None:
+    """Run the tests of environments with those that learn, which other sessions skip: they load PyTorch."""
+    session.install("-e", ".[test,learning]")
+    session.run("pytest", "tests/rl", *session.posargs)
+
+
+@nox.session
 def lint(session: nox.Session) -> None:
     """Check style and types."""
     session.install("-e", ".[test]")

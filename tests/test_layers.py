@@ -82,8 +82,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "cascade", "validator", "worker", "checker", "pool", "passing",
     ),
     "rl": (
-        "control", "arena", "goals", "rewards", "fading", "asking", "sealing", "observing", "viewing", "curriculum",
-        "sources", "origin", "draws", "environment", "scripted", "running",
+        "control", "arena", "goals", "rewards", "asking", "fading", "sealing", "observing", "viewing", "curriculum",
+        "tasks", "environment", "scripted", "running",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any, Literal, TypeGuard, get_args
 
 import numpy as np
@@ -31,7 +32,7 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
             raise QueryError(unknown(str(given), known, what))
     if not is_whole(stage) and stage != "any":
         raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
-    if type(steps) is not int or steps < 1:
+    if not is_whole(steps) or steps < 1:
         raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
 
 
@@ -41,7 +42,7 @@ def check_figures(*, discount: object, budget: object, render_mode: object, mode
     Raises:
         QueryError: one is none.
     """
-    if not isinstance(discount, int | float) or isinstance(discount, bool) or not 0.0 < discount <= 1.0:
+    if not isinstance(discount, Real) or isinstance(discount, bool) or not 0.0 < float(discount) <= 1.0:
         raise QueryError(f"a discount is above 0 and at most 1; got {discount!r}")
     if budget is not None and not isinstance(budget, Budget):
         raise QueryError(f"budget {budget!r:.80}: give a prag_asp.physics.Budget")

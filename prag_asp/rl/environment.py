@@ -21,14 +21,14 @@ from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
 from prag_asp.rl.asking import Until, check_episodes, check_figures, moves_of, options_of
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.draws import Draws
 from prag_asp.rl.fading import Fading
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.observing import Layout, observe
-from prag_asp.rl.origin import Curricula, Origin
 from prag_asp.rl.rewards import Reward, earned, reached
 from prag_asp.rl.sealing import check_seal, sealed
-from prag_asp.rl.sources import Finder
+from prag_asp.rl.tasks.draws import Draws
+from prag_asp.rl.tasks.origin import Curricula, Origin
+from prag_asp.rl.tasks.sources import Finder
 from prag_asp.rl.viewing import Image, Viewer
 from prag_asp.space.parts.ranked import RankedTasks
 from prag_asp.space.task_space import TaskSpace
@@ -110,8 +110,9 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
-        self.control, self._until, self._steps, self._discount = control, until, steps, discount
-        self._share, self._fading = float(reward != "sparse"), Fading(fade) if reward == "faded" else None
+        self.control, self._until, self._steps, self._discount = control, until, int(steps), float(discount)
+        fading = Fading(fade)
+        self._share, self._fading = float(reward != "sparse"), fading if reward == "faded" else None
         self._made = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
         finder = Finder(self.scene, self._resources, budget)
         self._draws = Draws(origin, witness, stage, finder, domain=self.domain, layout=self.layout)

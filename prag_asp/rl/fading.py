@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from prag_asp.errors import QueryError
+from prag_asp.rl.asking import is_whole
 
 REMEMBERED = 50
 """Of how many episodes the share of successes is taken."""
@@ -19,9 +20,9 @@ class Fading:
     """
 
     def __init__(self, over: int | Literal["success"]):
-        if over != "success" and (isinstance(over, bool) or not isinstance(over, int) or over < 1):
+        if over != "success" and (not is_whole(over) or over < 1):
             raise QueryError(f"fade {over!r}: give a number of steps, such as 50000, or success")
-        self._over = over
+        self._over = over if over == "success" else int(over)
         self._steps = 0
         self._ends: deque[bool] = deque(maxlen=REMEMBERED)
 

@@ -1,11 +1,12 @@
 """Rewards by potentials over how far what shall be is from being so.
 
-What a goal says of a moment is a vector: the number of the subgoal that is being pursued, and the signed distance of
-each of its facts in metres or radians, at most 0 where the fact holds. A goal is such a vector, too: the last subgoal,
-and how near each fact has to come. So any moment can serve as the goal of another one.
+What a goal says of a moment is a vector: the number of the subgoal that is being pursued, and signed distances of its
+facts in metres or radians, at most 0 where they hold: one for each that the action brings about, and the worst of all
+others. A goal is such a vector, too: the last subgoal, and how near the facts have to come. So any moment can serve as
+the goal of another one.
 
 The potential of a moment is the number of subgoals that are reached plus ``1 / (1 + D / REACH)``, with D the sum of
-what its facts are missed by. It is never negative, grows all the way to the goal, and the steeper the nearer that is.
+what these distances miss. It is never negative, grows all the way to the goal, and the steeper the nearer that is.
 The dense reward of a step is `WORTH` times what the potential has grown by, beside the sparse one. With the discount of
 the agent, as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), all that is left of
 an episode's potentials is that of its end, which is the same for all that reach the goal: where one subgoal is pursued,

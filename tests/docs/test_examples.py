@@ -40,6 +40,7 @@ SETUP = {
     ".venv/bin/python benchmarks/learning/chained.py",
     ".venv/bin/python benchmarks/learning/fresh.py MODELS",
     ".venv/bin/python benchmarks/learning/standing.py",
+    ".venv/bin/python benchmarks/learning/rates.py",
     ".venv/bin/python benchmarks/learning/beside.py",
     ".venv/bin/python benchmarks/learning/lasting.py",
     "python -m tests.fuzz --count 10000 --seed 7",

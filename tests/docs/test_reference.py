@@ -14,6 +14,7 @@ import pytest
 import prag_asp
 import prag_asp.dataset
 import prag_asp.physics
+import prag_asp.rl
 from prag_asp import TaskSpace, load_domain
 from prag_asp.cli import cli
 from prag_asp.dataset import feasible, write_line
@@ -47,7 +48,7 @@ def test_the_options_name_every_rule() -> None:
     assert {path.stem for path in (ROOT / "encodings" / "rules").glob("*.lp") if f"`{path.stem}" not in text} == set()
 
 
-PACKAGES = (prag_asp, prag_asp.dataset, prag_asp.physics)
+PACKAGES = (prag_asp, prag_asp.dataset, prag_asp.physics, prag_asp.rl)
 
 
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.__name__)

@@ -12,7 +12,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.dynamics import Dynamics
 from prag_asp.rl.arena import Arena
-from prag_asp.rl.control import FINGERS, STRIDE
+from prag_asp.rl.control import CONTROLS, FINGERS, SIZES, STRIDE, Control
 from prag_asp.scene.geometry import rotate
 from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import robot_of
@@ -38,28 +38,31 @@ def test_every_state_of_a_witness_stands_for_a_second_with_its_facts(
                 assert all(fact.satisfied(situation) for fact in facts), (str(task), number)
 
 
+@pytest.mark.parametrize("name", DOMAINS)
+@pytest.mark.parametrize("control", CONTROLS)
 def test_what_follows_a_start_is_the_same_after_any_history(
-    chance: Chance, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+    name: str, control: Control, chance: Chance, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
 ) -> None:
-    rng = chance.generator(4)
-    starts = [(witness, number) for _, witness in given["tabletop"] for number in range(5)]
+    rng, scene = chance.generator(4), scenes[name]
+    starts = [(witness, number) for _, witness in given[name] for number in range(5)]
+    size = SIZES[control] * len(scene.robots)
 
     def followed(arena: Arena, index: int) -> Situation:
-        actions = np.random.default_rng(index).uniform(-1.0, 1.0, (10, 5))
+        actions = np.random.default_rng(index).uniform(-1.0, 1.0, (10, size))
         situation = arena.start(*starts[index])
         for action in actions:
-            situation = arena.act(action, "tool")
+            situation = arena.act(action, control)
         return situation
 
     with ExitStack() as resources:
-        arena = Arena(scenes["tabletop"], resources)
-        for index in rng.sample(range(len(starts)), 8):
+        arena = Arena(scene, resources)
+        for index in rng.sample(range(len(starts)), 4):
             with ExitStack() as own:
-                fresh = followed(Arena(scenes["tabletop"], own), index)
+                fresh = followed(Arena(scene, own), index)
             found = followed(arena, index)
-            assert (found.poses, found.arms) == (fresh.poses, fresh.arms)
+            assert (found.poses, found.arms, found.openings) == (fresh.poses, fresh.arms, fresh.openings)
             for _ in range(rng.randrange(20)):
-                arena.act(np.array([rng.uniform(-1.0, 1.0) for _ in range(5)]), "tool")
+                arena.act(np.array([rng.uniform(-1.0, 1.0) for _ in range(size)]), control)
 
 
 def test_witnesses_of_the_same_objects_share_a_world_in_whatever_order_they_have_them(

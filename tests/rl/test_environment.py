@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+import json
 import math
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +13,18 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from numpy.typing import NDArray
 
 import prag_asp.rl
 from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
-from prag_asp.physics import Witness
-from prag_asp.rl import TaskEnv, draws, oracle
+from prag_asp.physics import Budget, Validator, Witness
+from prag_asp.rl import TaskEnv, oracle
+from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
-from prag_asp.rl.sources import fitting
+from prag_asp.rl.tasks import draws
+from prag_asp.rl.tasks.sources import fitting
 from prag_asp.scene.geometry import yaw_of
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given
@@ -160,6 +164,36 @@ def test_going_to_and_fro_and_pushing_what_is_in_the_way_earns_nothing(
     env.close()
 
 
+def moved_to(env: TaskEnv, place: Sequence[float]) -> tuple[float, NDArray[np.floating]]:
+    """Move the closed hand to a place; return what that earns, and what is achieved then."""
+    total = 0.0
+    for _ in range(40):
+        off = np.subtract(place, env.situation.tool("panda").position)
+        observation, gain, ended, *_ = env.step(np.array([*(off / STRIDE), 0.0, -1.0]))
+        total += gain
+        assert not ended
+        if np.abs(off).max() < 0.006:
+            break
+    return total, observation["achieved_goal"]
+
+
+def test_to_push_what_the_subgoal_does_not_speak_of_earns_nothing(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, steps=1000)
+    first, _ = env.reset()
+    others = {"can_1", "cube_2"}.difference(task.actions[0].arguments)
+    assert others
+    for other in sorted(others):
+        begun, home = env.reset()[0]["achieved_goal"][0], env.situation.tool("panda").position
+        x, y, _ = env.situation.pose(other).position
+        places = [(x - 0.12, y, 0.3), (x - 0.12, y, 0.03), (x + 0.05, y, 0.03), (x + 0.05, y, 0.3), home]
+        gains, achieved = zip(*[moved_to(env, place) for place in places], strict=True)
+        assert math.dist(env.situation.pose(other).position, (x, y, 0.0)) > 0.05, "it was not pushed"
+        nearer = env.compute_reward(np.stack([achieved[-1][0], begun]), first["desired_goal"], {})
+        assert sum(gains) <= nearer + 1e-5 and sum(gains) < 0.0, "the fingers are closed"
+    env.close()
+
+
 def test_what_the_options_say_is_begun(space: TaskSpace, given: Mapping[str, list[Given]], env: TaskEnv) -> None:
     _, info = env.reset(options={"rank": 100})
     assert info["task"] == str(space[100]) and info["rank"] == 100
@@ -198,12 +232,25 @@ def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: Task
         {"steps": True}, {"steps": 1.5}, {"discount": "x"}, {"witness": "x"},
         {"stage": "last"}, {"stage": None}, {"stage": 0.0}, {"budget": 3}, {"discount": True},
         {"reward": "dens"}, {"until": "never"}, {"control": "legs"}, {"steps": 0}, {"discount": 0.0},
-        {"reward": "faded", "fade": 0}, {"reward": "faded", "fade": "soon"}, {"space": None},
+        {"reward": "faded", "fade": 0}, {"reward": "faded", "fade": "soon"}, {"space": None}, {"fade": 1.5},
+        {"steps": np.int64(0)}, {"discount": np.float64(1.5)},
     ],
 )  # fmt: skip
 def test_environments_that_mean_nothing_are_refused(space: TaskSpace, asked: dict[str, Any]) -> None:
     with pytest.raises(QueryError):
         TaskEnv(**{"space": space, **asked})
+
+
+def test_numbers_of_numpy_are_numbers(space: TaskSpace) -> None:
+    asked = {"steps": np.int64(2), "fade": np.int32(4), "discount": np.float32(0.5), "stage": np.int8(1)}
+    env = TaskEnv(space, reward="faded", **asked)  # type: ignore[arg-type]
+    env.reset(seed=0)
+    assert [env.step(STILL)[3] for _ in range(2)] == [False, True]
+    gain = env.step(STILL)[1]
+    assert env.reset()[1]["stage"] == 1 and type(gain) is float
+    state = env.state_dict()
+    env.load_state_dict(json.loads(json.dumps(state)))
+    env.close()
 
 
 def test_a_faded_reward_goes_from_dense_to_sparse_over_its_steps(given: Mapping[str, list[Given]]) -> None:
@@ -240,6 +287,45 @@ def test_each_number_of_an_observation_has_a_name(env: TaskEnv) -> None:
     told = seen["body 1: cos turn"], seen["body 1: sin turn"]
     assert told == pytest.approx((math.cos(turn), math.sin(turn)), abs=1e-6)
     assert seen["body 1: dz"] == pytest.approx(at[2] - z, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["two_arms", "kitchen"])
+def test_bodies_are_seen_from_the_arm_that_acts_and_all_of_them_where_asked(
+    name: str, given: Mapping[str, list[Given]]
+) -> None:
+    acted, opened = set(), False
+    for task, witness in given[name]:
+        env = TaskEnv(task=task, witness=witness, everything=True)
+        for stage, action in enumerate(task.actions):
+            observation, _ = env.reset(options={"stage": stage})
+            seen = dict(zip(env.layout.names, observation["observation"].tolist(), strict=True))
+            robot = next(argument for argument in action.arguments if argument in env.layout.robots)
+            tool = env.situation.tool(robot).position
+            assert env.layout.bodies
+            for entity in env.layout.bodies:
+                assert (seen[f"{entity}: is there"] == 1.0) is (entity in env.situation.poses)
+                if entity in env.situation.poses:
+                    at = env.situation.part(entity).position
+                    told = [seen[f"{entity}: {what}"] for what in ("x", "y", "z", "dx", "dy", "dz", "opening")]
+                    opening = env.situation.opening(entity)
+                    assert told == pytest.approx([*at, *np.subtract(at, tool), opening], abs=1e-6)
+                    opened |= opening > 0.1
+            acted.add(robot)
+        env.close()
+    assert acted == set(env.layout.robots) and opened is (name == "kitchen")
+
+
+def test_witnesses_are_looked_for_within_the_budget(space: TaskSpace, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+    validate = Validator.validate
+    monkeypatch.setattr(
+        Validator, "validate", lambda own, task, **more: asked.append(more["budget"]) or validate(own, task, **more)
+    )
+    env = TaskEnv(space, budget=Budget(restarts=7))
+    env.reset(seed=1)
+    env.reset(options={"rank": 3})
+    assert set(asked) == {Budget(restarts=7)}
+    env.close()
 
 
 def test_a_closed_environment_leaves_nothing_behind_and_prints_nothing(tmp_path: Path) -> None:

@@ -16,27 +16,15 @@ from prag_asp.rl import Oracle
 from tests.docs.pages import DOCS, ROOT
 
 SHORTENED = {
-    "oracle.py": ["--count", "1"],
-    "curves.py": ["--steps", "310", "--every", "310", "--training", "2", "--held-out", "1"],
-    "fresh.py": ["--count", "1", "--training", "2"],
-    "standing.py": ["--count", "1", "--length", "2"],
-    "parts.py": [
-        "--approach",
-        "60",
-        "--grasp",
-        "60",
-        "--every",
-        "60",
-        "--seeds",
-        "1",
-        "--training",
-        "3",
-        "--held-out",
-        "1",
-    ],
-    "beside.py": ["--rounds", "1", "--seconds", "0.1"],
-    "lasting.py": ["--steps", "60", "--every", "30"],
-    "chained.py": ["--demonstrations", "2", "--count", "1", "--epochs", "1", "--length", "2"],
+    "oracle.py": "--count 1",
+    "curves.py": "--steps 310 --every 310 --training 2 --held-out 1",
+    "fresh.py": "--count 1 --training 2",
+    "standing.py": "--count 1 --length 2",
+    "parts.py": "--approach 60 --grasp 60 --every 60 --seeds 1 --training 3 --held-out 1",
+    "rates.py": "--blocks 1 --steps 100 --rounds 1 --seconds 0.1",
+    "beside.py": "--rounds 1 --seconds 0.1",
+    "lasting.py": "--steps 60 --every 30",
+    "chained.py": "--demonstrations 2 --count 1 --epochs 1 --length 2",
 }
 
 
@@ -53,7 +41,7 @@ def of(name: str) -> list[str]:
 
 def done(command: list[str], *more: object) -> str:
     name = Path(command[0]).name
-    given = [sys.executable, *command, *SHORTENED[name], *map(str, more)]
+    given = [sys.executable, *command, *SHORTENED[name].split(), *map(str, more)]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     return subprocess.run(given, cwd=ROOT, capture_output=True, text=True, check=True, env=environment).stdout
 
@@ -137,12 +125,25 @@ def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatc
     assert {most for (_, most), (_, told) in verdicts.items() if "no two processes" in told} == {1.6}
 
 
-def test_one_and_two_processes_of_all_kinds_are_measured() -> None:
-    command = [sys.executable, *of("beside.py"), *SHORTENED["beside.py"]]
+@pytest.mark.parametrize(("name", "cells", "ours"), [("beside.py", 4 * 7, 1), ("rates.py", 4 * 6 + 4 * 7, 2)])
+def test_what_environments_do_alone_and_by_twos_is_measured(name: str, cells: int, ours: int) -> None:
+    command = [sys.executable, *of(name), *SHORTENED[name].split()]
     wide = {**os.environ, "COLUMNS": "160"}
     ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=wide)
     told = re.search(r"two processes do ([\d.]+) times what one does, PyBullet alone ([\d.]+) times", ended.stdout)
-    assert told and ended.stdout.count("│") == 4 * 7 and ended.returncode in (0, 1), ended.stderr
+    assert told and ended.stdout.count("│") == cells and ended.returncode in (0, 1), ended.stderr
+    rates = re.findall(r"^│ (?:prag_asp|environment,) tabletop.*?│ +([\d,]+) ", ended.stdout, re.MULTILINE)
+    assert len(rates) == ours and all(int(rate.replace(",", "")) > 0 for rate in rates)
+
+
+def test_what_curricula_cost_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    module = importlib.import_module("curriculum")
+    for name, value in {"SPACES": {"prag": 3}, "COUNT": 4, "TIMES": 1}.items():
+        monkeypatch.setattr(module, name, value)
+    module.main()
+    (row,) = re.findall(r"^│ prag, n = 3 (.*)$", capsys.readouterr().out, re.MULTILINE)
+    assert len(re.findall(r"\d\.\d\d", row)) == 7
 
 
 def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -> None:

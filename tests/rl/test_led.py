@@ -7,6 +7,7 @@ import json
 import tracemalloc
 from collections.abc import Mapping
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
 from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty, TaskEnv
@@ -44,7 +46,7 @@ def begun(env: TaskEnv, count: int, seed: int | None = None) -> list[dict[str, A
 @pytest.mark.parametrize("curriculum", [(Backwards(window=2), Adaptive(lot=4)), Novelty("tasks")])
 def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any, space: TaskSpace) -> None:
     def made() -> TaskEnv:
-        return TaskEnv(space, curriculum=curriculum, steps=1, reward="faded", fade=5)
+        return TaskEnv(space, curriculum=curriculum, steps=1, reward="faded", fade=5, stage="any")
 
     one, two = made(), made()
     with pytest.raises(QueryError, match="no state yet"):
@@ -66,6 +68,34 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
     assert two.state_dict() == state, "what is refused changes nothing"
     one.close()
     two.close()
+
+
+def test_an_environment_of_a_data_set_or_of_one_task_is_resumed(
+    space: TaskSpace, given: Mapping[str, list[Given]], tmp_path: Path
+) -> None:
+    task, witness = given["tabletop"][0]
+    dataset = generate(space, tmp_path / "data", tasks=4, starts=2, seed=1)
+    for asked in ({"dataset": dataset}, {"task": task, "witness": witness}):
+        one, two = (TaskEnv(**asked, stage="any", steps=1) for _ in range(2))  # type: ignore[arg-type]
+        begun(one, 5, seed=3)
+        two.load_state_dict(json.loads(json.dumps(one.state_dict())))
+        told = begun(one, 8)
+        assert told == begun(two, 8) and one.state_dict() == two.state_dict()
+        assert len({(each["task"], each["stage"]) for each in told}) > 2
+        one.close()
+        two.close()
+
+
+def test_tasks_that_options_name_are_not_held_against_the_curriculum_of_tasks(space: TaskSpace) -> None:
+    env = TaskEnv(space, curriculum=Adaptive(lot=2), steps=1)
+    env.reset(seed=0)
+    for options, noted in (({"rank": 100}, 0), ({"task": env.task}, 0), ({}, 1)):
+        env.reset(options=options)
+        while not env.step(STILL)[3]:
+            pass
+        course = env.state_dict()["source"]["course"]
+        assert course["reported"] == noted and bool(course["ends"]) == bool(noted)
+    env.close()
 
 
 def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(space: TaskSpace) -> None:

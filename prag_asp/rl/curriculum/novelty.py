@@ -256,16 +256,18 @@ class Coverage:
         """Draw what is due from now on, where that is rare by other weights; the share of tasks that have it is exact.
 
         The weight of all tasks is a polynomial in that of what is due whose constant term is the weight of those
-        without it; so the share of the others comes as near to 1 as is asked for.
+        without it; so the share of the others comes as near to 1 as is asked for. A name that is also that of a class
+        or an entity cannot be weighed up: what is due with it alone is waited for.
         """
         self._due, self._tries, self._louder = frozenset(due), dict(tries), None
         spaces = map(self._pool.at, lengths_of(self._pool.space))
         without = sum((space.weight_without(due, weights=self._base) for space in spaces), start=Fraction(0))
         self._share = 1 - without / self._usual.total
+        loud = [key for key in due if self._what == "pairs" or key in self._keys.weighable]
         factor = 1
-        while self._share < (RARE if factor == 1 else HALF):
+        while loud and self._share < (RARE if factor == 1 else HALF):
             factor *= LOUDER
-            weights = times(self._base, dict.fromkeys(due, Fraction(factor)))
+            weights = times(self._base, dict.fromkeys(loud, Fraction(factor)))
             self._louder = Stream(self._pool, weights, derived(self._seed, "due", self._times))
             self._share = 1 - without / self._louder.total
         self._times += 1

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 
@@ -147,6 +149,21 @@ def test_what_is_rare_and_due_is_weighed_up_and_still_exact() -> None:
     assert course.told()["due"] == len(counts), "after so many infeasible ones it is given up"
 
 
+def test_a_rare_name_that_is_also_that_of_a_class_is_waited_for(tmp_path: Path) -> None:
+    program = "class(ball). entity(red,ball). fluent(on). action(ball). action(hit). action(rest(1..98))."
+    (tmp_path / "domain.lp").write_text(f"{program} postcondition(ball,on,true). postcondition(hit,on,false).")
+    course = Novelty("names").course(Pool(TaskSpace(load_domain(tmp_path), length=1)))
+    drawn = []
+    for _ in range(3):
+        drawn += course.offer().word
+        course.settle((drawn[-1],), True)
+    assert set(names(drawn)) == {"ball", "hit", "rest"} and course.told() == {"due": 3, "of": 3}
+    course.load_state_dict({**course.state_dict(), "due": ["ball"]})
+    assert [course.offer() for _ in range(2)] == [Offer(("ball",), Fraction(1))] * 2, "it is the only one"
+    course.load_state_dict({**course.state_dict(), "due": ["ball", "hit"]})
+    assert course.offer() == Offer(("hit",), Fraction(64**2, 64**2 + 1)), "what has a weight is weighed up"
+
+
 def test_lengths_come_one_after_another_with_their_shares() -> None:
     spaces = TaskSpaces(load_domain("prag"), range(1, 4))
     course = Lengths(threshold=0.75, window=4, review=0.5).course(Pool(spaces))
@@ -188,6 +205,49 @@ def test_success_becomes_weights_and_the_probability_is_that_of_the_mixture(
         offer = course.offer()
         expected = Fraction(1, 4 * len(tasks)) + Fraction(3, 4) * one.of_plan(plan(space, offer.word)) / all_of_them
         assert offer.probability == expected
+
+
+@pytest.mark.parametrize(
+    "kind", [Adaptive(exploration=0.25, lot=8, window=4), Bandit(lot=6)], ids=["Adaptive", "Bandit"]
+)
+def test_lengths_and_weights_of_the_domain_are_in_the_probability(kind: TaskCurriculum) -> None:
+    usual = {"grasp": Fraction(3), "can": Fraction(1, 2), "move>drop": Fraction(5)}
+    domain = load_domain("prag")
+    spaces = TaskSpaces(replace(domain, settings=replace(domain.settings, weights=usual)), range(3))
+    every = [word for length in (0, 1, 2) for word in spaces.at(length).words()]
+    mentioned = {word: weighable(spaces, word) for word in every}
+
+    def share(word: Word, factors: Mapping[str, Fraction]) -> Fraction:
+        weights = {key: usual.get(key, 1) * factors.get(key, Fraction(1)) for key in {*usual, *factors}}
+        total = sum(math.prod(weights[each] for each in keys if each in weights) for keys in mentioned.values())
+        return math.prod((weights[each] for each in mentioned[word] if each in weights), start=Fraction(1)) / total
+
+    pool = Pool(spaces)
+    course = kind.course(pool)
+    course.seed(1)
+    lengths, factors = set[int](), dict[str, Fraction]()
+    for number in range(30):
+        state, told = course.state_dict(), course.told()
+        offer = course.offer()
+        word = offer.word
+        if "arm" in told:
+            factors = {str(told["arm"]): Fraction(8)}
+            assert offer.probability == share(word, factors)
+        else:
+            factors = {key: Fraction(each) for key, each in state["weights"].items()}
+            assert offer.probability == (share(word, {}) + 3 * share(word, factors)) / 4
+        lengths.add(len(word))
+        task = pool.task(offer).actions
+        attempts = [Attempt(action, task[i - 1] if i else None, number % 3 > 0) for i, action in enumerate(task)]
+        course.report(Episode(len(task), 0, attempts, True))
+    assert factors and lengths == {1, 2}
+
+
+def weighable(spaces: TaskSpaces, word: Word) -> list[str]:
+    """Return what of a task has a weight: its names, its pairs, and once what each entity that it names is."""
+    entities = {argument for action in word for argument in action.rstrip(")").partition("(")[2].split(",")}
+    classes = [str(kind) for entity, kind in spaces.domain.facts.memberships if str(entity) in entities]
+    return [*names(word), *map(">".join, pairwise(names(word))), *entities, *classes]
 
 
 def plan(space: TaskSpace, word: Word) -> list[object]:

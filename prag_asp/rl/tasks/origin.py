@@ -11,7 +11,7 @@ from prag_asp.domain.load import Domain, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.rl.curriculum.course import Plain, StageCurriculum, TaskCurriculum
 from prag_asp.rl.curriculum.pool import Pool
-from prag_asp.rl.sources import DatasetSource, Finder, Source, SpaceSource
+from prag_asp.rl.tasks.sources import DatasetSource, Finder, Source, SpaceSource
 from prag_asp.space.parts.ranked import RankedTasks
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces

@@ -17,8 +17,8 @@ from prag_asp.rl.asking import is_whole
 from prag_asp.rl.curriculum.course import Attempt, Episode
 from prag_asp.rl.goals import Subgoal, subgoals_of
 from prag_asp.rl.observing import Layout, skill
-from prag_asp.rl.origin import Origin
-from prag_asp.rl.sources import Assignment, Finder, OneTask, Source, fitting
+from prag_asp.rl.tasks.origin import Origin
+from prag_asp.rl.tasks.sources import Assignment, Finder, OneTask, Source, fitting
 from prag_asp.task import Task
 
 KEPT = 512

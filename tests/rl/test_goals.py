@@ -1,0 +1,85 @@
+"""When a subgoal is reached: where the predicates say that all of its facts hold, and nowhere else."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from prag_asp.physics import Situation, Witness, physical_task
+from prag_asp.physics.facts import Fact
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.rl import TaskEnv
+from prag_asp.rl.goals import BROUGHT, PLACES, Subgoal, subgoals_of
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.model import Scene
+from tests.chance import Chance
+from tests.rl.conftest import DOMAINS, Given
+
+
+def moments(witness: Witness, scene: Scene) -> Iterator[Situation]:
+    for moment in witness.moments[1:]:
+        yield Situation(scene, moment.poses, moment.arms, moment.openings)
+
+
+@pytest.mark.parametrize("name", DOMAINS)
+def test_a_subgoal_is_reached_where_all_that_is_known_after_its_action_holds(
+    name: str, chance: Chance, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+) -> None:
+    scene, lost, spoilt = scenes[name], 0, 0
+    for task, witness in given[name]:
+        states = physical_task(task, scene).states[1:]
+        for subgoal, facts, situation in zip(
+            subgoals_of(task, scene), states, moments(witness, scene.with_sizes(witness.sizes)), strict=True
+        ):
+            assert set(facts) <= {*subgoal.brought, *subgoal.kept} and max(reached_by(subgoal, situation)) <= 0.0
+            assert set(subgoal.reached(subgoal.measured(situation))) == set(subgoal.names)
+            for moved in pushed(situation, chance.generator(len(situation.poses))):
+                holding = [fact.satisfied(moved) for fact in (*subgoal.brought, *subgoal.kept)]
+                assert (max(reached_by(subgoal, moved)) <= 0.0) == all(holding)
+                told = subgoal.reached(subgoal.measured(moved))
+                assert list(told) == [text for text, holds in zip(subgoal.names, holding, strict=True) if holds]
+                lost += not all(holding)
+                spoilt += not all(holding) and all(holding[: len(subgoal.brought)])
+    assert lost > 20 and spoilt > 5, "what shall stay is lost, too"
+
+
+def pushed(situation: Situation, rng: random.Random) -> Iterator[Situation]:
+    """Yield what becomes of a situation where each of its bodies is somewhere else, several times."""
+    for entity, ((x, y, z), turned) in 4 * list(situation.poses.items()):
+        if not situation.shape(entity).traits.furniture:
+            at = (x + rng.uniform(-0.2, 0.2), y + rng.uniform(-0.2, 0.2), z + rng.choice((0.0, 0.1)))
+            yield replace(situation, poses={**situation.poses, entity: Pose(at, turned)}, measured={})
+
+
+def reached_by(subgoal: Subgoal, situation: Situation) -> list[float]:
+    found = subgoal.placed(subgoal.measured(situation))
+    assert len(found) == PLACES - 1
+    return found
+
+
+def test_facts_without_a_place_of_their_own_count_by_the_worst_of_them() -> None:
+    facts = [Fact(PREDICATES["upright"], (f"body_{number}",), True) for number in range(BROUGHT + 3)]
+    many = Subgoal(tuple(facts[: BROUGHT + 2]), tuple(facts[BROUGHT + 2 :]), ())
+    measured = [0.1 * number for number in range(BROUGHT)] + [-0.5, -0.3, -0.4]
+    assert many.placed(measured) == [*measured[:BROUGHT], -0.3]
+    few = Subgoal(tuple(facts[:2]), tuple(facts[2:4]), ())
+    assert few.placed([0.3, -0.2, -0.1, 0.4]) == [0.3, -0.2, *[0.0] * (BROUGHT - 2), 0.4]
+    assert Subgoal((facts[0],), (), ()).placed([0.3]) == [0.3, *[0.0] * BROUGHT]
+
+
+def test_what_is_told_as_reached_is_what_holds(chance: Chance, given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, steps=1000)
+    rng = np.random.default_rng(chance.seed(2))
+    subgoal = subgoals_of(task, env.scene)[0]
+    _, info = env.reset()
+    for _ in range(20):
+        holding = [fact.satisfied(env.situation) for fact in (*subgoal.brought, *subgoal.kept)]
+        assert info["reached"] == tuple(name for name, holds in zip(subgoal.names, holding, strict=True) if holds)
+        assert 0 < len(info["reached"]) < len(subgoal.names)
+        *_, info = env.step(rng.uniform(-1.0, 1.0, 5))
+    env.close()
