@@ -6,8 +6,11 @@ import gc
 import os
 import secrets
 import signal
+import sys
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +20,11 @@ from hypothesis import is_hypothesis_test
 from tests import chance as chances
 from tests.processes import children
 
+ROOT = Path(__file__).parent
+
 os.environ["PRAG_ASP_CACHE"] = ""
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):  # processes that tests start need not compile the package each time
-    os.environ["PYTHONPYCACHEPREFIX"] = str(Path(__file__).parents[1] / ".pytest_cache" / "compiled")
+    sys.dont_write_bytecode = False
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a shell's background, and so in all that tests interrupt
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -58,6 +63,22 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_configure_node(node: Any) -> None:
     """Tell a process that runs a part of the tests the seed that they all have."""
     node.workerinput["seed"] = node.config.option.seed
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Have each of several processes begin with other tests, so that none of them compiles what another one has.
+
+    What fails here does so again where it is told.
+    """
+    worker = getattr(session.config, "workerinput", None)
+    if worker is None:
+        return
+    asked = {str(Path(each.partition("::")[0]).resolve()) for each in session.config.args}
+    files = [each for each in sorted(ROOT.rglob("test_*.py")) if not asked.isdisjoint(map(str, (each, *each.parents)))]
+    first = int(worker["workerid"].removeprefix("gw")) * len(files) // worker["workercount"]
+    for file in (*files[first:], *files[:first]):
+        with suppress(Exception, pytest.skip.Exception):
+            import_module(".".join(file.relative_to(ROOT.parent).with_suffix("").parts))
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:

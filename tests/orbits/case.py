@@ -222,7 +222,7 @@ class Case:
         from_place = [moved.index(i) for i in range(len(moved))]
         renamed_state = itemgetter(*from_place)
         told = {what: frozenset(map(renamed_state, states)) for what, states in self._said.items()}
-        renamed_action = {name: rename(name, names) for name in self.actions}
+        renamed_action = self._actions_under(names)
         actions = {
             renamed_action[name]: (told["before", name], frozenset(moved[i] for i in action.after), told["after", name])
             for name, action in zip(self.actions, self.toy.actions, strict=True)
@@ -235,7 +235,7 @@ class Case:
     def _meaning(self, place: int, clause: Clause, renamed_action: Names, told: dict[object, States]) -> object:
         """Return what a condition means, or None where all satisfy it, or it speaks of the first or last state."""
         if clause.plan:
-            kept = frozenset(filter(clause.plan, self._sequences))
+            kept = self._kept[place]
             if len(kept) == len(self._sequences):
                 return None
             return frozenset(tuple(map(renamed_action.__getitem__, words)) for words in kept)
@@ -244,14 +244,27 @@ class Case:
         return clause.words
 
     @cached_property
+    def _kept(self) -> dict[int, list[Plan]]:
+        """The sequences of actions that satisfy each condition on a plan, whatever the entities are called."""
+        asked = ((place, clause.plan) for place, clause in enumerate(self.clauses) if clause.plan)
+        return {place: list(filter(satisfies, self._sequences)) for place, satisfies in asked}
+
+    @cached_property
     def _sequences(self) -> list[Plan]:
         return [words for n in range(LONGEST + 1) for words in itertools.product(self.actions, repeat=n)]
 
     def orbits(self, plans: Iterable[Plan], renamings: Iterable[Names] | None = None) -> set[frozenset[Plan]]:
         """Return plans up to all renamings that keep what is said, or up to those of a group of renamings."""
-        names = self.renamings if renamings is None else renamings
-        actions = [{action: rename(action, each) for action in self.actions} for each in names]
-        return {frozenset(tuple(each[action] for action in plan) for each in actions) for plan in plans}
+        under = self._renamed if renamings is None else list(map(self._actions_under, renamings))
+        return {frozenset(tuple(map(each.__getitem__, plan)) for each in under) for plan in plans}
+
+    @cached_property
+    def _renamed(self) -> list[Names]:
+        """What the actions are called under each renaming that keeps what is said."""
+        return list(map(self._actions_under, self.renamings))
+
+    def _actions_under(self, names: Names) -> Names:
+        return {action: rename(action, names) for action in self.actions}
 
 
 def rename(text: str, names: Names) -> str:
