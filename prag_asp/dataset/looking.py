@@ -15,8 +15,8 @@ from prag_asp.dataset.store.looked import Looked, Recorded, Start
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.store.columns import Row
     from prag_asp.dataset.store.told import Telling as Words
-    from prag_asp.dataset.store.told import Told
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget, Demonstration, Staging, Validator, Verdict, Witness
     from prag_asp.scene.model import Scene
@@ -38,14 +38,14 @@ class Draw(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What is known of a draw: a `Looked` as JSON, files of recordings by first states, and its task with its words.
+    """What is known of a draw: a `Looked` as JSON, files of recordings by first states, and its row.
 
-    These are left out where the draw was a task that is told already.
+    That is left out where the draw was a task that is told already.
     """
 
     looked: bytes
     recordings: tuple[bytes | None, ...] = ()
-    told: tuple[Task, Told] | None = None
+    row: Row | None = None
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def answers(messages: Iterator[Any]) -> Iterator[list[Found]]:
 
 @contextmanager
 def looker(look: Look) -> Iterator[Callable[[Sequence[Draw]], list[Found]]]:
-    """Yield what looks at draws; search s of a draw has the index ``search + s * START``.
+    """Yield what looks at draws that are tasks; search s of a draw has the index ``search + s * START``.
 
     So what it finds depends on the seed and these two alone. A search that finds no witness, or one from a first state
     that is there already, is made up for by the next one, up to `TRIES` for each first state.
@@ -97,22 +97,53 @@ def looker(look: Look) -> Iterator[Callable[[Sequence[Draw]], list[Found]]]:
     Raises:
         SceneError: as `answers` does.
     """
-    with ExitStack() as resources:
-        validator = None
-        if look.scene is not None:
-            from prag_asp.physics.worker import opened_validator
-
-            validator = opened_validator(look.scene, resources)
-        told = None if look.telling is None else _teller(look.telling)
+    with _validator(look) as validator:
 
         def found(draws: Sequence[Draw]) -> list[Found]:
-            if told is None:
-                return [_found(look, draw, draw.drawn, validator) for draw in draws if isinstance(draw.drawn, Task)]
-            tasks, words = told
-            drawn = tasks([draw.drawn for draw in draws if not isinstance(draw.drawn, Task)])
-            return [_found(look, draw, task, validator, words) for draw, task in zip(draws, drawn, strict=True)]
+            return [_found(look, draw, draw.drawn, validator)[1] for draw in draws if isinstance(draw.drawn, Task)]
 
         yield found
+
+
+@contextmanager
+def telling_looker(look: Look, telling: Telling) -> Iterator[Callable[[Sequence[Draw]], tuple[list[Found], bytes]]]:
+    """Yield what tells draws as tasks, and looks at them as `looker` does; with what is found come their packed rows.
+
+    Raises:
+        SceneError: as `answers` does.
+    """
+    from prag_asp.dataset.store.columns import Rows, packed
+    from prag_asp.dataset.store.writing import row_of
+
+    tasks, words = _teller(telling)
+    with _validator(look) as validator:
+
+        def found(draws: Sequence[Draw]) -> tuple[list[Found], bytes]:
+            placed = [draw.drawn for draw in draws if not isinstance(draw.drawn, Task)]
+            every, rows = [], Rows("refused")  # whose columns tasks have, too
+            for draw, each, task in zip(draws, placed, tasks(placed), strict=True):
+                looked, known = _found(look, draw, task, validator)
+                every.append(known)
+                rows.add(row_of(each, task, looked, words(task, looked.colours)))
+            return every, packed(rows.table())
+
+        yield found
+
+
+@contextmanager
+def _validator(look: Look) -> Iterator[Validator | None]:
+    """Yield a validator of the scene, where there is one.
+
+    Raises:
+        SceneError: the scene cannot be built.
+    """
+    with ExitStack() as resources:
+        if look.scene is None:
+            yield None
+            return
+        from prag_asp.physics.worker import opened_validator
+
+        yield opened_validator(look.scene, resources)
 
 
 def _teller(telling: Telling) -> tuple[Callable[[Sequence[Placed]], list[Task]], Words]:
@@ -133,14 +164,13 @@ def _teller(telling: Telling) -> tuple[Callable[[Sequence[Placed]], list[Task]],
     return tasks, telling_of(domain, telling.language, telling.seed, telling.phrasings)
 
 
-def _found(look: Look, draw: Draw, task: Task, validator: Validator | None, words: Words | None = None) -> Found:
-    """Return what is known of a draw, with its task and its words where something tells these."""
+def _found(look: Look, draw: Draw, task: Task, validator: Validator | None) -> tuple[Looked, Found]:
+    """Return what is known of a draw, as it is and as it travels."""
     if validator is None:
         looked, recordings = Looked(look.part, draw.number, None, []), tuple[bytes | None, ...]()
     else:
         looked, recordings = _searched(look, draw, task, validator)
-    told = None if words is None else (task, words(task, looked.colours))
-    return Found(msgspec.json.encode(looked), recordings, told)
+    return looked, Found(msgspec.json.encode(looked), recordings)
 
 
 def _searched(look: Look, draw: Draw, task: Task, validator: Validator) -> tuple[Looked, tuple[bytes | None, ...]]:

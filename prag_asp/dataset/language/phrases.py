@@ -12,6 +12,9 @@ from prag_asp.dataset.language.view import PLACES, SIZES, Crowd, Description, Re
 from prag_asp.grammar.read import Grammar, Noun, plain
 from prag_asp.grammar.template import Template, agrees, parse_template
 
+KEPT = 1 << 14
+"""Texts of which it is kept what they mean in a picture."""
+
 
 class Phrases:
     """All noun phrases for the things of a domain."""
@@ -143,15 +146,18 @@ class Phrases:
 
     def read(self, view: View, text: str) -> tuple[frozenset[str], bool]:
         """Return what a phrase or the word for a value can mean in a state, and whether that depends on the state."""
-        known = view.read.get(text)
+        crowd = view.crowd
+        known = crowd.read.get(text) or view.read.get(text)
         if known is None:
-            found, related = self._plainly(view.crowd, text), False
+            found, related = self._plainly(crowd, text), False
             for whats, where in self._modifications(text):
-                for relation in self._relations(view.crowd, where):
+                for relation in self._relations(crowd, where):
                     related = True
                     entities = (view.meant(what._replace(relation=relation)) for what in whats if not what.name)
                     found |= {entity for entity in entities if entity is not None}
-            known = view.read[text] = frozenset(found), related
+            if len(crowd.read) > KEPT:
+                crowd.read.clear()
+            known = (view.read if related else crowd.read)[text] = frozenset(found), related
         return known
 
     def _modifications(self, text: str) -> Iterator[tuple[tuple[Description, ...], str]]:

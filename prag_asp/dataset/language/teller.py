@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
@@ -60,12 +60,15 @@ Clear = tuple[str, str | None]
 class _Sentences:
     """The sentences that tell something: those `given`, and others for where none of them means it alone.
 
-    `known` tells whether the domain has it at all.
+    `things` are what it speaks of, `known` tells whether the domain has it at all, and `clear` keeps which of them does
+    where things are described in a way.
     """
 
     given: tuple[Clause, ...]
     spare: tuple[Clause, ...]
+    things: tuple[str, ...]
     known: bool
+    clear: dict[object, Clear | None] = field(default_factory=dict)
 
     def ways(self, first: int) -> Iterator[tuple[Clause, int]]:
         """Yield them and the ways to say relations in them, from the sentence of a number on."""
@@ -94,9 +97,9 @@ class Teller:
         self._forget()
 
     def _forget(self) -> None:
-        """Begin to keep what tells actions and fluents, and which sentence does where things are described in a way."""
+        """Begin to keep what tells actions and fluents, `_kept` sentences in all."""
         self._sentences: dict[tuple[Atom, bool, bool], _Sentences] = {}
-        self._clear: dict[object, Clear | None] = {}
+        self._kept = 0
         self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> Teller:
@@ -215,10 +218,12 @@ class Teller:
 
     def _note(self, view: View, atoms: Sequence[Atom], named: dict[str, None]) -> None:
         """Note the entities that have to be called by their names."""
+        certain = view.crowd.certain
         for atom in atoms:
-            for argument in atom.arguments:
-                if argument in self.tongue.looks.nouns and view.describe(argument).name:
-                    named[argument] = None
+            if not certain.issuperset(atom.arguments):
+                for argument in atom.arguments:
+                    if argument in self.tongue.looks.nouns and view.describe(argument).name:
+                        named[argument] = None
 
     def _frame(self, level: str) -> str:
         return str(self.tongue.words.frames[level])
@@ -281,15 +286,13 @@ class Teller:
         """
         sentences = self._sentences_of(atom, value, of_actions)
         first = dice.number(len(sentences.given)) if sentences.given and dice else 0
-        key = (view.crowd, atom, value, topic, of_actions, first, view.related(atom.arguments))
+        key = (view.crowd, topic, first, view.related(sentences.things))
         try:
-            found = self._clear[key]
+            found = sentences.clear[key]
         except KeyError:
             found, of_state = self._search(view, sentences.ways(first), (atom, value, of_actions), topic)
             if not of_state:
-                if len(self._clear) > KEPT:
-                    self._clear.clear()
-                self._clear[key] = found
+                self._keep(sentences, key, found)
         if found is not None:
             return found
         where = "actions" if of_actions else "facts"
@@ -300,6 +303,15 @@ class Teller:
             f"no sentence for {atom} that means nothing else; write one that names all that it speaks of "
             f"under [language.{self.tongue.language}.{where}]"
         )
+
+    def _keep(self, sentences: _Sentences, key: object, found: Clear | None) -> None:
+        """Keep which sentence means something alone; forget the others where there are too many."""
+        if self._kept > KEPT:
+            for each in self._sentences.values():
+                each.clear.clear()
+            self._kept = 0
+        sentences.clear[key] = found
+        self._kept += 1
 
     def _search(
         self, view: View, ways: Iterator[tuple[Clause, int]], what: tuple[Atom, bool, bool], topic: str | None
@@ -341,7 +353,8 @@ class Teller:
         if chosen or of_actions:
             given = chosen
         spare = [] if of_actions and self.phrasings.all > 1 else [each for each in usable if each.spare]
-        return _Sentences(tuple(given), tuple(spare), any(atom in clause.atoms for clause in known))
+        things = tuple(each for each in atom.arguments if each in self.tongue.looks.nouns)
+        return _Sentences(tuple(given), tuple(spare), things, any(atom in clause.atoms for clause in known))
 
     def _gender(self, clause: Clause, atom: Atom) -> str:
         """Return the gender of what a sentence names first."""

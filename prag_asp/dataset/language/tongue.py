@@ -58,23 +58,29 @@ class Tongue:
     def _remember(self) -> None:
         """Keep what was worked out for the last pictures and states."""
         self._crowd = lru_cache(maxsize=KEPT)(self._new_crowd)
+        self._crowd_of = lru_cache(maxsize=KEPT)(self._known_crowd)
         self._view = lru_cache(maxsize=KEPT)(self._new_view)
 
     def view(self, start: Start) -> View:
         """Return a state as somebody sees it.
 
+        It is kept where what is said depends on it: a state takes longer to be found again than a view to be made.
+
         Raises:
             QueryError: it speaks of an entity that the domain has not.
         """
-        return self._view(start.entities, start.state)
+        crowd = self._crowd_of(start.entities)
+        return self._new_view(crowd, start.state) if crowd.settled else self._view(crowd, start.state)
 
-    def _new_view(self, entities: frozenset[str], state: State) -> View:
+    def _new_view(self, crowd: Crowd, state: State) -> View:
+        return View(crowd, state, self._subjects, self.phrases.can_say)
+
+    def _known_crowd(self, entities: frozenset[str]) -> Crowd:
         unknown = entities - self._entities
         if unknown:
             hint = did_you_mean(min(unknown), self._entities)
             raise QueryError(f"{self.domain.name} has no entity {min(unknown)}; {hint}")
-        crowd = self._crowd(entities | self.looks.seen if self.looks.pictured else self._entities)
-        return View(crowd, state, self._subjects, self.phrases.can_say)
+        return self._crowd(entities | self.looks.seen if self.looks.pictured else self._entities)
 
     def _new_crowd(self, entities: frozenset[str]) -> Crowd:
         return Crowd(self.looks, entities)

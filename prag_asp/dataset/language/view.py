@@ -61,7 +61,7 @@ class Description(NamedTuple):
 
 
 class Crowd:
-    """The things that one picture shows, and what fits them whatever the state."""
+    """The things that one picture shows, and what fits them whatever the state; `read` keeps what phrases mean then."""
 
     def __init__(self, looks: Looks, entities: frozenset[str]) -> None:
         self.looks = looks
@@ -69,8 +69,18 @@ class Crowd:
         self._groups: dict[str, tuple[str, ...]] = {}
         self._best: dict[str, Description | None] = {}
         self._short: dict[str, Description | None] = {}
-        self._settled: dict[tuple[str, ...], bool] = {}
         self._meant: dict[Description, str | None] = {}
+        self.read: dict[str, tuple[frozenset[str], bool]] = {}
+
+    @cached_property
+    def certain(self) -> frozenset[str]:
+        """The things whose best description is the same whatever the state."""
+        return frozenset(entity for entity in self.entities if self.short(entity) is not None)
+
+    @property
+    def settled(self) -> bool:
+        """Whether that is so of all of them."""
+        return len(self.certain) == len(self.entities)
 
     def fits(self, what: Description, entity: str) -> bool | None:
         """Tell whether all but the relation of a description fits an entity; None where it is in doubt."""
@@ -99,13 +109,6 @@ class Crowd:
             enough = best is not None and (not self.looks.pictured or sum(map(bool, best[1:])) <= 1)
             self._short[entity] = best if enough else None
         return self._short[entity]
-
-    def settled(self, arguments: tuple[str, ...]) -> bool:
-        """Tell whether each of some arguments has a description that is the best one whatever the state."""
-        found = self._settled.get(arguments)
-        if found is None:
-            found = self._settled[arguments] = all(map(self.short, arguments))
-        return found
 
     def properties(self, entity: str) -> Iterator[Description]:
         """Yield what can be said of an entity, the shortest first (full brevity, Dale 1989).
@@ -201,12 +204,11 @@ class View:
             self._described[entity] = self.crowd.short(entity) or self._search(entity)
         return self._described[entity]
 
-    def related(self, arguments: tuple[str, ...]) -> tuple[Description | None, ...]:
-        """Return the descriptions of arguments that have relations: all others are the same in every state."""
-        if self.crowd.settled(arguments):
+    def related(self, things: tuple[str, ...]) -> tuple[Description | None, ...]:
+        """Return the descriptions of things that have relations: all others are the same in every state."""
+        if self.crowd.certain.issuperset(things):
             return ()
-        found = (self.describe(each) if each in self.crowd.looks.nouns else None for each in arguments)
-        return tuple(each if each is not None and each.relation is not None else None for each in found)
+        return tuple(each if each.relation is not None else None for each in map(self.describe, things))
 
     def _search(self, entity: str) -> Description:
         """Return the best description: relations cost as much as a property, and come after those."""

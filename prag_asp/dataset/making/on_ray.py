@@ -20,7 +20,7 @@ from itertools import islice
 from time import monotonic, sleep
 from typing import Any
 
-from prag_asp.dataset.looking import Draw, Found, Look, looker
+from prag_asp.dataset.looking import Draw, Found, Look, telling_looker
 from prag_asp.errors import WorkerError
 from prag_asp.processes.children import Child, Children, Ended, uninterrupted
 from prag_asp.processes.stage import stage
@@ -63,6 +63,8 @@ class Cluster:
             SceneError: a task speaks of something for which the scene has no shape.
             WorkerError: there is no cluster, or nodes were lost again and again.
         """
+        from prag_asp.dataset.store.columns import Row, unpacked
+
         stage("looking at tasks on the cluster")
         with Children(__name__, complaints=subprocess.DEVNULL) as children:
             try:
@@ -73,7 +75,9 @@ class Cluster:
                         if isinstance(answer, int):
                             talker.send(list(islice(draws, answer)))
                         else:
-                            yield from pickle.loads(answer)
+                            every, rows = pickle.loads(answer)
+                            table = unpacked(rows)
+                            yield from (each._replace(row=Row(table, place)) for place, each in enumerate(every))
                 finally:
                     with uninterrupted():
                         _let_go(talker)
@@ -92,7 +96,7 @@ def _let_go(talker: Child) -> None:
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
     """Yield how many draws are wanted, and get them, fewer where there are no more; yield what is known of some.
 
-    That passes through as the node has pickled it: a list of `Found`.
+    That passes through as the node has pickled it: a list of `Found`, and their rows.
 
     First of all comes how they are looked at; None comes last.
 
@@ -208,7 +212,8 @@ def looked_at(run: str, look: Look, draws: list[Draw]) -> tuple[bytes, Exception
         if _KEPT.run != run:
             _KEPT.resources.close()
             _KEPT.run, _KEPT.resources = "", ExitStack()
-            _KEPT.look, _KEPT.run = _KEPT.resources.enter_context(looker(look)), run
+            assert look.telling is not None
+            _KEPT.look, _KEPT.run = _KEPT.resources.enter_context(telling_looker(look, look.telling)), run
             begun = monotonic()
         return pickle.dumps(_KEPT.look(draws)), None, monotonic() - begun
     except Exception as error:

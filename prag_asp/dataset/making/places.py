@@ -23,7 +23,7 @@ class Place(Protocol):
 
     @property
     def tells(self) -> bool:
-        """Whether draws come without their tasks, which are told there."""
+        """Whether draws come without their tasks, which are told there, and found with their rows."""
         ...
 
     def look(self, draws: Iterator[Draw], look: Look) -> Generator[Found, None, None]:

@@ -61,12 +61,14 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True)
 class Content:
-    """What is known of a draw, as it is written, and what was found just now, None where the journal has had it."""
+    """What is known of a draw, as it is written, and what was found just now, None where the journal has had it.
+
+    It is told as a task, in words, or has a row already.
+    """
 
     placed: Placed
-    task: Task
     looked: Looked
-    words: Told
+    told: tuple[Task, Told] | None
     found: Found | None = None
 
 
@@ -192,7 +194,10 @@ class Run:
                     writer.take(given._replace(recordings=rows))
                 elif (content := next(contents, None)) is not None:
                     looked = self._noted(writer, content)
-                    writer.add(content.placed, content.task, looked, content.words)
+                    if content.told is not None:
+                        writer.add(content.placed, content.told[0], looked, content.told[1])
+                    elif content.found is not None and content.found.row is not None:
+                        writer.add_row(content.placed, content.found.row, looked)
                 else:
                     return
                 self._added(writer)
@@ -218,7 +223,7 @@ class Run:
         first = list(islice(drawn, len(left)))
         known = list(takewhile(lambda pair: pair[0][0] == pair[1].draw, zip(first, left, strict=False)))
         for ((_, placed), looked), task in zip(known, self._tasks(placed for (_, placed), _ in known), strict=True):
-            yield Content(placed, task, looked, self._telling(task, looked.colours))
+            yield Content(placed, looked, (task, self._telling(task, looked.colours)))
         yield from self._found(name, chain(first[len(known) :], drawn))
 
     def _found(self, name: str, drawn: Iterator[tuple[int, Placed]]) -> Generator[Content, None, None]:
@@ -241,12 +246,8 @@ class Run:
             for each in found:
                 placed, task = handed.popleft()
                 looked = msgspec.json.decode(each.looked, type=Looked)
-                if each.told is not None:
-                    task, words = each.told
-                else:
-                    assert task is not None
-                    words = self._telling(task, looked.colours)
-                yield Content(placed, task, looked, words, each)
+                told = None if task is None else (task, self._telling(task, looked.colours))
+                yield Content(placed, looked, told, each)
 
     def _tasks(self, placed: Iterable[Placed]) -> Iterator[Task]:
         """Yield draws as tasks, which are told many together."""

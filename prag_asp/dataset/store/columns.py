@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
+import numpy as np
 import pyarrow as pa
 
 from prag_asp.atom import Atom
+from prag_asp.dataset.store.arrays import array_of, bits, lists_of, texts_of
 from prag_asp.dataset.store.schema import FACTS, SCHEMAS
 from prag_asp.task import FrozenDict
 
@@ -16,6 +18,18 @@ TOGETHER = 256
 """Rows that wait as lists, which take much room; more are kept as Arrow has them."""
 
 Known = Mapping[Atom, bool]
+
+
+class Fluents(dict[Atom, int]):
+    """Numbers of the fluents of some rows, each the next one when it is first asked for: rows share most of them."""
+
+    def __missing__(self, fluent: Atom) -> int:
+        self[fluent] = number = len(self)
+        return number
+
+    def texts(self) -> pa.Array:
+        """Return the text of each, by its number."""
+        return texts_of([str(fluent) for fluent in self])
 
 
 class Column(Protocol):
@@ -42,44 +56,61 @@ class Plain:
 
     def array(self) -> pa.Array:
         """Return the values."""
-        return pa.array(self._values, self._kind)
+        return array_of(self._values, self._kind)
 
 
 class Facts:
-    """What is known of a state, for each row."""
+    """What is known of a state, for each row; `fluents` are those of all columns."""
 
-    def __init__(self) -> None:
-        self._ends, self._fluents, self._values = [0], list[str](), list[bool]()
+    def __init__(self, fluents: Fluents) -> None:
+        self._fluents, self._sizes = fluents, array("i")
+        self._numbers, self._values = array("i"), bytearray()
+        self._told: dict[int, tuple[Known, array[int], bytes]] = {}
 
     def add(self, known: Known) -> None:
         """Add what is known of a state."""
-        fluents, values = _spelled(known) if isinstance(known, FrozenDict) else _texts(known)
-        self._fluents += fluents
+        _, numbers, values = self._told.get(id(known)) or self._spelled(known)
+        self._sizes.append(len(values))
+        self._numbers.extend(numbers)
         self._values += values
-        self._ends.append(len(self._values))
+
+    def _spelled(self, known: Known) -> tuple[Known, array[int], bytes]:
+        """Return a state, its fluents by their numbers, and their values: what never changes is spelled once."""
+        told = known, array("i", map(self._fluents.__getitem__, known)), bytes(known.values())
+        if isinstance(known, FrozenDict):
+            self._told[id(known)] = told
+        return told
 
     def array(self) -> pa.Array:
         """Return the values."""
-        columns = [pa.array(self._fluents, pa.string()), pa.array(self._values, pa.bool_())]
-        facts = pa.StructArray.from_arrays(columns, fields=list(FACTS.value_type))
-        return pa.ListArray.from_arrays(pa.array(self._ends, pa.int32()), facts, type=FACTS)
+        numbers = pa.Array.from_buffers(pa.int32(), len(self._numbers), [None, pa.py_buffer(self._numbers)])
+        values = pa.Array.from_buffers(pa.bool_(), len(self._values), [None, bits(np.frombuffer(self._values, "?"))])
+        facts = pa.StructArray.from_arrays([self._fluents.texts().take(numbers), values], fields=[*FACTS.value_type])
+        return lists_of(self._sizes, facts, FACTS)
 
 
 class States:
     """What is known of several states, for each row."""
 
-    def __init__(self) -> None:
-        self._ends, self._facts = [0], Facts()
+    def __init__(self, fluents: Fluents) -> None:
+        self._sizes, self._facts = array("i"), Facts(fluents)
 
     def add(self, states: Sequence[Known]) -> None:
         """Add what is known of some states."""
         for known in states:
             self._facts.add(known)
-        self._ends.append(self._ends[-1] + len(states))
+        self._sizes.append(len(states))
 
     def array(self) -> pa.Array:
         """Return the values."""
-        return pa.ListArray.from_arrays(pa.array(self._ends, pa.int32()), self._facts.array(), type=pa.list_(FACTS))
+        return lists_of(self._sizes, self._facts.array(), pa.list_(FACTS))
+
+
+class Row(NamedTuple):
+    """A row of a table that has others, too; its place there."""
+
+    table: pa.Table
+    place: int
 
 
 class Rows:
@@ -90,7 +121,7 @@ class Rows:
         # What is read names the items of lists otherwise, which would show in the bytes.
         self._whole = [] if before is None else [before.cast(self._schema)]
         self._columns, self._waiting = self._new(), 0
-        self._taken, self._numbers = list[pa.Table](), dict[str, list[int]]()
+        self._taken, self._numbers = list[tuple[pa.Table, int, int]](), dict[str, list[int]]()
         self.count = 0 if before is None else before.num_rows
 
     def add(self, row: Mapping[str, Any]) -> None:
@@ -104,15 +135,19 @@ class Rows:
         if self._waiting == TOGETHER:
             self._gather()
 
-    def take(self, rows: pa.Table, **numbers: int) -> None:
-        """Add rows of another such table, with other `numbers` in some columns."""
+    def take(self, row: Row, rows: int = 1, **numbers: int) -> None:
+        """Add some rows of another table, from one on, with other `numbers` in some columns, which it may lack."""
         if self._waiting and not self._taken:
             self._gather()
-        self._taken.append(rows)
+        table, first, last = self._taken[-1] if self._taken else (None, 0, 0)
+        if table is row.table and last == row.place:  # a piece costs as much as many rows do
+            self._taken[-1] = (row.table, first, last + rows)
+        else:
+            self._taken.append((row.table, row.place, row.place + rows))
         for name, number in numbers.items():
-            self._numbers.setdefault(name, []).extend([number] * rows.num_rows)
-        self.count += rows.num_rows
-        self._waiting += rows.num_rows
+            self._numbers.setdefault(name, []).extend([number] * rows)
+        self.count += rows
+        self._waiting += rows
         if self._waiting >= TOGETHER:
             self._gather()
 
@@ -123,11 +158,14 @@ class Rows:
 
     def _gather(self) -> None:
         if self._taken:
-            taken = pa.concat_tables(self._taken).cast(self._schema)
-            for name, numbers in self._numbers.items():
-                field = self._schema.field(name)
-                taken = taken.set_column(self._schema.get_field_index(name), field, pa.array(numbers, field.type))
-            self._whole.append(taken)
+            own = pa.schema([field for field in self._schema if field.name not in self._numbers])
+            taken = pa.concat_tables(table.slice(first, last - first) for table, first, last in self._taken)
+            taken = taken.select(own.names).cast(own)
+            columns = [
+                array_of(self._numbers[field.name], field.type) if field.name in self._numbers else taken[field.name]
+                for field in self._schema
+            ]
+            self._whole.append(pa.Table.from_arrays(columns, schema=self._schema))
             self._taken, self._numbers, self._waiting = [], {}, 0
         elif self._waiting:
             arrays = [column.array() for column in self._columns.values()]
@@ -135,23 +173,26 @@ class Rows:
             self._columns, self._waiting = self._new(), 0
 
     def _new(self) -> dict[str, Column]:
-        return {field.name: _column(field.type) for field in self._schema}
+        fluents = Fluents()
+        return {field.name: _column(field.type, fluents) for field in self._schema}
 
 
-def _column(kind: pa.DataType) -> Column:
+def _column(kind: pa.DataType, fluents: Fluents) -> Column:
     if kind == FACTS:
-        return Facts()
-    return States() if kind == pa.list_(FACTS) else Plain(kind)
+        return Facts(fluents)
+    return States(fluents) if kind == pa.list_(FACTS) else Plain(kind)
 
 
-@lru_cache(maxsize=1 << 13)
-def _spelled(known: FrozenDict[Atom, bool]) -> tuple[list[str], list[bool]]:
-    return _texts(known)
+def packed(table: pa.Table) -> bytes:
+    """Return rows as they travel."""
+    stream = pa.BufferOutputStream()
+    with pa.ipc.new_stream(stream, table.schema) as writer:
+        writer.write_table(table)
+    content: bytes = stream.getvalue().to_pybytes()
+    return content
 
 
-def _texts(known: Known) -> tuple[list[str], list[bool]]:
-    return list(map(_text, known)), list(known.values())
-
-
-_text = lru_cache(maxsize=1 << 16)(str)
-"""The text of a fluent: the states of a space have few fluents, each in thousands of states."""
+def unpacked(content: bytes) -> pa.Table:
+    """Return rows that have travelled."""
+    with pa.ipc.open_stream(content) as reader:
+        return reader.read_all()

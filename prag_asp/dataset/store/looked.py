@@ -31,7 +31,8 @@ class Start(msgspec.Struct):
     @property
     def text(self) -> str | None:
         """The witness as JSON, None where there is none."""
-        return None if bytes(self.witness) == bytes(NOTHING) else bytes(self.witness).decode()
+        content = bytes(self.witness)
+        return None if content == bytes(NOTHING) else content.decode()
 
 
 class Looked(msgspec.Struct):
@@ -46,6 +47,11 @@ class Looked(msgspec.Struct):
     def passed(self) -> bool:
         """Whether it is a task of the data set, and not one of those refused."""
         return self.verdict is None or self.verdict["status"] == "feasible"
+
+    @property
+    def witnesses(self) -> int:
+        """How many first states have a witness."""
+        return sum(bytes(start.witness) != bytes(NOTHING) for start in self.starts)
 
     @property
     def colours(self) -> Mapping[str, str]:

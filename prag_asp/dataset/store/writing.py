@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import pyarrow as pa
 
-from prag_asp.dataset.store.columns import Rows
+from prag_asp.dataset.store.columns import Row, Rows
 from prag_asp.dataset.store.kept import digest_of
 from prag_asp.dataset.store.looked import Looked, Start
 from prag_asp.dataset.store.manifest import Cause, LengthTally, PartNote, Reason, Shard, summed
@@ -69,30 +69,39 @@ class PartWriter:
 
     def add(self, placed: Placed, task: Task, looked: Looked, words: Told) -> None:
         """Add a draw, and what is known of it."""
-        row = _row(placed, task, looked, words)
-        texts = [start.text for start in looked.starts]
-        witnesses = sum(text is not None for text in texts)
+        row, witnesses = row_of(placed, task, looked, words), looked.witnesses
         if looked.passed:
-            number = self.tasks
-            self._rows["tasks"].add({**row, "task": number, "starts": witnesses})
-            for start, (each, text) in enumerate(zip(looked.starts, texts, strict=True)):
-                self._add_start(number, start, each, text)
+            self._rows["tasks"].add({**row, "task": self.tasks, "starts": witnesses})
         else:
             self._rows["refused"].add(row)
-        self._tally(_tally(len(task), looked.verdict, witnesses), self._ours)
+        self._looked_at(looked, len(task))
+
+    def add_row(self, placed: Placed, row: Row, looked: Looked) -> None:
+        """Add a draw whose row was made elsewhere, and what is known of it."""
+        if looked.passed:
+            self._rows["tasks"].take(row, task=self.tasks, starts=looked.witnesses)
+        else:
+            self._rows["refused"].take(row)
+        self._looked_at(looked, len(placed.word))
+
+    def _looked_at(self, looked: Looked, length: int) -> None:
+        """Add the first states of the draw whose row was added last, and count it."""
+        for start, each in enumerate(looked.starts) if looked.passed else ():
+            self._add_start(self.tasks - 1, start, each)
+        self._tally(_tally(length, looked.verdict, looked.witnesses), self._ours)
         self._draws += 1
 
     def take(self, given: Given) -> None:
         """Add a draw as another data set has it, with the numbers that it has here."""
         if given.passed:
             number = self.tasks
-            self._rows["tasks"].take(given.row, task=number, draw=self.next)
+            self._rows["tasks"].take(Row(given.row, 0), task=number, draw=self.next)
             if given.witnesses is not None:
-                self._rows["witnesses"].take(given.witnesses, task=number)
+                self._rows["witnesses"].take(Row(given.witnesses, 0), given.witnesses.num_rows, task=number)
             for row in given.recordings:
                 self._rows["recordings"].add({**row, "task": number})
         else:
-            self._rows["refused"].take(given.row, draw=self.next)
+            self._rows["refused"].take(Row(given.row, 0), draw=self.next)
         self._tally(_tally(given.length, given.verdict, given.starts), given.versions)
         self._draws += 1
 
@@ -140,9 +149,9 @@ class PartWriter:
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
         self._versions = {*tail.versions.split(TOGETHER)}
 
-    def _add_start(self, task: int, start: int, found: Start, text: str | None) -> None:
-        """Add a first state of a task, with the text of its witness."""
-        of_it = {"task": task, "start": start}
+    def _add_start(self, task: int, start: int, found: Start) -> None:
+        """Add a first state of a task."""
+        of_it, text = {"task": task, "start": start}, found.text
         if text is not None:
             self._rows["witnesses"].add({**of_it, "index": found.index, "witness": text})
         if found.recording is not None:
@@ -156,7 +165,7 @@ class PartWriter:
             self._tallies = summed(self._tallies)
 
 
-def _row(placed: Placed, task: Task, looked: Looked, words: Told) -> dict[str, Any]:
+def row_of(placed: Placed, task: Task, looked: Looked, words: Told) -> dict[str, Any]:
     """Return what tables of tasks say of a draw."""
     return {
         "draw": looked.draw,
