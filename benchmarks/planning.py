@@ -1,172 +1,179 @@
 """Tasks of the planning competitions beside the tools that others use: python benchmarks/planning.py CHECKOUT.
 
-CHECKOUT is a copy of the public collection aibasel/downward-benchmarks. Of each family the first tasks are taken whose
-shortest plan Fast Downward finds (up-fast-downward); their plans of that length, and of one and a half times it, are
-counted. The peers are installed by: pip install kstar-planner pyganak. A peer that is missing, fails or takes longer
-than the limit has not counted; K* lists shortest plans alone. Seconds are of processor time, actions cost 1. It ends
-with code 1 where two counts differ.
+CHECKOUT is a copy of the public collection aibasel/downward-benchmarks. Of each family of an optimal track the first
+tasks are taken whose shortest plan Fast Downward finds (up-fast-downward) within the limit; their plans of that length,
+and of one and a half times it, are counted. The peers are installed by: pip install kstar-planner pyganak. A peer that
+is missing, fails or takes longer than the limit has not counted, and is not asked for longer plans. Seconds are of
+processor time, actions cost 1, and each tool has 4 GB. With --answers FILE, what is known stays there, and is not asked
+again: a run may be broken off, go on, take more tasks or a higher limit. It ends with code 1 where two counts differ.
 """
 
 from __future__ import annotations
 
-import re
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import islice
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
 import click
-from peers_process import Run, measured
+from peers_process import measured
+from planning_answers import Answer, Answers
+from planning_tasks import PlanningTask, first_tasks, with_unit_costs
 from rich.console import Console
 from rich.table import Table
 
 SCRIPT = Path(__file__).parent / "peers_planning.py"
+OURS = "prag_asp"
 PEERS = ("kstar", "pyganak", "clingo")
-TOOLS = ("prag_asp", *PEERS)
-COMMENT = re.compile(r";[^\n]*")
-METRIC = re.compile(r"\(\s*:metric\b", re.IGNORECASE)
+TOOLS = (OURS, *PEERS)
+MANY = 1000
+"""Plans beyond which counting is held to be another question than listing."""
 
 
 @dataclass(frozen=True)
-class Question:
-    """A task, a number of actions, and whether no plan is shorter."""
+class Row:
+    """What the tools say of a task and a length; no plan is shorter than `shortest`."""
 
-    name: str
-    domain: Path
-    problem: Path
+    task: str
     length: int
-    shortest: bool
+    shortest: int
+    answers: Mapping[str, Answer]
+
+    @property
+    def counts(self) -> list[int]:
+        """The different counts."""
+        return sorted({each.count for each in self.answers.values() if each.count is not None})
+
+    def counted(self, tool: str) -> bool:
+        """Tell whether a tool has counted."""
+        return tool in self.answers and self.answers[tool].count is not None
+
+    def times(self, peer: str) -> float:
+        """Return how many times our seconds a peer takes."""
+        return self.answers[peer].seconds / self.answers[OURS].seconds
+
+    def cells(self) -> list[str]:
+        """Return the cells of the table: the task, the length, the count and the seconds of each tool."""
+        told = " or ".join(f"{count:,}" if count < 10**15 else f"{count:.1e}" for count in self.counts)
+        seconds = (
+            ("" if tool not in self.answers else f"{self.answers[tool].seconds:.2f}" if self.counted(tool) else "-")
+            for tool in TOOLS
+        )
+        return [self.task, str(self.length), told, *seconds]
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What one tool says of a question; without a count, why not."""
+class Asking:
+    """Asks tools of tasks, each within a limit; of those that are not `asked`, what is known is looked up."""
 
-    count: int | None
-    seconds: float
-    accepted: bool
-    failure: str
+    answers: Answers
+    asked: frozenset[str]
+    limit: float
+    folder: Path
 
-    @classmethod
-    def of(cls, run: Run) -> Answer:
-        """Return what a run has told."""
-        last = run.results[-1] if run.results else {}
-        return cls(last.get("count"), last.get("seconds", 0.0), bool(run.results), run.failure)
+    def rows(self, task: PlanningTask) -> Iterator[Row]:
+        """Yield what the tools say of the plans of both lengths; nothing where it is not known which is the first."""
+        plain = with_unit_costs(task, self.folder)
+        found = self._answer("shortest", plain, 0, 0)
+        shortest = found.count if found else None
+        if not shortest:
+            return
+        said: dict[str, Answer] = {}
+        for length in dict.fromkeys([shortest, shortest * 3 // 2]):
+            for tool in TOOLS:
+                if tool in said and said[tool].count is None:
+                    said[tool] = replace(said[tool], length=length)
+                elif (answer := self._answer(tool, plain, length, shortest)) is not None:
+                    said[tool] = answer
+                else:
+                    said.pop(tool, None)
+            yield Row(task.name, length, shortest, dict(said))
 
-
-def tasks(family: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield the domain and the problem of each task of a family, in the order of their numbers."""
-    files = sorted(family.glob("*.pddl"), key=lambda path: (list(map(int, re.findall(r"\d+", path.stem))), path.name))
-    for problem in files:
-        own = (
-            f"domain_{problem.name}",
-            f"{problem.stem}-domain.pddl",
-            f"{problem.stem[:3]}-domain.pddl",
-            "domain.pddl",
-        )
-        found = next((family / name for name in own if (family / name).is_file()), None)
-        if found and "domain" not in problem.name:
-            yield found, problem
-
-
-def without_metric(text: str) -> str:
-    """Return a problem without its metric, so that each action costs 1."""
-    text = COMMENT.sub("", text)
-    found = METRIC.search(text)
-    if not found:
-        return text
-    depth, end = 1, found.end()
-    while depth:
-        depth += {"(": 1, ")": -1}.get(text[end], 0)
-        end += 1
-    return text[: found.start()] + text[end:]
+    def _answer(self, tool: str, task: PlanningTask, length: int, shortest: int) -> Answer | None:
+        words = [tool, str(task.domain), str(task.problem), str(length), str(shortest)]
+        ask = partial(measured, SCRIPT, words, self.limit) if tool in self.asked else None
+        return self.answers.get(task.name, tool, length, self.limit, ask)
 
 
-def questions(checkout: Path, families: Sequence[str], first: int, limit: float, folder: Path) -> Iterator[Question]:
-    """Yield the tasks whose shortest plan is found, each with two lengths."""
-    for name in families or sorted(path.name for path in checkout.iterdir() if any(path.glob("*.pddl"))):
-        for domain, problem in islice(tasks(checkout / name), first):
-            plain = folder / f"{name}-{problem.name}"
-            plain.write_text(without_metric(problem.read_text(errors="replace")))
-            length = Answer.of(measured(SCRIPT, ["shortest", str(domain), str(plain), "0"], limit)).count
-            if length:
-                yield Question(f"{name}/{problem.stem}", domain, plain, length, shortest=True)
-                if length > 1:
-                    yield Question(f"{name}/{problem.stem}", domain, plain, length * 3 // 2, shortest=False)
-
-
-def asked(question: Question, peers: Sequence[str], limit: float) -> dict[str, Answer]:
-    """Return what each tool says of a question."""
-    words = [str(question.domain), str(question.problem), str(question.length)]
-    chosen = [
-        tool for tool in TOOLS if tool == "prag_asp" or (tool in peers and (question.shortest or tool != "kstar"))
-    ]
-    return {tool: Answer.of(measured(SCRIPT, [tool, *words], limit)) for tool in chosen}
-
-
-def row(question: Question, answers: dict[str, Answer]) -> list[str]:
-    """Return a row of the table: the task, the length, the count and the seconds of each tool."""
-    counts = sorted({answer.count for answer in answers.values() if answer.count is not None})
-    told = " or ".join(f"{count:,}" if count < 10**15 else f"{count:.1e}" for count in counts)
-    seconds = (f"{answers[t].seconds:.2f}" if t in answers and answers[t].count is not None else "-" for t in TOOLS)
-    return [question.name, str(question.length), told, *seconds]
-
-
-def summary(found: Sequence[tuple[Question, dict[str, Answer]]]) -> Iterator[str]:
-    """Yield what all tasks together say, a line for each kind of length and each peer."""
-    for kind, told in ((True, "shortest"), (False, "half as long again")):
-        rows = [answers for question, answers in found if question.shortest == kind]
-        if not rows:
+def summary(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield what all tasks together say, for each kind of length: of ours, then of each peer beside ours."""
+    for first, told in ((True, "shortest plans"), (False, "half as long again")):
+        some = [row for row in rows if (row.length == row.shortest) == first and OURS in row.answers]
+        if not some:
             continue
-        accepted, counted = (
-            sum(each["prag_asp"].accepted for each in rows),
-            sum(each["prag_asp"].count is not None for each in rows),
-        )
-        yield f"{told}: {len(rows)} tasks, {accepted / len(rows):.0%} accepted, {counted / len(rows):.0%} counted"
+        accepted, counted = (sum(row.answers[OURS].accepted for row in some), sum(row.counted(OURS) for row in some))
+        yield f"{told}: {len(some)} tasks, {accepted / len(some):.1%} accepted, {counted / len(some):.1%} counted"
         for peer in PEERS:
-            theirs = [each for each in rows if peer in each and each[peer].count is not None]
-            both = [
-                each[peer].seconds / each["prag_asp"].seconds for each in theirs if each["prag_asp"].count is not None
-            ]
-            if theirs:
-                times = f"; its seconds are {median(both):.1f} times ours in the median of both" if both else ""
-                yield f"{told}: {peer} counts {len(theirs) / len(rows):.0%}{times}"
+            yield from (f"{told}: {line}" for line in _beside(peer, [row for row in some if peer in row.answers]))
+
+
+def _beside(peer: str, rows: Sequence[Row]) -> Iterator[str]:
+    """Yield how a peer and ours do on the tasks that the peer was asked of."""
+    if not rows:
+        return
+    theirs, ours = (sum(row.counted(tool) for row in rows) for tool in (peer, OURS))
+    yield f"{peer} counts {theirs} of {len(rows)}, ours {ours}"
+    both = [row for row in rows if row.counted(peer) and row.counted(OURS)]
+    kinds = {
+        "all": both,
+        f"up to {MANY:,} plans": [row for row in both if row.counts[0] <= MANY],
+        f"more than {MANY:,} plans": [row for row in both if row.counts[0] > MANY],
+    }
+    for kind, some in kinds.items():
+        if some:
+            times = median(row.times(peer) for row in some)
+            yield f"{peer} takes {times:.1f} times our seconds, in the median of the {len(some)} counts of both, {kind}"
 
 
 @click.command()
 @click.argument("checkout", type=click.Path(exists=True, file_okay=False, path_type=Path))
-@click.option("--family", "families", multiple=True, help="Family to take; all of them, unless given.")
+@click.option("--family", "families", multiple=True, help="Family to take; all of the optimal tracks, unless given.")
 @click.option("--first", default=5, show_default=True, help="Tasks of each family.")
 @click.option(
     "--limit", type=float, default=60, show_default=True, help="Processor seconds for each tool and question."
 )
 @click.option(
-    "--peer", "peers", multiple=True, default=PEERS, type=click.Choice(PEERS), help="Peer to ask; all of them."
+    "--peer", "peers", multiple=True, type=click.Choice([*PEERS, "none"]), help="Peer to ask; all, unless given."
 )
-def main(checkout: Path, families: tuple[str, ...], first: int, limit: float, peers: tuple[str, ...]) -> None:
+@click.option(
+    "--answers", "path", type=click.Path(dir_okay=False, path_type=Path), help="File that keeps what is known."
+)
+@click.option("--ask/--look", default=True, help="Ask what is not known, or tell of what is known alone.")
+def main(
+    checkout: Path, families: tuple[str, ...], first: int, limit: float, peers: tuple[str, ...], path: Path, ask: bool
+) -> None:
     """Print a table of counts and seconds, what is refused and why, and what all tasks together say."""
-    console = Console(width=None if sys.stdout.isatty() else 160)
-    table = Table("task", "length", "plans", *TOOLS)
-    found: list[tuple[Question, dict[str, Answer]]] = []
+    asked = frozenset(["shortest", OURS, *(peers or PEERS)] if ask else [])
     with TemporaryDirectory() as folder:
-        for question in questions(checkout.resolve(), families, first, limit, Path(folder)):
-            found.append((question, asked(question, peers, limit)))
-            table.add_row(*row(*found[-1]))
-            print(*row(*found[-1]), file=sys.stderr)  # noqa: T201
+        asking = Asking(Answers(path), asked, limit, Path(folder))
+        rows: list[Row] = []
+        for task in first_tasks(checkout.resolve(), families, first):
+            for row in asking.rows(task):
+                rows.append(row)
+                print(*row.cells(), sep="  ", file=sys.stderr, flush=True)  # noqa: T201
+    show(sorted(rows, key=lambda row: row.task))
+    sys.exit(any(len(row.counts) > 1 for row in rows))
+
+
+def show(rows: Sequence[Row]) -> None:
+    """Print a table of all rows, and what they say together."""
+    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
+    table = Table("task", "length", "plans", *TOOLS)
+    for row in rows:
+        table.add_row(*row.cells())
     console.print(table)
-    for question, answers in found:
-        ours = answers["prag_asp"]
-        if ours.count is None:
-            console.print(f"- {question.name}, length {question.length}: {ours.failure}", highlight=False)
-    for line in summary(found):
-        console.print(line, highlight=False)
-    faults = [q for q, a in found if len({each.count for each in a.values() if each.count is not None}) > 1]
-    for question in faults:
-        console.print(f"FAULT: counts of {question.name} at length {question.length} differ", highlight=False)
-    sys.exit(bool(faults))
+    for row in rows:
+        ours = row.answers.get(OURS)
+        if ours and ours.count is None:
+            console.print(f"- {row.task}, length {row.length}: {ours.failure}", markup=False)
+    for line in summary(rows):
+        console.print(line)
+    for row in rows:
+        if len(row.counts) > 1:
+            console.print(f"FAULT: counts of {row.task} at length {row.length} differ")
 
 
 if __name__ == "__main__":

@@ -176,7 +176,10 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
     known = {frozenset(pair) for pair in domain.facts.impossible}
     added = {frozenset(pair): pair for pair in impossible if frozenset(pair) not in known}
     return replace(
-        domain, program=program, facts=replace(domain.facts, impossible=impossible), learned=tuple(added.values())
+        domain,
+        program=program,
+        facts=replace(domain.facts, impossible=impossible, steady=()),
+        learned=tuple(added.values()),
     )
 
 

@@ -6,7 +6,7 @@ Helmert 2009), as ``encodings/reachable.lp`` says it of the facts of the base pa
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ import clingo
 
 from prag_asp.lint.occurrence import STATE_PREDICATES
 from prag_asp.lint.origin import Origins
-from prag_asp.program.facts import Facts
+from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import REACHABLE, Source, read_sources
@@ -51,10 +51,9 @@ def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statem
     states, or read what is left out.
     """
     others = [each for each in statements if each.path.parent != encodings]
-    makes = any(atom.signature in MAKING for each in others for atom in each.heads)
     reads = any(atom.signature == LEFT_OUT for each in others for atom in each.body)
     control = grounder.control
-    if makes or reads or control.is_conflicting:
+    if reads or _make_states(statements, encodings) or control.is_conflicting:
         return Unreached()
     grounder.state(clingo.Function("left_out", [term]) for term in facts.left_out)
     grounder.ground([("reachable", [])])
@@ -72,6 +71,23 @@ def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statem
     never = tuple(action for action in facts.actions if (action,) not in reached)
     missing = tuple(each for each in facts.goal if (each[0], clingo.Function(each[1])) not in standing)
     return Unreached(never, missing) if reached else Unreached((), missing, next(iter(facts.tried), None))
+
+
+def steady_values(facts: Facts, statements: Sequence[Statement], encodings: Path) -> Assignment:
+    """Return fluents that have the same value in every state, with it: what no action that is tried sets, stays.
+
+    None is found where rules other than the `encodings` make states, or where invariants tell of fluents as well.
+    """
+    if facts.exclusive or facts.implies or facts.impossible or _make_states(statements, encodings):
+        return ()
+    changed = {fluent for action in facts.tried for fluent, _ in facts.postconditions.get(action, ())}
+    return tuple(each for each in facts.initially if each[0] not in changed)
+
+
+def _make_states(statements: Iterable[Statement], encodings: Path) -> bool:
+    """Return whether rules other than the `encodings` make states."""
+    others = (each for each in statements if each.path.parent != encodings)
+    return any(atom.signature in MAKING for each in others for atom in each.heads)
 
 
 def unreached_problems(found: Unreached, origins: Origins) -> Iterator[Problem]:

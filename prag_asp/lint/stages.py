@@ -19,7 +19,7 @@ from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
-from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources, unreached_problems
+from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources, steady_values, unreached_problems
 from prag_asp.lint.recursion import recursion_problems
 from prag_asp.lint.size import size_problems
 from prag_asp.lint.table import name_problems, table_problems
@@ -99,6 +99,7 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     if encodings and relaxed and _can_leave_out(statements):
         unreached = find_unreached(grounder, left, statements, encodings)
         left = replace(left, unreached=unreached.actions)
+        left = replace(left, steady=steady_values(left, statements, encodings))
         if not any(each.name == "no-plan" for each in judge.warnings):
             judge.take(unreached_problems(unreached, origins))
     ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))

@@ -11,7 +11,7 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground import GroundStep, ground_plan, ground_step
-from prag_asp.logic.ground.program import canonical_program, closed_program, whole_program, with_facts
+from prag_asp.logic.ground.program import canonical_program, closed_program, weighing_program, whole_program
 from prag_asp.logic.ground.stationary import StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
@@ -20,7 +20,7 @@ from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.logic.symmetry.symmetry import find_symmetries, may_interchange
 from prag_asp.logic.symmetry.uneven import stated_unevenly
 from prag_asp.processes.stage import stage
-from prag_asp.program.sources import ADDED, Program, read_sources
+from prag_asp.program.sources import ADDED, Program
 
 INTERCHANGEABLE = "looking for interchangeable entities"
 LOOP_FREE = ("conditions", "loop_free.lp")
@@ -47,9 +47,11 @@ class Model:
 
     @cached_property
     def whole(self) -> Model:
-        """The model whose steps try every action, those that are never reached as well."""
+        """The model whose steps try every action from every state, those that are never reached as well."""
         facts = self.domain.facts
-        return Model(replace(self.domain, facts=replace(facts, unreached=()))) if facts.unreached else self
+        if not (facts.unreached or facts.steady):
+            return self
+        return Model(replace(self.domain, facts=replace(facts, unreached=(), steady=())))
 
     @cached_property
     def reads(self) -> StepReads:
@@ -86,7 +88,7 @@ class Model:
         """
         if self.part_of is not None:
             return self.part_of.symmetries(length)
-        if self.domain.facts.unreached:
+        if self.whole is not self:
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
@@ -176,6 +178,4 @@ class Model:
         if not weighed:
             return build_transition(self._task_step if tells_apart else self.step, labels)
         program = self.task_program(0) if tells_apart else self.program
-        rules = read_sources(self.domain.encodings / "rules" / "weights.lp", self.domain.encodings)
-        weighing = with_facts(Program((*program.sources, *rules)), weighed)
-        return build_transition(self._stratified(weighing), labels)
+        return build_transition(self._stratified(weighing_program(self.domain, program, weighed)), labels)

@@ -36,7 +36,8 @@ class Facts:
     it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``. `left_out`
     are the actions and composites that are declared, but can never occur; nothing else of such an action is kept.
     `unreached` are those of the actions that never occur because nothing ever makes what they need: no step tries them,
-    and all that they state is kept.
+    and all that they state is kept. `steady` are fluents that have the same value in every state, with it: no action
+    that is tried sets one of them. Not all such fluents need be known.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
@@ -56,6 +57,7 @@ class Facts:
     free: tuple[clingo.Symbol, ...]
     left_out: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
     unreached: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
+    steady: Assignment = field(default_factory=tuple)
 
     def __getattr__(self, name: str) -> Any:
         """Ground what is stated where that was put off until somebody asks for it (see `ground_later`)."""

@@ -61,6 +61,12 @@ class Grounder:
             for atom in atoms:
                 backend.add_rule([backend.add_atom(atom)])
 
+    def leave_open(self, atoms: Iterable[clingo.Symbol]) -> None:
+        """Have the parts that are ground later take it for possible that each of some atoms holds."""
+        with self.control.backend() as backend:
+            for atom in atoms:
+                backend.add_external(backend.add_atom(atom))
+
     def _run(self, work: Callable[[], None]) -> None:
         self._messages.clear()
         self._checks.overflows.clear()

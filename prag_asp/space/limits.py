@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from time import monotonic
 from typing import TypeVar
 
@@ -106,17 +104,6 @@ def stopped_at(limit: str, found: int, level: str, length: int) -> LimitReached:
 def allow_more(limit: str) -> str:
     """Return what to do about a limit, given in words: the command's option that moves it."""
     return f"allow more (--{'time' if limit.startswith('the time') else 'memory'})"
-
-
-def cache_folder() -> Path | None:
-    """Return the folder of the cache: ``PRAG_ASP_CACHE``, or one in the user's; None where that variable is empty."""
-    own = os.environ.get("PRAG_ASP_CACHE")
-    if own is not None:
-        return Path(own) if own else None
-    try:
-        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "prag_asp"
-    except RuntimeError:  # there is no home
-        return None
 
 
 def parse_memory(text: str) -> int:

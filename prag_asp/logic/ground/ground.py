@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -33,6 +33,9 @@ CONTRACT = {("holds", 3), ("occurs", 2)}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
 OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
+
+Seeds = dict[clingo.Symbol, None]
+"""What step t-1 may have, timed atoms without their time, in the order in which clingo is told of them."""
 
 
 class Rule(NamedTuple):
@@ -84,20 +87,20 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
 
 def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     seeds = _seeds(facts, reads)
-    started = _start(program)
-    if _initial(started[0], reads) <= seeds and not _may_carry(started[0], program, reads):
+    started = _start(program, reads)
+    if started.initial <= seeds.keys() and not _may_carry(started.grounder, program, reads):
         ground = _ground_once(started, program, seeds, facts, reads)
         if not _unforeseen(ground, seeds, reads):  # nothing but the state is carried along
             return ground
-        started = _start(program)
+        started = _start(program, reads)
     endless = _add_carried(seeds, program, reads)
     for _ in range(_most_steps(program, reads)):
         ground = _ground_once(started, program, seeds, facts, reads)
         new = _unforeseen(ground, seeds, reads)
         if not new or endless:
             break
-        seeds |= new
-        started = _start(program)
+        seeds |= dict.fromkeys(sorted(new))
+        started = _start(program, reads)
     else:
         endless = _signature(min(new))
     if not endless:
@@ -115,10 +118,10 @@ def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
     return bool(carried) and may_derive(program, grounder.control.symbolic_atoms, CONTRACT, carried)
 
 
-def _unforeseen(ground: GroundStep, seeds: set[clingo.Symbol], reads: StepReads) -> set[clingo.Symbol]:
+def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[clingo.Symbol]:
     """Return what the start or a step makes that the next step reads, but that was not left open before it."""
-    made = {symbol for symbol in ground.now if _signature(symbol) in reads.previous}
-    return (made | ground.initial) - seeds
+    made = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
+    return made | (ground.initial - seeds.keys())
 
 
 def _most_steps(program: Program, reads: StepReads) -> int:
@@ -134,7 +137,7 @@ def _most_steps(program: Program, reads: StepReads) -> int:
     return FEW_STEPS + 2 * max(numbers, default=0)
 
 
-def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) -> Signature | None:
+def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
     """Add to `seeds` what steps may carry along; return a predicate that does not come to an end.
 
     Steps are ground one after another, and looked at after 1, 2, 4, ... of them.
@@ -145,7 +148,7 @@ def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) 
     grounder = Grounder(program)
     grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
-    _declare(grounder, seeds | _initial(grounder, reads), [])
+    _declare(grounder, seeds | dict.fromkeys(sorted(_initial(grounder, reads))), [])
     most, steps = _most_steps(program, reads), 0
     sizes: dict[clingo.Symbol, int] = {}
     while True:
@@ -157,11 +160,11 @@ def _add_carried(seeds: set[clingo.Symbol], program: Program, reads: StepReads) 
         large = next((symbol for symbol in found if measured(symbol, sizes, _size) > MOST_SYMBOLS), None)
         if large is not None:
             return _signature(timeless(large))
-        seeds |= {timeless(symbol) for symbol in found if symbol.arguments[-1] != last}
-        new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds
+        seeds |= dict.fromkeys(timeless(symbol) for symbol in found if symbol.arguments[-1] != last)
+        new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds.keys()
         if not new:
             return None
-        seeds |= new
+        seeds |= dict.fromkeys(sorted(new))
         if steps > most or len(atoms) > MOST_ATOMS:
             return _signature(min(new))
 
@@ -179,13 +182,22 @@ def _signature(symbol: clingo.Symbol) -> Signature:
     return symbol.name, len(symbol.arguments) + 1
 
 
-def _seeds(facts: Facts, reads: StepReads) -> set[clingo.Symbol]:
-    seeds: set[clingo.Symbol] = set()
+def _seeds(facts: Facts, reads: StepReads) -> Seeds:
+    """Return what step t-1 may have by the contract; fluents that are steady have the value of the start."""
+    seeds: Seeds = {}
     if ("holds", 3) in reads.previous:
-        seeds |= {clingo.Function("holds", [fluent, value]) for fluent in facts.fluents for value in OPEN_VALUES}
+        seeds |= dict.fromkeys(clingo.Function("holds", each) for each in _open_values(facts))
     if ("occurs", 2) in reads.previous:
-        seeds |= {clingo.Function("occurs", [action]) for action in facts.tried}
+        seeds |= dict.fromkeys(clingo.Function("occurs", [action]) for action in facts.tried)
     return seeds
+
+
+def _open_values(facts: Facts) -> Iterator[list[clingo.Symbol]]:
+    """Yield the fluents, each with each value that a state may give it."""
+    steady = {fluent: clingo.Function(value) for fluent, value in facts.steady}
+    for fluent in facts.fluents:
+        for value in (steady[fluent],) if fluent in steady else OPEN_VALUES:
+            yield [fluent, value]
 
 
 class _Recorder(clingo.Observer):
@@ -209,32 +221,33 @@ class _Recorder(clingo.Observer):
         self.obstacles.append("the program uses a theory")
 
 
-def _ground_once(
-    started: tuple[Grounder, _Recorder], program: Program, seeds: set[clingo.Symbol], facts: Facts, reads: StepReads
-) -> GroundStep:
-    grounder, recorder = started
+def _ground_once(started: _Started, program: Program, seeds: Seeds, facts: Facts, reads: StepReads) -> GroundStep:
+    grounder, recorder = started.grounder, started.recorder
     # What `not p(_,t)` reads is defined by rules that clingo makes as soon as the atoms p(X,t) are there.
     recorder.part = "step"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
-    told = [clingo.Function("state", [f, value, NOW]) for f in facts.fluents for value in OPEN_VALUES]
+    told = [clingo.Function("state", [*each, NOW]) for each in _open_values(facts)]
     _declare(grounder, seeds, told)
     _ground_parts(grounder, recorder, ("step", "hindsight"))
     if grounder.control.is_conflicting:
         return _ground_start(program, told, reads)
-    recorder.part = "step"
-    _open_start(grounder, reads)
-    _ground_parts(grounder, recorder, ("check", "ending"))
-    return _recorded(grounder, recorder, reads)
+    return _ground_end(started, reads)
 
 
 def _ground_start(program: Program, told: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
     """Ground what judges a plan without a step, where no state allows one: clingo grounds nothing after a conflict."""
-    grounder, recorder = _start(program)
-    recorder.part = "step"
-    _declare(grounder, (), told)
-    _open_start(grounder, reads)
-    _ground_parts(grounder, recorder, ("check", "ending"))
-    return _recorded(grounder, recorder, reads)
+    started = _start(program, reads)
+    started.recorder.part = "step"
+    _declare(started.grounder, (), told)
+    return _ground_end(started, reads)
+
+
+def _ground_end(started: _Started, reads: StepReads) -> GroundStep:
+    """Ground what judges the state after a step, or that at the start."""
+    started.recorder.part = "step"
+    _open_start(started)
+    _ground_parts(started.grounder, started.recorder, ("check", "ending"))
+    return _recorded(started.grounder, started.recorder, reads)
 
 
 def _ground_parts(grounder: Grounder, recorder: _Recorder, parts: Iterable[str]) -> None:
@@ -250,23 +263,16 @@ def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
     return {timeless(symbol) for symbol in found if symbol.arguments[-1] == START}
 
 
-def _open_start(grounder: Grounder, reads: StepReads) -> None:
+def _open_start(started: _Started) -> None:
     """Leave open which atoms that only the start has are there: the check of a plan without a step reads them."""
-    atoms = grounder.control.symbolic_atoms
-    missing = [at_now for at_now in sorted(map(_now, _initial(grounder, reads))) if atoms[at_now] is None]
-    grounder.control.add("start", [], "\n".join(f"#external {atom}." for atom in missing))
-    grounder.ground([("start", [])])
-
-
-def _now(symbol: clingo.Symbol) -> clingo.Symbol:
-    return clingo.Function(symbol.name, [*symbol.arguments, NOW])
+    atoms = started.grounder.control.symbolic_atoms
+    at_now = (clingo.Function(each.name, [*each.arguments, NOW]) for each in sorted(started.initial))
+    started.grounder.leave_open(each for each in at_now if atoms[each] is None)
 
 
 def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:
     """Leave open what step t-1 may have, and the atoms `told`."""
-    open_atoms = [*(clingo.Function(s.name, [*s.arguments, BEFORE]) for s in sorted(seeds)), *told]
-    grounder.control.add("before", [], "\n".join(f"#external {atom}." for atom in open_atoms))
-    grounder.ground([("before", [])])
+    grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *told])
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
@@ -275,10 +281,10 @@ def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
     Raises:
         DomainError: clingo cannot ground the program.
     """
-    grounder, recorder = _start(program)
-    recorder.part = "step"
-    grounder.ground(unrolled(length))
-    return _recorded(grounder, recorder, reads)
+    started = _start(program, reads)
+    started.recorder.part = "step"
+    started.grounder.ground(unrolled(length))
+    return _recorded(started.grounder, started.recorder, reads)
 
 
 def unrolled(length: int) -> list[Part]:
@@ -296,37 +302,45 @@ def unrolled(length: int) -> list[Part]:
     return [*steps, ("check", [clingo.Number(length)])]
 
 
-def _start(program: Program) -> tuple[Grounder, _Recorder]:
+class _Started(NamedTuple):
+    """The base part of a program, ground, and what holds at the start, without its time."""
+
+    grounder: Grounder
+    recorder: _Recorder
+    initial: set[clingo.Symbol]
+
+
+def _start(program: Program, reads: StepReads) -> _Started:
     grounder, recorder = Grounder(program), _Recorder()
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
-    return grounder, recorder
+    return _Started(grounder, recorder, _initial(grounder, reads))
 
 
 def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> GroundStep:
     obstacles = [*reads.obstacles, *recorder.obstacles]
     names: dict[int, clingo.Symbol] = {}
-    before: dict[clingo.Symbol, int] = {}
-    now: dict[clingo.Symbol, int] = {}
+    found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
     atoms = grounder.control.symbolic_atoms
-    signatures = sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)})
-    for atom in (atom for signature in signatures for atom in atoms.by_signature(*signature)):
-        symbol = atom.symbol
-        *arguments, time = symbol.arguments
-        if time == START:
-            initial.add(clingo.Function(symbol.name, arguments))
-            if not atom.is_fact:
-                obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
-            continue
-        names[atom.literal] = symbol
-        if time in (NOW, BEFORE):
-            (now if time == NOW else before)[clingo.Function(symbol.name, arguments)] = atom.literal
+    for signature in sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)}):
+        for atom in atoms.by_signature(*signature):
+            symbol = atom.symbol
+            *arguments, time = symbol.arguments
+            if time == START:
+                initial.add(clingo.Function(signature[0], arguments))
+                if not atom.is_fact:
+                    obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
+                continue
+            literal = atom.literal
+            names[literal] = symbol
+            if time in found:
+                found[time][clingo.Function(signature[0], arguments)] = literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
         obstacles.append("the base part makes a choice")
     return GroundStep(
         {part: tuple(rules) for part, rules in recorder.rules.items()},
-        names, before, now, frozenset(initial),
+        names, found[BEFORE], found[NOW], frozenset(initial),
         consistent=not any(not rule.heads for rule in recorder.rules.get("base", [])),
         obstacles=tuple(dict.fromkeys(obstacles)),
     )  # fmt: skip

@@ -10,7 +10,7 @@ import clingo
 
 from prag_asp.domain.load import Domain
 from prag_asp.program.facts import Facts
-from prag_asp.program.sources import ADDED, Program, Source, owned, read_sources
+from prag_asp.program.sources import ADDED, CONTRACT, Program, Source, owned, read_sources
 from prag_asp.program.tokens import blanked
 
 DEPENDING = re.compile(
@@ -19,10 +19,21 @@ DEPENDING = re.compile(
 )
 """Predicates that depend on how invariants are stated, and those of `closed_invariants.lp` alone."""
 
+NAME, MENTIONS = re.compile(r"\bname\b"), re.compile(r"\bmentions\b")
+DESCRIBING = (CONTRACT, "skeleton.lp")
+"""The encodings that describe what the library adds, and name the actions that occur."""
+
 
 def whole_program(domain: Domain) -> Program:
-    """Return the program of a domain with `name` and `mentions` for all actions, and `left_out` for those not tried."""
-    return with_facts(domain.program, _added_facts(domain.facts))
+    """Return the program of a domain with `left_out` for actions not tried, and with `name` and `mentions` if read."""
+    return with_facts(domain.program, _added_facts(domain.facts, domain.program))
+
+
+def weighing_program(domain: Domain, program: Program, weighed: Sequence[str]) -> Program:
+    """Return the program of a domain with the rules that tell what weights depend on, and the facts `weighed`."""
+    whole = Program((*program.sources, *_rules(domain, "weights")))
+    told = weighed if _read(program, MENTIONS) else [*weighed, *_mentioned(domain.facts)]
+    return with_facts(whole, told)
 
 
 def closed_program(domain: Domain) -> Program | None:
@@ -48,7 +59,7 @@ def canonical_program(
     program = Program((*domain.program.sources, *rules))
     pairs = [f"successor({d},{e})." for group in groups for d, e in pairwise(group)]
     told = chain.from_iterable(_unit_facts(number, units) for number, units in enumerate(joint))
-    return with_facts(program, [*_added_facts(domain.facts), *pairs, *told])
+    return with_facts(program, [*_added_facts(domain.facts, program), *pairs, *told])
 
 
 def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterator[str]:
@@ -80,13 +91,24 @@ def action_name(action: clingo.Symbol) -> str:
     return action.name if action.type == clingo.SymbolType.Function and action.name else str(action)
 
 
-def _added_facts(facts: Facts) -> list[str]:
+def _added_facts(facts: Facts, program: Program) -> list[str]:
+    """Return what the library adds, but for what no file of the program reads: actions can be thousands."""
+    named = facts.actions if _read(program, NAME) else facts.tried
     added = [f"left_out({term})." for term in (*facts.left_out, *facts.unreached)]
+    added += [f"name({action},{action_name(action)})." for action in named]
+    return [*added, *_mentioned(facts)] if _read(program, MENTIONS) else added
+
+
+def _mentioned(facts: Facts) -> Iterator[str]:
     for action in facts.actions:
-        added.append(f"name({action},{action_name(action)}).")
         for position, entity in enumerate(mentioned_entities(action, facts.entities), 1):
-            added.append(f"mentions({action},{position},{entity}).")
-    return added
+            yield f"mentions({action},{position},{entity})."
+
+
+def _read(program: Program, predicate: re.Pattern[str]) -> bool:
+    """Return whether a file may read a predicate: one that speaks of it, but for those that speak of it in any case."""
+    files = (each.text for each, own in owned(program) if own or each.path.name not in DESCRIBING)
+    return any(map(predicate.search, files))
 
 
 def with_facts(program: Program, facts: Sequence[str]) -> Program:

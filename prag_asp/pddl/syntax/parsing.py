@@ -12,19 +12,18 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from prag_asp.errors import DomainError
-from prag_asp.missing import require_pddl
+from prag_asp.pddl.syntax.grammar import KINDS, grammar
 from prag_asp.pddl.syntax.nodes import Node, Word
 from prag_asp.pddl.syntax.sections import ORDER, arranged
 from prag_asp.program.sources import read_text
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from lark import Lark, Token, Tree
+    from lark import Token, Tree
 
 DEEPEST = 100
 """How deep parentheses may be nested."""
@@ -32,7 +31,6 @@ DEEPEST = 100
 COMMENT = re.compile(r";[^\n]*")
 BEGIN = re.compile(r"\s*\(\s*define\s*\(\s*(\w+)")
 WORDS = re.compile(r"([:?]?[\w-]+|\S|)\s*([:?]?[\w-]*)")
-KINDS = ("domain", "problem")
 
 SECTIONS = frozenset([*ORDER["domain"], *ORDER["problem"], ":derived", ":action"])
 
@@ -63,11 +61,11 @@ def parse(path: Path, kind: str) -> Node:
     def refuse(at: int, told: str) -> NoReturn:
         raise DomainError(f"{path}:{bisect_left(ends, at) + 1}: {told}") from None
 
-    grammar, given = _grammar(), arranged(text, kind, refuse)
+    parser, given = grammar(), arranged(text, kind, refuse)
     from lark import UnexpectedInput
 
     try:
-        return _node(grammar.parse(given.text, start=kind), lambda at: bisect_left(ends, given.origin(at)) + 1)
+        return _node(parser.parse(given.text, start=kind), lambda at: bisect_left(ends, given.origin(at)) + 1)
     except UnexpectedInput as error:
         at = min(error.pos_in_stream or 0, len(given.text))
         refuse(given.origin(at), _told(given.text, at, kind))
@@ -137,19 +135,3 @@ def _check_parentheses(path: Path, text: str) -> None:
     if depth:
         line, open_ones = text.rstrip().count("\n") + 1, plural(depth, "'('", "'('")
         raise DomainError(f"{path}:{line}: the file ends, and {open_ones} is open; close each with a ')'")
-
-
-@cache
-def _grammar() -> Lark:
-    """Return the parser of the grammar."""
-    require_pddl()
-    from lark import Lark
-    from pddl.parser import GRAMMAR_FILE, PARSERS_DIRECTORY
-
-    return Lark(
-        GRAMMAR_FILE.read_text(encoding="utf-8"),
-        parser="lalr",
-        import_paths=[PARSERS_DIRECTORY],
-        start=list(KINDS),
-        propagate_positions=True,
-    )

@@ -12,6 +12,7 @@ from prag_asp.errors import LimitReached
 from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
+from prag_asp.output.kept import cache_folder
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
@@ -19,7 +20,7 @@ from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import FEW_STATES, HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more, cache_folder
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more
 from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from unittest.mock import patch
 import numpy as np
 
 from prag_asp.domain.load import load_domain
+from prag_asp.output.kept import checksum
 from prag_asp.space.engines import automaton
-from prag_asp.space.engines import cache as shelf
 from prag_asp.space.task_space import TaskSpace
 from tests.fuzz.kinds.domains import _files, under
 from tests.fuzz.kinds.texts import SEEDS, broken
@@ -66,4 +66,4 @@ def forged(content: bytes, chance: Random) -> bytes:
     arrays["accepting"] = ~arrays["accepting"] if chance.random() < 0.5 else np.ones_like(arrays["accepting"])
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)
-    return buffer.getvalue() + shelf._checksum(buffer.getvalue())
+    return buffer.getvalue() + checksum(buffer.getvalue())

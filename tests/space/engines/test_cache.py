@@ -14,10 +14,11 @@ import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.logic.model import Model
+from prag_asp.output.kept import cache_folder
 from prag_asp.space.engines import cache, stored
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.cache import Entry, read_entry, write_entry
-from prag_asp.space.limits import Limits, cache_folder
+from prag_asp.space.limits import Limits
 from tests.domains import domain_of
 from tests.logic.symmetry.test_joint import SAUCERS
 
