@@ -20,7 +20,7 @@ from curves import begun, reaches
 from rich.console import Console
 from rich.table import Table
 from stable_baselines3 import SAC
-from starts import FRESH, TRAINING, require_apart, starts
+from starts import FRESH, TRAINING, FromStarts, require_apart, starts
 
 from prag_asp.rl import Rate
 from prag_asp.rl.rewards import REWARDS
@@ -53,21 +53,12 @@ def main() -> None:
         others = starts(skill, options.training, seed=TRAINING, without=unseen)
         require_apart(others, given, tasks=unseen is not None or length != LENGTHS[0])
         test = begun(given, "sparse")
-        for reward, seeds in learned:
-            rates = []
-            for path in seeds:
-                model = SAC.load(path, device="cpu")
-                rates.append(Rate(sum([reaches(model, test) for _ in given]), len(given)))
-                rows.append(
-                    {
-                        "skill": skill,
-                        "reward": reward,
-                        "policy": path.stem,
-                        "length": length,
-                        "successes": rates[-1].successes,
-                        "trials": rates[-1].trials,
-                    }
-                )
+        for reward, policies in learned:
+            rates = [_rate(SAC.load(path, device="cpu"), test, len(given)) for path in policies]
+            rows += [
+                {"skill": skill, "reward": reward, "policy": path.stem, "length": length, **rate._asdict()}
+                for path, rate in zip(policies, rates, strict=True)
+            ]
             together = Rate(sum(rate.successes for rate in rates), sum(rate.trials for rate in rates))
             each = ", ".join(f"{float(rate.share):.2f}" for rate in rates)
             table.add_row(skill, reward, str(length), each, str(together))
@@ -75,6 +66,11 @@ def main() -> None:
     options.output.mkdir(parents=True, exist_ok=True)
     pq.write_table(pa.Table.from_pylist(rows), options.output / f"fresh{added}.parquet")
     Console().print(table)
+
+
+def _rate(model: SAC, test: FromStarts, count: int) -> Rate:
+    """Return how many of so many subgoals a policy reaches."""
+    return Rate(sum([reaches(model, test) for _ in range(count)]), count)
 
 
 def _seeds(models: Path, name: str, reward: str) -> list[Path]:

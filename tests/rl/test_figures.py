@@ -65,7 +65,7 @@ def test_the_curves_are_those_that_are_kept(skill: str, reward: str, kind: str, 
     assert {row["seed"] for row in ends} == {0, 1, 2} and {f"{row['step']:,} steps" for row in ends} == {steps}
     seconds = sum(row["processor_seconds"] for row in ends) / 3
     assert cells(f"{kind}, {steps}") == [f"{each(ends)} of 30", together(ends), f"{seconds:.0f} s"]
-    found = [[row for row in kept("fresh", skill=skill, length=length) if reward in row["policy"]] for length in (2, 3)]
+    found = [kept("fresh", skill=skill, reward=reward, length=length) for length in (2, 3)]
     assert {len(rows) for rows in found} == {3}
     assert cells(kind) == [cell for rows in found for cell in (f"{each(rows)} of 30", together(rows))]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -12,7 +13,7 @@ import pytest
 from prag_asp.physics import Situation, Witness, physical_task
 from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.rl import TaskEnv
+from prag_asp.rl import TaskEnv, oracle
 from prag_asp.rl.goals import BROUGHT, PLACES, Subgoal, subgoals_of
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.model import Scene
@@ -83,3 +84,22 @@ def test_what_is_told_as_reached_is_what_holds(chance: Chance, given: Mapping[st
         assert 0 < len(info["reached"]) < len(subgoal.names)
         *_, info = env.step(rng.uniform(-1.0, 1.0, 5))
     env.close()
+
+
+@pytest.mark.parametrize("name", ["kitchen", "tabletop"])
+def test_what_is_remembered_of_bodies_changes_no_distance(name: str, given: Mapping[str, list[Given]]) -> None:
+    opened, last = 0, None
+    for task, witness in given[name][:3]:
+        env = TaskEnv(task=task, witness=witness, reward="sparse", steps=1000)
+        env.reset()
+        for action in itertools.islice(oracle(env), 150):
+            ended = env.step(action)[2]
+            subgoal = subgoals_of(task, env.scene)[env.stage]
+            anew = replace(env.situation, measured={})
+            assert subgoal.measured(env.situation) == subgoal.measured(anew) and env.situation.bodies == anew.bodies
+            opened += env.situation.openings != last
+            last = env.situation.openings
+            if ended:
+                break
+        env.close()
+    assert (opened > 30) is (name == "kitchen")

@@ -126,6 +126,7 @@ def test_only_tasks_of_the_part_are_given(space: TaskSpace) -> None:
     env = TaskEnv(space, part=part, steps=1)
     told = begun(env, 6, seed=2)
     assert {info["task"] for info in told} <= set(map(str, part)) and sum(info["rejected"] for info in told)
+    assert env.state_dict()["source"]["number"] == sum(1 + info["rejected"] for info in told), "each draw has a number"
     with pytest.raises(QueryError, match="not one of the part"):
         env.reset(options={"rank": 200})
     env.close()

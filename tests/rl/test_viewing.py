@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,10 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from prag_asp.errors import QueryError
+from prag_asp.physics import Situation
 from prag_asp.rl import TaskEnv
+from prag_asp.rl.viewing import Viewer
+from prag_asp.scene.model import Scene
 from tests.rl.conftest import Given
 
 
@@ -54,6 +58,17 @@ def test_other_bodies_are_seen_in_the_next_episode(given: Mapping[str, list[Give
     plain.reset()
     assert plain.render() is None
     plain.close()
+
+
+def test_a_camera_sees_how_far_furniture_is_open(scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]) -> None:
+    scene, (_, witness) = scenes["kitchen"], given["kitchen"][0]
+    moment = witness.moments[0]
+    situation = Situation(scene, moment.poses, moment.arms, moment.openings)
+    with ExitStack() as resources:
+        viewer = Viewer(scene, ("front",), 64, resources)
+        for name in moment.openings:
+            seen = [viewer.picture(situation.with_opening(name, opening)) for opening in (0.0, 0.2, 0.0)]
+            assert np.array_equal(seen[0], seen[2]) and (seen[0] != seen[1]).any()
 
 
 def test_cameras_and_curricula_leave_nothing_behind_and_print_nothing(tmp_path: Path) -> None:
