@@ -8,6 +8,7 @@ redirections of a shell are those of the command; what a newly started interpret
 from __future__ import annotations
 
 import atexit
+import gc
 import json
 import os
 import select
@@ -24,6 +25,9 @@ from typing import NoReturn
 
 ROOT = Path(__file__).parent.parent
 SERVE = "import sys; from tests.warm import serve; serve(sys.argv[1])"
+
+OFTEN = ("prag", "tabletop")
+"""Domains that most commands speak of: what logic says of them is computed before the first fork, for all."""
 
 PLACE = "place"
 """Where the process is asked, in the folder of the program: a whole path may be longer than sockets allow."""
@@ -63,12 +67,17 @@ def warm_commands() -> Path:
 
 def serve(folder: str) -> None:
     """Become the commands that are asked for in a folder, each in a fork, until nobody can ask any more."""
+    from prag_asp import TaskSpace, load_domain
     from tests.fuzz.isolated import warm
-    from tests.sharing import small_pictures
+    from tests.sharing import logic_shared, small_pictures
 
     warm()
     sys.path.remove("")  # what lies in the folder of a command is no module for it
-    with small_pictures(), socket.socket(socket.AF_UNIX) as asked:
+    with small_pictures(), logic_shared(), socket.socket(socket.AF_UNIX) as asked:
+        for name in OFTEN:
+            TaskSpace(load_domain(name), 1).sample(1, seed=0)
+        gc.collect()
+        gc.freeze()
         os.chdir(folder)
         asked.bind(PLACE)
         asked.listen()
