@@ -169,8 +169,8 @@ def limit_problems(
     control: clingo.Control, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> Iterator[Problem]:
     """Yield the limits of unknown actions, those that are no number, and those that no rule reads."""
-    names = {action.name for action in facts.actions}
     limits = rows(control, *LIMIT)
+    names = {action.name for action in facts.actions} if limits else set[str]()
     for name, most in limits:
         place = origins.place("at_most", name, most)
         if str(name) not in names:

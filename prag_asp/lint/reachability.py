@@ -14,6 +14,7 @@ import clingo
 
 from prag_asp.lint.occurrence import STATE_PREDICATES
 from prag_asp.lint.origin import Origins
+from prag_asp.program.atoms import ground_atoms
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.problem import Problem
@@ -65,7 +66,11 @@ def find_unreached(grounder: Grounder, facts: Facts, statements: Sequence[Statem
         if model is None:
             return Unreached()
         reached, standing = (
-            {tuple(atom.symbol.arguments) for atom in control.symbolic_atoms.by_signature(*each) if _is_in(model, atom)}
+            {
+                tuple(arguments)
+                for arguments, literal, is_fact in ground_atoms(control, *each)
+                if is_fact or model.is_true(literal)
+            }
             for each in (("may_occur", 1), ("may_stand", 2))
         )
     never = tuple(action for action in facts.actions if (action,) not in reached)
@@ -100,7 +105,3 @@ def unreached_problems(found: Unreached, origins: Origins) -> Iterator[Problem]:
     elif found.instead_of_all is not None:
         told = f"no action can ever occur: {found.instead_of_all} and all others wait for what only actions make so"
         yield Problem(*origins.place("action", found.instead_of_all), f"{told}; mend the conditions", "no-plan")
-
-
-def _is_in(model: clingo.Model, atom: clingo.SymbolicAtom) -> bool:
-    return model.is_true(atom.literal)

@@ -68,7 +68,9 @@ def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
 
 def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    actions = {action.name for action in facts.declared_actions}
+    if not settings.weights:
+        return
+    actions = facts.action_names
     known, shared = set[str]().union(*named(facts).values()), shared_names(facts)
     for key in settings.weights:
         parts = key.split(">")
@@ -90,7 +92,7 @@ def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
 
 def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     arities: dict[str, int] = {}
-    for term in (*facts.fluents, *facts.declared_actions):
+    for term in (*facts.fluents, *facts.declared_actions) if settings.language else ():
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
     for name in settings.language:
         if name not in arities:

@@ -13,6 +13,7 @@ import clingo
 
 from prag_asp.atom import symbol_of
 from prag_asp.errors import DomainError
+from prag_asp.program.atoms import ground_atoms
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 
@@ -99,6 +100,11 @@ class Facts:
         composites = set(self.composites)
         return (*self.actions, *(term for term in self.left_out if term not in composites))
 
+    @cached_property
+    def action_names(self) -> frozenset[str]:
+        """The names of the actions, with those that are left out."""
+        return frozenset(action.name for action in self.declared_actions)
+
     @property
     def closed(self) -> bool:
         """Whether every fluent has an initial value."""
@@ -132,7 +138,7 @@ def read_facts(control: clingo.Control) -> Facts:
     parents: dict[clingo.Symbol, tuple[clingo.Symbol, ...]] = {name: () for (name,) in rows(control, "class", 1)}
     for child, parent in rows(control, "class", 2):
         parents[child] = (*parents.get(child, ()), parent)
-    fluents = tuple(fluent for (fluent,) in rows(control, "fluent", 1))
+    fluents, actions = (tuple(term for (term,) in rows(control, each, 1)) for each in ("fluent", "action"))
     stages: dict[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]] = {}
     for composite, number, part in rows(control, "stage", 3):
         stages[composite] = (*stages.get(composite, ()), (number, part))
@@ -141,9 +147,9 @@ def read_facts(control: clingo.Control) -> Facts:
         entities={entity: name for entity, name in rows(control, "entity", 2)},  # noqa: C416 - a row is a list
         memberships=frozenset((entity, name) for entity, name in rows(control, "is_a", 2)),
         fluents=fluents,
-        actions=tuple(action for (action,) in rows(control, "action", 1)),
-        preconditions=_by_action(control, "precondition", fluents),
-        postconditions=_by_action(control, "postcondition", fluents),
+        actions=actions,
+        preconditions=_by_action(control, "precondition", actions, fluents),
+        postconditions=_by_action(control, "postcondition", actions, fluents),
         initially=tuple((fluent, str(value)) for fluent, value in rows(control, "initially", 2)),
         exclusive=tuple((first, second) for first, second in rows(control, "exclusive", 2)),
         implies=tuple((first, second) for first, second in rows(control, "implies", 2)),
@@ -195,28 +201,32 @@ def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterat
     Raises:
         DomainError: one of them depends on a choice.
     """
-    for atom in control.symbolic_atoms.by_signature(predicate, arity):
-        if not atom.is_fact:
-            raise DomainError(f"{atom.symbol} depends on a choice; what a domain states must follow from facts")
-        yield atom.symbol.arguments
+    for arguments, _, is_fact in ground_atoms(control, predicate, arity):
+        if not is_fact:
+            atom = clingo.Function(predicate, arguments)
+            raise DomainError(f"{atom} depends on a choice; what a domain states must follow from facts")
+        yield arguments
 
 
 def _by_action(
-    control: clingo.Control, predicate: str, fluents: Iterable[clingo.Symbol]
+    control: clingo.Control, predicate: str, actions: Iterable[clingo.Symbol], fluents: Iterable[clingo.Symbol]
 ) -> dict[clingo.Symbol, Assignment]:
     """Return the fluents and values of a predicate by action, sorted.
 
-    There can be thousands: each term is looked up once, for clingo's terms are slow to compare.
+    There can be thousands: `actions` and `fluents` are sorted, and each term is looked up once, for clingo's terms are
+    slow to compare.
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}
-    found: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {}
+    found: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {action: [] for action in actions}
+    declared = len(found)
     for action, fluent, value in unsorted_rows(control, predicate, 3):
         rank, known = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
         word = spelled.get(value) or spelled.setdefault(value, str(value))
         found.setdefault(action, []).append((rank, word, known))
     table: dict[clingo.Symbol, Assignment] = {}
-    for action in sorted(found):
-        found[action].sort(key=itemgetter(0, 1))
-        table[action] = tuple((fluent, value) for _, value, fluent in found[action])
+    for action in found if len(found) == declared else sorted(found):
+        if found[action]:
+            found[action].sort(key=itemgetter(0, 1))
+            table[action] = tuple([(fluent, value) for _, value, fluent in found[action]])
     return table

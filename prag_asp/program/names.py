@@ -15,13 +15,16 @@ def named(facts: Facts) -> Mapping[str, set[str]]:
     return {
         "class": set(map(str, facts.classes)),
         "entity": set(facts.entity_names),
-        "action": {text for action in facts.declared_actions for text in (action.name, str(action))},
+        "action": {*map(str, facts.declared_actions), *facts.action_names},
     }
 
 
 def shared_names(facts: Facts) -> list[str]:
     """Return the names that stand for more than one of class, entity and action."""
-    return sorted({name for one, other in combinations(named(facts).values(), 2) for name in one & other})
+    others = {*facts.classes, *facts.entities}
+    texts = {str(action) for action in facts.declared_actions if action in others}  # others are spelled as none of them
+    kinds = (set(map(str, facts.classes)), set(facts.entity_names), texts | facts.action_names)
+    return sorted({name for one, other in combinations(kinds, 2) for name in one & other})
 
 
 def ambiguity(name: str, facts: Facts) -> str | None:

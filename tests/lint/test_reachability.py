@@ -80,9 +80,9 @@ def test_random_chains_count_as_the_definition_says(toy: Toy) -> None:
 @given(schemas())
 def test_what_is_never_reached_tells_entities_apart_as_before(schema: Schema) -> None:
     with loaded(schema.text()) as domain:
-        if domain is None or not domain.facts.unreached:
+        if domain is None or not (domain.facts.unreached or domain.facts.steady):
             return
-        groups = Model(replace(domain, facts=replace(domain.facts, unreached=()))).groups(3)
+        groups = Model(replace(domain, facts=replace(domain.facts, unreached=(), steady=()))).groups(3)
         assert Model(domain).groups(3) == groups
         plans = schema.plans(3)
         tasks = {orbit(plan, [tuple(map(str, group)) for group in groups]) for plan in plans}
@@ -148,6 +148,38 @@ def test_rules_over_time_that_make_states_keep_all_actions(rule: str) -> None:
     assert unreached(f"{KEYS}\n#program step(t).\n{rule}") == []
 
 
+@settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
+@given(chains(closed=True).map(lambda toy: replace(toy, exclusive=(), implies=())))
+def test_fluents_that_no_action_sets_are_ground_with_one_value_alone(toy: Toy) -> None:
+    with loaded(toy.text()) as domain:
+        if domain is None or not domain.facts.steady:
+            return
+        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
+        for length in range(4):
+            plans = {tuple(term(toy, i) for i in plan) for plan in toy.plans(length)}
+            assert {space.at(length).count("plan") for space in with_engines(domain, *ENGINES)} == {len(plans)}
+        for level in LEVELS:
+            spaces = [TaskSpace(each, 3) for each in (domain, whole)]
+            assert spaces[0].count(level) == spaces[1].count(level)
+        assert list(spaces[0]) == list(spaces[1])
+
+
+def test_a_state_has_no_value_that_nothing_makes() -> None:
+    with loaded(KEYS) as domain:
+        assert domain is not None
+        steady = {str(fluent): value for fluent, value in domain.facts.steady}
+        assert steady == {f"open({room})": "false" for room in (3, 4, 5)} | {
+            f"has({key})": "false" for key in (3, 4, 5)
+        } | {f"in({room})": "false" for room in (3, 4, 5)}
+        before = set(map(str, Model(domain).ground.before))
+        assert "holds(open(2),true)" in before and "holds(open(4),false)" in before
+        assert "holds(open(4),true)" not in before
+    with loaded(f"{KEYS}\n#program step(t).\nholds(open(3),true,t) :- occurs(enter(1,2),t).") as domain:
+        assert domain is not None and not domain.facts.steady
+    with loaded(f"{KEYS} exclusive(has(4),has(5)).") as domain:
+        assert domain is not None and not domain.facts.steady
+
+
 @pytest.mark.parametrize("level", ["plan", "task"])
 def test_rules_may_count_the_actions_that_are_never_reached(level: Level) -> None:
     rule = "few :- #count{A : name(A,unlock)} < 5. some(A) :- mentions(A,1,_). #program step(t). :- few, occurs(_,t)."
@@ -163,7 +195,7 @@ def test_a_rule_over_time_that_only_reads_leaves_out_as_much_and_counts_the_same
     assert unreached(text) == unreached(KEYS)
     with loaded(text) as domain:
         assert domain is not None
-        whole = replace(domain, facts=replace(domain.facts, unreached=()))
+        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
         spaces = [space for each in (domain, whole) for space in with_engines(each, *ENGINES)]
         for length, level in product((2, 4), LEVELS):
             counts = {space.at(length).count(level) for space in spaces}

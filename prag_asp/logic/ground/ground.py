@@ -13,6 +13,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.ground.derivable import may_derive
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
+from prag_asp.program.atoms import ground_atoms
 from prag_asp.program.facts import Facts
 from prag_asp.program.finite.checks import BoundReached, measured
 from prag_asp.program.finite.guards import guarded
@@ -258,9 +259,12 @@ def _ground_parts(grounder: Grounder, recorder: _Recorder, parts: Iterable[str])
 
 def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
     """Return the atoms of the start, without their time."""
-    atoms = grounder.control.symbolic_atoms
-    found = (atom.symbol for signature in reads.timed | reads.previous for atom in atoms.by_signature(*signature))
-    return {timeless(symbol) for symbol in found if symbol.arguments[-1] == START}
+    found: set[clingo.Symbol] = set()
+    for signature in reads.timed | reads.previous:
+        for (*arguments, time), _, _ in ground_atoms(grounder.control, *signature):
+            if time == START:
+                found.add(clingo.Function(signature[0], arguments))
+    return found
 
 
 def _open_start(started: _Started) -> None:
@@ -322,20 +326,17 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
     names: dict[int, clingo.Symbol] = {}
     found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
-    atoms = grounder.control.symbolic_atoms
-    for signature in sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)}):
-        for atom in atoms.by_signature(*signature):
-            symbol = atom.symbol
-            *arguments, time = symbol.arguments
+    for name, arity in sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)}):
+        for arguments, literal, is_fact in ground_atoms(grounder.control, name, arity):
+            symbol, (*others, time) = clingo.Function(name, arguments), arguments
             if time == START:
-                initial.add(clingo.Function(signature[0], arguments))
-                if not atom.is_fact:
+                initial.add(clingo.Function(name, others))
+                if not is_fact:
                     obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
                 continue
-            literal = atom.literal
             names[literal] = symbol
             if time in found:
-                found[time][clingo.Function(signature[0], arguments)] = literal
+                found[time][clingo.Function(name, others)] = literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
         obstacles.append("the base part makes a choice")
     return GroundStep(

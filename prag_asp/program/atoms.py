@@ -1,0 +1,60 @@
+"""The ground atoms of a predicate, many at once: a domain may have a hundred thousand.
+
+For each atom, clingo's package makes a dozen calls that do nothing but pass results and errors on. Here the same
+functions of its C interface are called directly, where the package has them as it has today.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import clingo
+
+internal: Any
+try:
+    from clingo import _internal as internal
+except ImportError:
+    internal = None
+
+OF_ATOMS = ("begin", "is_valid", "next", "symbol", "literal", "is_fact")
+NEEDED = ("clingo_signature_create", "clingo_symbol_arguments", *(f"clingo_symbolic_atoms_{each}" for each in OF_ATOMS))
+"""What is called of the C interface."""
+
+GroundAtom = tuple[list[clingo.Symbol], int, bool]
+"""The arguments of an atom, its literal, and whether it is a fact."""
+
+
+def ground_atoms(control: clingo.Control, name: str, arity: int) -> Iterator[GroundAtom]:
+    """Yield the ground atoms of a predicate, in no order."""
+    found = control.symbolic_atoms
+    library, ffi = (getattr(internal, each, None) for each in ("_lib", "_ffi"))
+    address = getattr(found, "_rep", None)
+    if ffi is None or address is None or not all(hasattr(library, each) for each in NEEDED):
+        return ((atom.symbol.arguments, atom.literal, atom.is_fact) for atom in found.by_signature(name, arity))
+    return _read(library, ffi, address, name, arity)
+
+
+def _read(library: Any, ffi: Any, atoms: Any, name: str, arity: int) -> Iterator[GroundAtom]:
+    """Yield the same: `atoms` is where clingo has them. What can fail has failed before, in the package's own calls."""
+    signature, place = ffi.new("clingo_signature_t*"), ffi.new("clingo_symbolic_atom_iterator_t*")
+    symbol, literal, size = ffi.new("clingo_symbol_t*"), ffi.new("clingo_literal_t*"), ffi.new("size_t*")
+    arguments, flag = ffi.new("clingo_symbol_t**"), ffi.new("bool*")
+    terms: dict[int, clingo.Symbol] = {}
+    library.clingo_signature_create(name.encode(), arity, True, signature)
+    library.clingo_symbolic_atoms_begin(atoms, signature, place)
+    is_valid, following = library.clingo_symbolic_atoms_is_valid, library.clingo_symbolic_atoms_next
+    while is_valid(atoms, place[0], flag) and flag[0]:
+        at = place[0]
+        library.clingo_symbolic_atoms_symbol(atoms, at, symbol)
+        library.clingo_symbol_arguments(symbol[0], arguments, size)
+        library.clingo_symbolic_atoms_literal(atoms, at, literal)
+        library.clingo_symbolic_atoms_is_fact(atoms, at, flag)
+        row = []
+        for term in ffi.unpack(arguments[0], arity) if arity else ():
+            known = terms.get(term)
+            if known is None:
+                known = terms[term] = clingo.Symbol(term)  # type: ignore[no-untyped-call]
+            row.append(known)
+        yield row, literal[0], flag[0]
+        following(atoms, at, place)
