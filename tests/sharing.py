@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import pytest
 
-from prag_asp.dataset.store import strips
+from prag_asp.dataset.pages import strips
 from prag_asp.domain import load
 from prag_asp.lint import check
 from prag_asp.lint.stages import Checked

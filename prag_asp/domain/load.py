@@ -12,6 +12,7 @@ import clingo
 
 from prag_asp.domain.given import parse_given
 from prag_asp.domain.needed import Needed, find_needed
+from prag_asp.domain.rules import rule_sources
 from prag_asp.errors import DomainError, SceneError
 from prag_asp.lint import check, check_learned
 from prag_asp.processes.stage import stage
@@ -19,7 +20,6 @@ from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.facts import Facts, flattened
 from prag_asp.program.paths import data_folder
 from prag_asp.program.problem import Problem, first_of_each, raise_problems
-from prag_asp.program.rules import rule_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import HIERARCHY, Program, Source, asked_sources, core_sources, read_sources, read_text
 

@@ -20,7 +20,7 @@ WORKER = "a worker ended before it began: "
 REFUSED = """
 import _posixsubprocess, os, subprocess, sys
 from prag_asp.cli import main
-from prag_asp.dataset.store import strips
+from prag_asp.dataset.pages import strips
 
 strips.SIZE = (60, 52)  # as in the process of the tests
 

@@ -10,7 +10,7 @@ import pytest
 
 from prag_asp import Dataset, Domain, TaskSpaces, load_domain
 from prag_asp.dataset import generate
-from prag_asp.dataset.store import strips
+from prag_asp.dataset.pages import strips
 from prag_asp.physics import Budget
 from tests.sharing import logic_shared, small_pictures
 

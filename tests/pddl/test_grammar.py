@@ -41,7 +41,7 @@ def test_kept_tables_read_the_same(folder: Path, tmp_path: Path, monkeypatch: py
     for wrong in (content[:-9], content.replace(b"action_def", b"action_fed"), b""):
         kept.write_bytes(wrong)
         assert trees(tmp_path) == first
-        assert tables.read_kept(kept, len(content)), "what is damaged is made anew"
+        assert tables.read_kept(kept, tables.LARGEST), "what is damaged is made anew"
 
 
 @pytest.mark.parametrize("content", [b"{}", b"[]", b"null", b'{"data": {}, "memo": {}}', b"\xff", b"7"])

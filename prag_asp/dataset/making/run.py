@@ -16,8 +16,8 @@ import msgspec
 from prag_asp.dataset.looking import Draw, Found, Look, Telling
 from prag_asp.dataset.making.places import Place
 from prag_asp.dataset.making.refusals import JOURNAL, difference, require_ours, too_few
+from prag_asp.dataset.pages.card import write_card
 from prag_asp.dataset.recordings import name_of, remove_after
-from prag_asp.dataset.store.card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.kept import MEND, KeptDomain, write_kept
 from prag_asp.dataset.store.looked import Looked

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 
-from prag_asp.dataset.store.card import TABLES
+from prag_asp.dataset.pages.card import TABLES
 from prag_asp.dataset.store.manifest import rate_of
 from prag_asp.dataset.suites.note import SuiteNote, SuitePart
 from prag_asp.integers import grouped, number_of

@@ -7,8 +7,8 @@ from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.store.card import NAME as CARD
-from prag_asp.dataset.store.card import card_text
+from prag_asp.dataset.pages.card import NAME as CARD
+from prag_asp.dataset.pages.card import card_text
 from prag_asp.dataset.store.kept import KeptFile, digest_of
 from prag_asp.dataset.store.manifest import NAME, Manifest, ShardFile, derive
 from prag_asp.dataset.verifying.finding import Finding

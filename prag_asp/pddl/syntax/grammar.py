@@ -23,7 +23,7 @@ KINDS = ("domain", "problem")
 LARGEST = 10_000_000
 """Bytes of tables at most; those of today are a tenth of a megabyte."""
 
-MISMATCHED = (ValueError, KeyError, TypeError, AttributeError, IndexError)
+MISMATCHED = (ValueError, KeyError, TypeError, AttributeError, IndexError, AssertionError)
 """What goes wrong with tables that are not those of the parser."""
 
 

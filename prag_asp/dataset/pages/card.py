@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from prag_asp.dataset.pages.strips import write_strips
 from prag_asp.dataset.store.manifest import Manifest, PartNote, summed
-from prag_asp.dataset.store.strips import write_strips
 from prag_asp.integers import grouped, number_of
 from prag_asp.output import file_in, replace_file
 from prag_asp.wording import plural

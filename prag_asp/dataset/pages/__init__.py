@@ -1,0 +1,1 @@
+"""Pages of a data set for people: its card, with film strips."""
