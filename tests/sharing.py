@@ -68,10 +68,11 @@ def _known(model: Model, engine: str, progress: Progress | None, limits: Limits,
 
 
 def _alike(one: Model, other: Model) -> bool:
-    """Tell whether models say the same of equal domains: parts of a space count up to the symmetries of the whole."""
-    if one.part_of is None or other.part_of is None:
-        return one.part_of is other.part_of and _equal(one.domain, other.domain)
-    return _equal(one.domain, other.domain) and _alike(one.part_of, other.part_of)
+    """Tell whether models say the same: what tells entities apart in others, without conditions or whole, they have."""
+    others = (one.bare, other.bare), (one.part_of, other.part_of)
+    return _equal(one.domain, other.domain) and all(
+        mine is yours or (mine is not None and yours is not None and _alike(mine, yours)) for mine, yours in others
+    )
 
 
 def _equal(one: load.Domain, other: load.Domain) -> bool:

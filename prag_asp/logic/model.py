@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -33,11 +33,15 @@ class Model:
     A plan's step may fail to be a function of state and action. Then `step` and `transition` raise EngineError, which
     says why, and what else there is works on the unrolled program.
 
+    With `bare`, its domain is that of another model under conditions. These tell entities apart, and make none alike:
+    renamings keep what that model says as well, whatever is left of it under the conditions.
+
     With `part_of`, its plans are some of those of another model, chosen by what all renamings of its tasks keep. They
     are counted up to these renamings alone, so that the tasks of all parts of it are its own.
     """
 
     domain: Domain
+    bare: Model | None = None
     part_of: Model | None = None
 
     @cached_property
@@ -51,7 +55,8 @@ class Model:
         facts = self.domain.facts
         if not (facts.unreached or facts.steady):
             return self
-        return Model(replace(self.domain, facts=replace(facts, unreached=(), steady=())))
+        domain = replace(self.domain, facts=replace(facts, unreached=(), steady=()))
+        return replace(self, domain=domain, bare=self.bare and self.bare.whole)
 
     @cached_property
     def reads(self) -> StepReads:
@@ -107,14 +112,23 @@ class Model:
 
         Where the invariants may say of single entities what follows anyway, all that follows is stated first.
         """
-        facts, program = self.domain.facts, ground(self)
-        stage(INTERCHANGEABLE)
-        found = find_symmetries(facts, program)
-        if not stated_unevenly(facts, found.groups) or (closed := closed_program(self.domain)) is None:
-            return found
-        program = ground(Model(replace(self.domain, program=closed)))
-        stage(INTERCHANGEABLE)
-        return find_symmetries(facts, program)
+        bare = self.bare
+        beside = None if bare is None else lambda: ground(bare._closed() or bare)
+
+        def alike(model: Model) -> Symmetries:
+            program = ground(model)
+            stage(INTERCHANGEABLE)
+            return find_symmetries(model.domain.facts, program, beside)
+
+        found = alike(self)
+        closed = self._closed(found.groups)
+        return found if closed is None else alike(closed)
+
+    def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> Model | None:
+        """Return the model that states all that the invariants entail, where more than `groups` may be alike in it."""
+        if not stated_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
+            return None
+        return Model(replace(self.domain, program=program))
 
     @cached_property
     def _without_loops(self) -> Model:
@@ -124,7 +138,9 @@ class Model:
         """
         sources = self.domain.program.sources
         left = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
-        return self if len(left) == len(sources) else Model(replace(self.domain, program=Program(left)))
+        if len(left) == len(sources):
+            return self
+        return replace(self, domain=replace(self.domain, program=Program(left)))
 
     @cached_property
     def _task_step(self) -> NormalStep:

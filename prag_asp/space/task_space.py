@@ -107,7 +107,7 @@ class TaskSpace:
     def where(self, *conditions: str | Condition) -> TaskSpace:
         """Return the space of those tasks that satisfy all of some conditions, each a value or its words.
 
-        Entities that a condition tells apart are not interchangeable in that space.
+        Entities that a condition tells apart are not interchangeable in that space; none become so by it.
 
         Raises:
             QueryError: a condition is none, or speaks of something that the domain does not have.
@@ -122,8 +122,9 @@ class TaskSpace:
         if space.condition != self.condition:
             from prag_asp.space.conditions.conditioned import conditioned
 
-            model = Model(conditioned(self.domain, space.condition), part_of._shared.model if part_of else None)
             shared = self._shared
+            whole = part_of._shared.model if part_of else None
+            model = Model(conditioned(self.domain, space.condition), shared.model.bare or shared.model, whole)
             fewest = space.condition.fewest_actions
             space._shared = Shared(model, shared.engine, shared.progress, shared.limits, fewest)
             space._part_of = part_of

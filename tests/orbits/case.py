@@ -152,9 +152,14 @@ class Case:
 
     @cached_property
     def renamings(self) -> list[Names]:
-        """Return all renamings that map what is said onto itself, tried one by one."""
+        """Return all renamings that map what is said onto itself, tried one by one; conditions make none of them."""
         as_it_is = self._said_under({})
-        return [names for names in self._in_classes() if self._is_spoken(names) and self._said_under(names) == as_it_is]
+        kept = [names for names in self._in_classes() if self._is_spoken(names) and self._said_under(names) == as_it_is]
+        if not self.clauses:
+            return kept
+        bare = replace(self, clauses=())
+        as_it_was = bare._said_under({})
+        return [names for names in kept if bare._said_under(names) == as_it_was]
 
     def _is_spoken(self, names: Names) -> bool:
         """Return whether fluents and actions are fluents and actions under other names."""

@@ -285,3 +285,20 @@ def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
 def test_what_makes_no_sense_is_told_in_words(ask: Callable[[], object], told: str) -> None:
     with pytest.raises(QueryError, match=re.escape(told)):
         ask()
+
+
+LINKS = """
+class(c). entity((x1;x2),c). fluent((g;p(E))) :- entity(E,c). action(b(E)) :- entity(E,c). action((t(x1,x2);t(x2,x1))).
+postcondition(t(x1,x2),g,true). postcondition(b(E),p(E),true) :- entity(E,c).
+"""
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
+@pytest.mark.parametrize("condition", ["uses exactly 1 c", "lacks t", "matches b*", "has exactly 0 t"])
+def test_a_condition_makes_no_entities_alike(engine: str, condition: str) -> None:
+    """What tells x1 from x2 is an action that no such plan has; yet these tasks are four of those of the space."""
+    space = TaskSpace(domain_of(LINKS), 2, engine=engine)
+    under = space.where(condition)
+    found = set(under.words())
+    assert len(found) == under.count() and found < set(space.words())
+    assert space.count() == space.count("plan") == 16 and under.count() == under.count("plan")

@@ -11,7 +11,7 @@ and both have the same answer sets.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import combinations
@@ -31,8 +31,11 @@ from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.program.facts import Facts
 
 
-def find_symmetries(facts: Facts, ground: GroundStep) -> Symmetries:
-    """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups."""
+def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
+    """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups.
+
+    With `bare`, renamings keep the step that it returns as well; it is asked for where entities are alike in `ground`.
+    """
     entities, told = sorted(facts.entities), _told(facts)
     by_class: dict[Hashable, list[int]] = {}
     for number, each in enumerate(entities):
@@ -40,7 +43,8 @@ def find_symmetries(facts: Facts, ground: GroundStep) -> Symmetries:
     classes = [members for members in by_class.values() if len(members) > 1]
     if not classes:
         return Symmetries()
-    rules = _Rules(Atoms(ground, {entities[number]: number for members in classes for number in members}))
+    numbers = {entities[number]: number for members in classes for number in members}
+    rules = _Rules(Atoms(ground, numbers), None if bare is None else lambda: _Rules(Atoms(bare(), numbers)))
     blocks: list[list[int]] = []
     for members in classes:
         found: list[list[int]] = []
@@ -138,9 +142,14 @@ class _Actions:
 
 @dataclass(frozen=True)
 class _Rules:
-    """The rules of a ground step and its initial values."""
+    """The rules of a ground step and its initial values, and those of others that renamings keep as well, if any."""
 
     atoms: Atoms
+    others: Callable[[], _Rules] | None = None
+
+    @cached_property
+    def _others(self) -> _Rules | None:
+        return self.others() if self.others else None
 
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to those that others entail.
@@ -156,6 +165,8 @@ class _Rules:
             for shape, inside in self._shapes.get(entity, ()):
                 if not self.atoms.has((shape, tuple([names.get(each, each) for each in inside]))):
                     yield Conflict(frozenset(inside), partial(self._has, (shape, inside)))
+        if self._others:
+            yield from self._others.lacking(names, entities)
 
     def _has(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
         """Return whether an atom is an atom under other names."""
@@ -169,6 +180,8 @@ class _Rules:
             for rule, image in table.missing(renamed, names):
                 if image is None or not self._consequences(image.last).has(image):
                     yield Conflict(self.atoms.entities(rule), partial(self._says, rule))
+        if self._others:
+            yield from self._others.broken(names)
 
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
         """Return whether the image of a rule is one of the rules, or entailed by them."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from hashlib import blake2b
@@ -72,8 +72,8 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> Shelf | None:
     """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
-    The key covers all that the arrays depend on: the program, what of it is never reached, those of which it is a part,
-    the rules of tasks, and the code that explores.
+    The key covers all that the arrays depend on: the program, what of it is never reached, the same without conditions
+    and of that of which it is a part, the rules of tasks, and the code that explores.
     """
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []
@@ -82,11 +82,16 @@ def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> She
     except OSError:
         return None
     told += map(str, domain.facts.unreached)
-    while model.part_of is not None:
-        model = model.part_of
-        told += [model.domain.program.text, *map(str, model.domain.facts.unreached)]
+    for other in (model.bare, *_wholes(model)):
+        told += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
     told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
     return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
+
+
+def _wholes(model: Model) -> Iterator[Model]:
+    """Yield the models of which one is a part, a part of a part, and so on."""
+    while model.part_of is not None:
+        yield (model := model.part_of)
 
 
 @cache
