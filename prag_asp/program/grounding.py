@@ -35,6 +35,7 @@ class Grounder:
     def __init__(self, program: Program, *arguments: str, strict: bool = True) -> None:
         self._program, self._strict = program, strict
         self.notes: list[str] = []
+        self._parts = 0
         found = guarded(program)
         self._checks = Checks(found.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
@@ -57,15 +58,22 @@ class Grounder:
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:
         """State ground atoms, which the parts that are ground later read."""
-        with self.control.backend() as backend:
-            for atom in atoms:
-                backend.add_rule([backend.add_atom(atom)])
+        self._tell(f"{atom}." for atom in atoms)
 
     def leave_open(self, atoms: Iterable[clingo.Symbol]) -> None:
         """Have the parts that are ground later take it for possible that each of some atoms holds."""
-        with self.control.backend() as backend:
-            for atom in atoms:
-                backend.add_external(backend.add_atom(atom))
+        self._tell(f"#external {atom}." for atom in atoms)
+
+    def _tell(self, statements: Iterable[str]) -> None:
+        """Ground statements as a part of their own.
+
+        clingo's backend would be faster, but where atoms come by it, some instances of constraints that are ground later
+        are lost: such as always apply, and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
+        """
+        self._parts += 1
+        name = f"told_{self._parts}"
+        self._run(lambda: self.control.add(name, [], "\n".join(statements)))
+        self.ground([(name, [])])
 
     def _run(self, work: Callable[[], None]) -> None:
         self._messages.clear()

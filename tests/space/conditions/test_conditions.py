@@ -133,6 +133,14 @@ def test_a_space_with_a_condition_is_ranked_and_drawn_as_any_other(chance: Chanc
     assert set(map(str, every)) == set(map(str, tasks))
 
 
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
+def test_where_no_step_is_left_the_plan_without_one_satisfies_all_conditions(engine: str) -> None:
+    """The first condition has no plan but the empty one, which is none of the second."""
+    space = TaskSpace(domain_of("class(c). entity(x,c). fluent(p). action(a)."), 0, engine=engine)
+    assert space.where("not matches .* a").count() == 1
+    assert space.where("not matches .* a", "matches a .*").count() == 0
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_condition_that_no_word_meets_leaves_nothing_of_any_length(engine: str) -> None:
     domain = domain_of("action(a). action(b).", "at_most")
