@@ -67,8 +67,8 @@ class Grounder:
     def _tell(self, statements: Iterable[str]) -> None:
         """Ground statements as a part of their own.
 
-        clingo's backend would be faster, but where atoms come by it, some instances of constraints that are ground later
-        are lost: such as always apply, and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
+        clingo's backend would be faster, but where atoms come by it, instances of constraints that are ground later are
+        lost, such as always apply and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
         """
         self._parts += 1
         name = f"told_{self._parts}"
