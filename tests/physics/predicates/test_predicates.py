@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
+from functools import cache
 from importlib import import_module
 from itertools import pairwise, permutations
 
@@ -83,6 +84,7 @@ DOWN = (1.0, 0.0, 0.0, 0.0)
 ROOM = Volume((-1.0, -1.5, -0.5), (2.0, 1.5, 1.0))
 
 
+@cache  # nothing changes a scene, and a hundred thousand situations are made of it
 def _scene(frame: str = "robot") -> Scene:
     rotations = {"quarter": math.pi / 2, "straight": 0.0}
     return Scene(shapes=SHAPES, frame=frame, rotations=rotations, own=OWN, trusted=True)
