@@ -9,7 +9,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from prag_asp.dataset.store.entry import Entry, entry_of
+from prag_asp.dataset.store.entry import Entry, entry_of, task_of
 from prag_asp.dataset.store.kept import kept_domain
 from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest, require_parts
 from prag_asp.errors import QueryError
@@ -103,7 +103,8 @@ class Dataset:
         Raises:
             IndexError: there is none.
         """
-        return self.entry(number).task
+        _, row = self._row(number)
+        return task_of(row, self.manifest.domain.constants)
 
     def entry(self, number: int) -> Entry:
         """Return all that is told of the task of a number.

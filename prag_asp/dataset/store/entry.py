@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +11,11 @@ from prag_asp.atom import parse_atom
 from prag_asp.dataset.store.manifest import MOST_DIGITS
 from prag_asp.errors import QueryError
 from prag_asp.integers import number_of
-from prag_asp.physics.verdict import Verdict
 from prag_asp.task import FrozenDict, Task
 
 if TYPE_CHECKING:
     from prag_asp.atom import Atom
+    from prag_asp.physics.verdict import Verdict
 
 
 @dataclass(frozen=True)
@@ -45,10 +46,8 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
     Raises:
         QueryError: it lacks a value, or one has no meaning.
     """
-    try:
+    with _told(row):
         return _entry_of(row, part, constants)
-    except (TypeError, ValueError, KeyError) as error:
-        raise QueryError(f"draw {row.get('draw')}: a value of the row is none of a task: {error}") from None
 
 
 def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
@@ -57,7 +56,7 @@ def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -
         row.get("task"),
         row["draw"],
         _rank(row["rank"]),
-        task_of(row, constants),
+        _task_of(row, constants),
         None if row["verdict"] is None else _verdict(row["verdict"]),
         {each["level"]: each["text"] for each in row["instruction"]},
         tuple(row["subgoal_instructions"]),
@@ -78,7 +77,25 @@ def _rank(text: str) -> int:
 
 
 def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
-    """Return the task of a row."""
+    """Return the task of a row.
+
+    Raises:
+        QueryError: it lacks a value, or one has no meaning.
+    """
+    with _told(row):
+        return _task_of(row, constants)
+
+
+@contextmanager
+def _told(row: Mapping[str, Any]) -> Iterator[None]:
+    """Tell what is wrong with a row by its draw."""
+    try:
+        yield
+    except (TypeError, ValueError, KeyError) as error:
+        raise QueryError(f"draw {row.get('draw')}: a value of the row is none of a task: {error}") from None
+
+
+def _task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
     return Task(
         domain=row["domain"],
         actions=tuple(map(parse_atom, row["plan"])),
@@ -97,5 +114,7 @@ def _known(facts: Sequence[Mapping[str, Any]]) -> FrozenDict[Atom, bool]:
 
 
 def _verdict(told: Mapping[str, Any]) -> Verdict:
+    from prag_asp.physics.verdict import Verdict
+
     causes = {each["cause"]: each["count"] for each in told["causes"]}
     return Verdict.from_json({**told, "causes": causes, "witness": None})

@@ -46,6 +46,14 @@ def test_tasks_come_back_as_they_were_drawn(small: Dataset, spaces: TaskSpaces) 
             small.by_rank(length, rank)
 
 
+def test_a_task_is_read_without_physics(small: Dataset) -> None:
+    code = "import sys; from prag_asp import Dataset; Dataset.open(sys.argv[1]).task(5); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code, small.folder], check=True, capture_output=True, text=True)
+    loaded = done.stdout.split()
+    assert "prag_asp.dataset.store.tables" in loaded
+    assert not [name for name in loaded if name.startswith(("prag_asp.physics", "pybullet", "clingo"))]
+
+
 def test_tasks_drawn_by_weight_are_found_by_rank_too(numbers: Path) -> None:
     data = Dataset.open(numbers)
     for entry in data.entries():
