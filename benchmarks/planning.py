@@ -6,8 +6,8 @@ and of one and a half times it, are counted. The peers are installed by: pip ins
 is missing, fails or takes longer than the limit has not counted, and is not asked for longer plans. K* works on what
 Fast Downward's translation leaves of a task, without the actions that change nothing of use for the goal: so it has
 fewer of the longer plans, and those numbers are not compared. Seconds are of processor time, actions cost 1, and each
-tool has 4 GB. With --answers FILE, what is known stays there, and is not asked
-again: a run may be broken off, go on, take more tasks or a higher limit. It ends with code 1 where two counts differ.
+tool has 4 GB. With --answers FILE, what is known stays there, and is not asked again: a run may be broken off, go on,
+take more tasks or a higher limit. It ends with code 1 where two counts differ.
 """
 
 from __future__ import annotations
