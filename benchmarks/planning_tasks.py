@@ -36,6 +36,7 @@ def tasks(family: Path) -> Iterator[PlanningTask]:
     for problem in files:
         own = (
             f"domain_{problem.name}",
+            f"domain-{problem.name}",
             f"{problem.stem}-domain.pddl",
             f"{problem.stem[:3]}-domain.pddl",
             "domain.pddl",
