@@ -22,7 +22,7 @@ from prag_asp.pddl.formula import (
     negated,
     variables,
 )
-from prag_asp.pddl.places import Line, Place
+from prag_asp.pddl.places import File, Line, Place
 
 BASE, STEP, END = "base", "step(t)", "check(t)"
 """The parts of a program: what never changes, a step and the state before it, and the last state."""
@@ -51,6 +51,15 @@ class Rules:
             line = line.removeprefix(" ")
             if line not in self.parts[part]:
                 self.parts[part].append(Line(line, self.at))
+
+    def comes_from(self, file: File, line: int) -> None:
+        """Say where what follows comes from."""
+        self.at = Place(file, line)
+
+    def placed(self, lines: Iterable[str]) -> Iterator[str]:
+        """Yield lines with their places: those that know none come from where the translation is as they are made."""
+        for each in lines:
+            yield each if isinstance(each, Line) or not each else Line(each, self.at)
 
 
 @dataclass

@@ -1,0 +1,191 @@
+"""What happens in PDDL as rules: what actions ask and change, what derived predicates come to, and the goal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
+from prag_asp.pddl.formula import Formula, Junction, Literal, Quantified, Variable, conjuncts, negated
+from prag_asp.pddl.layout import statement
+from prag_asp.pddl.model import OBJECT, DomainFile, Effect, Schema
+from prag_asp.pddl.places import Line
+from prag_asp.pddl.rivals import is_conditional, may_be_same, told_apart
+
+TRUTH = {True: "true", False: "false"}
+
+
+class Behaviour:
+    """Writes actions and the goal; what depends on the state before a step, or on the last one, is kept as `rules`."""
+
+    def __init__(
+        self, domain: DomainFile, goal: Formula, words: Vocabulary, actions: Mapping[str, str], rules: Rules
+    ) -> None:
+        self._domain = domain
+        self._goal = goal
+        self._words = words
+        self._actions = actions
+        self._rules = rules
+        self._bodies = Bodies(words, rules)
+
+    def action(self, action: Schema) -> Iterator[str]:
+        """Yield the rules of an action; those of steps are kept for their section."""
+        self._rules.comes_from("domain", action.line)
+        term = applied(self._actions[action.name], (each.name for each in action.parameters))
+        parts = list(conjuncts(action.precondition))
+        fixed = [part for part in parts if not self._bodies.changes(part)]
+        body = [*map(self._words.belongs, action.parameters)]
+        for part in fixed:
+            body += self._bodies.body(part, BASE)
+        body = self._without_object(body, fixed)
+        if NEVER in body:
+            body = [*map(self._words.belongs, action.parameters), NEVER]
+        yield statement(f"action({term})", body)
+        plain: dict[bool, list[str]] = {True: [], False: []}
+        rest: list[str] = []
+        for part in parts:
+            self._rules.comes_from("domain", part.line)
+            if isinstance(part, Literal) and part not in fixed and part.predicate not in self._words.derived:
+                plain[part.positive].append(self._words.atom(part))
+            elif part not in fixed:
+                rest += self._rules.placed(self._demand(term, part))
+        self._rules.comes_from("domain", min((part.line for part in parts if part not in fixed), default=action.line))
+        yield from self._valued("precondition", term, plain)
+        yield from rest
+        yield from self._effects(term, action)
+
+    def _without_object(self, body: list[str], fixed: Iterable[Formula]) -> list[str]:
+        """Leave out that variables are objects where a fact binds them, for all that is stated of is an object."""
+        facts = [part for part in fixed if isinstance(part, Literal) and part.positive]
+        bound = {term for part in facts for term in part.terms if isinstance(term, Variable)}
+        needless = {self._words.belongs(each) for each in bound if each.types == (OBJECT,)}
+        return [each for each in body if each not in needless]
+
+    def _valued(self, predicate: str, term: str, values: Mapping[bool, list[str]]) -> Iterator[str]:
+        for value, atoms in values.items():
+            found = list(dict.fromkeys(atoms))
+            if found:
+                told = found[0] if len(found) == 1 else f"({'; '.join(found)})"
+                yield f"{predicate}({term}, {told}, {TRUTH[value]}) :- action({term})."
+
+    def _demand(self, term: str, formula: Formula) -> Iterator[str]:
+        """Yield what a precondition asks of each fluent of a kind; forbid the opposite of what it asks otherwise."""
+        simple = self._guarded(formula)
+        if simple is not None:
+            variables, guard, literal = simple
+            body = [f"action({term})", *map(self._words.belongs, variables), *self._bodies.body(guard, BASE)]
+            yield statement(f"precondition({term}, {self._words.atom(literal)}, {TRUTH[literal.positive]})", body)
+            return
+        for body in self._bodies.bodies(negated(formula), STEP):
+            self._rules.add(STEP, "", [f"occurs({term},t)", *body])
+
+    def _guarded(self, formula: Formula) -> tuple[tuple[Variable, ...], Formula, Literal] | None:
+        """Return a formula as a literal that holds for all variables that satisfy a guard, which never changes."""
+        variables: tuple[Variable, ...] = ()
+        while isinstance(formula, Quantified) and formula.every:
+            variables, formula = (*variables, *formula.variables), formula.part
+        parts = formula.parts if isinstance(formula, Junction) and not formula.every else (formula,)
+        moving = [part for part in parts if self._bodies.changes(part)]
+        if len(moving) != 1 or not isinstance(moving[0], Literal) or moving[0].predicate in self._words.derived:
+            return None
+        guards = tuple(negated(part) for part in parts if part is not moving[0])
+        return variables, Junction(True, guards, moving[0].line), moving[0]
+
+    def _effects(self, term: str, action: Schema) -> Iterator[str]:
+        """Yield what an action changes; what depends on the state becomes rules of a step."""
+        moving = {effect for effect in action.effects if self._bodies.changes(effect.condition)}
+        added = [effect for effect in action.effects if effect.literal.positive]
+        plain: dict[bool, list[str]] = {True: [], False: []}
+        rest: list[str] = []
+        for effect in action.effects:
+            self._rules.comes_from("domain", effect.literal.line)
+            rivals = [] if effect.literal.positive else [each for each in added if may_be_same(each, effect)]
+            if effect in moving or not moving.isdisjoint(rivals):
+                self._step_effect(term, effect)
+                continue
+            unlike = told_apart(self._words, effect, rivals)
+            if unlike is None:
+                continue
+            if not (effect.variables or is_conditional(effect) or unlike):
+                plain[effect.literal.positive].append(self._words.atom(effect.literal))
+                continue
+            atom, value = self._words.atom(effect.literal), TRUTH[effect.literal.positive]
+            body = [f"action({term})", *map(self._words.belongs, effect.variables)]
+            body += self._bodies.body(effect.condition, BASE)
+            body += [each if each != "" else f"not postcondition({term},{atom},true)" for each in unlike]
+            if NEVER not in body:
+                rest.append(Line(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
+        self._rules.comes_from("domain", min((each.literal.line for each in action.effects), default=action.line))
+        yield from self._valued("postcondition", term, plain)
+        yield from dict.fromkeys(rest)
+
+    def _step_effect(self, term: str, effect: Effect) -> None:
+        head = f"{'adds' if effect.literal.positive else 'deletes'}({self._words.atom(effect.literal)},t)"
+        body = [f"occurs({term},t)", *map(self._words.belongs, effect.variables)]
+        self._rules.add(STEP, head, [*body, *self._bodies.body(effect.condition, STEP)])
+
+    def finish_effects(self) -> None:
+        """Add what conditional effects come to: what is added and deleted at once is added."""
+        rules = self._rules.parts[STEP]
+        self._rules.at = next((each.place for each in rules if isinstance(each, Line)), self._rules.at)
+        adds, deletes = (any(rule.startswith(word) for rule in rules) for word in ("adds(", "deletes("))
+        if deletes:
+            self._rules.add(STEP, "adds(F,t)", ["occurs(A,t)", "postcondition(A,F,true)"])
+            self._rules.add(STEP, "changed(F,t)", ["deletes(F,t)"])
+            self._rules.add(STEP, "holds(F,false,t)", ["deletes(F,t)", "not adds(F,t)"])
+        if adds:
+            self._rules.add(STEP, "changed(F,t)", ["adds(F,t)"])
+            self._rules.add(STEP, "holds(F,true,t)", ["adds(F,t)"])
+
+    def derive(self, part: str) -> None:
+        """Add the rules of derived predicates that a part reads, for the state that it reads."""
+        read: set[str] = set()
+        while True:
+            text = "\n".join(self._rules.parts[part])
+            names = {each: f"{self._bodies.derived(each, part)}(" for each in self._words.derived}
+            new = {each for each, name in names.items() if name in text} - read
+            if not new:
+                return
+            read |= new
+            for rule in self._domain.derived:
+                if rule.predicate in new:
+                    self._rules.comes_from("domain", rule.line)
+                    head = applied(
+                        self._bodies.derived(rule.predicate, part), [*(v.name for v in rule.parameters), "t"]
+                    )
+                    for body in self._bodies.bodies(rule.formula, part):
+                        self._rules.add(part, head, [*map(self._words.belongs, rule.parameters), *body])
+
+    def goal(self) -> list[str]:
+        """Return the facts of the goal; what is no value of a fluent becomes rules of the last state."""
+        parts = list(conjuncts(self._goal))
+        fluents = set(self._words.predicates) - self._words.static - self._words.derived
+        plain = [part for part in parts if isinstance(part, Literal) and part.predicate in fluents]
+        opposite = [part for part in plain if any(_is_opposite(part, other) for other in plain)]
+        signs = {
+            (found[2].predicate, found[2].positive) for part in parts if (found := self._guarded(part)) is not None
+        }
+        facts = []
+        for part in parts:
+            self._rules.comes_from("problem", part.line)
+            if isinstance(part, Literal) and part in plain and part not in opposite:
+                facts.append(Line(f"goal({self._words.atom(part)}, {TRUTH[part.positive]}).", self._rules.at))
+                continue
+            simple = self._guarded(part)
+            if (
+                part not in opposite
+                and simple is not None
+                and (simple[2].predicate, not simple[2].positive) not in signs
+            ):
+                variables, guard, literal = simple
+                body = [*map(self._words.belongs, variables), *self._bodies.body(guard, BASE)]
+                fact = statement(f"goal({self._words.atom(literal)}, {TRUTH[literal.positive]})", body)
+                facts.append(Line(fact, self._rules.at))
+                continue
+            for body in self._bodies.bodies(negated(part), END):
+                self._rules.add(END, "", body)
+        return list(dict.fromkeys(facts))
+
+
+def _is_opposite(literal: Literal, other: Literal) -> bool:
+    same = (literal.predicate, literal.terms) == (other.predicate, other.terms)
+    return same and literal.positive != other.positive
