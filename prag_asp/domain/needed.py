@@ -152,17 +152,19 @@ def find_needed(program: Program, given: Source, *, fewest: int = FEWEST) -> Nee
     encodings = encodings_folder(program)
     if problems or encodings is None or not _may_have(statements, fewest):
         return None
-    told = objection(statements)
-    if encodings.resolve() != data_folder("encodings").resolve():
-        told = f"{encodings}: these encodings are others than the shipped ones"
     try:
         alike = find_alike(program, statements)
         groups = [group for group in alike.groups if len(group) >= fewest]
-        found = _measured(alike, groups, given, statements) if groups and not told else {}
+        if not groups:
+            return None
+        told = objection(statements)
+        if encodings.resolve() != data_folder("encodings").resolve():
+            told = f"{encodings}: these encodings are others than the shipped ones"
+        found = {} if told else _measured(alike, groups, given, statements)
     except DomainError:
         return None  # the check of the whole program tells what is wrong
     if not found:
-        return (told or "a few facts name too many of them together") if groups else None
+        return told or "a few facts name too many of them together"
     like = _like(found, [needs.least for needs in found.values()], given)
     checked = check(alike.without(like), given, like)
     if any(action in group for group in groups for action in checked.facts.declared_actions):
