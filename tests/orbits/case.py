@@ -197,7 +197,7 @@ class Case:
             "invariants": self._allowed,
             "impossible": list(filter(self.toy.allowed, self._allowed)),
             "start": [state for state in self._having(self.toy.initially) if self._asked(0, state)],
-            "ending": [state for state in self._every if self.ending(self.named(state))],
+            "ending": [state for state in self._allowed if self.ending(self.named(state))],
             "last": [state for state in self._having(self.toy.goal) if self._asked(-1, state)],
         }
         said["lacking"] = list(filter(self._lacks, said["start"]))

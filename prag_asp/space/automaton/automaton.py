@@ -72,6 +72,11 @@ class Automaton:
         )
 
 
+NOTHING = Automaton(np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64),
+                    np.zeros(0, dtype=np.bool_))  # fmt: skip
+"""An automaton without words."""
+
+
 def positive(automaton: Automaton) -> Automaton:
     """Return the automaton without its edges of weight 0."""
     return automaton if automaton.weights is None else automaton.with_edges(np.flatnonzero(automaton.weights != 0))
@@ -166,6 +171,10 @@ class Completions:
         if len(self._inhabited):
             result[self._inhabited] = np.add.reduceat(terms, automaton.offsets[self._inhabited])
         return result
+
+
+NO_PATHS = Completions(NOTHING)
+"""Of what is never listed."""
 
 
 def count_words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> int:

@@ -8,12 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from prag_asp.logic.diagram.diagrams import EMPTY, Node
-from prag_asp.space.automaton.automaton import Automaton
+from prag_asp.space.automaton.automaton import NOTHING, Automaton
 from prag_asp.space.automaton.layers import Layers
-
-NOTHING = Automaton(np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64),
-                    np.zeros(0, dtype=np.bool_))  # fmt: skip
-"""An automaton without words."""
 
 
 @dataclass

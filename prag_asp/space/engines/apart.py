@@ -15,8 +15,12 @@ from math import comb, prod
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Completions
-from prag_asp.space.engines.reach import HALTED, Explorer
+from prag_asp.space.automaton.explore import Extent
+from prag_asp.space.engines.reach import HALTED, Explorer, Halt, Reach
 from prag_asp.space.limits import Budget
+
+MANY_EDGES = 5_000_000
+"""Edges of a part beyond which nothing is won by finding its words apart."""
 
 
 @dataclass(frozen=True)
@@ -34,17 +38,39 @@ def count_apart(explorer: Explorer, parts: Sequence[Transition], length: int, bu
     None where some part does not rest while another acts. A limit leaves words out; none is wrong. Of skeletons, no two
     parts have a name of actions in common, or two of theirs could be shuffled to the same one.
     """
-    counts, states, stopped = [], 0, ""
-    for part in parts:
-        reach = explorer.reach(part, 0 if stopped else length, budget, allow=part.rests)
-        if reach.stopped == HALTED:
-            return None
-        stopped = stopped or reach.stopped
-        states += reach.states
-        counts.append(_terms(reach.completions, length))
+    found = reach_apart(explorer, parts, length, budget)
+    if found is None:
+        return None
+    counts = [_terms(reach.completions, length) for reach in found]
     stage("counting shuffles")
-    found, late = shuffled(counts, budget.to_close().spent)
-    return Apart(found, states, stopped or late)
+    number, late = shuffled(counts, budget.to_close().spent)
+    return Apart(number, sum(reach.states for reach in found), stopped_at_first(found) or late)
+
+
+def reach_apart(
+    explorer: Explorer, parts: Sequence[Transition], length: int, budget: Budget, halt: Halt | None = None
+) -> list[Reach] | None:
+    """Return what each part reaches within a length; None where `halt` says so, or one does not rest as another acts.
+
+    Once a limit ended one, no more than the first state of the others is looked at.
+    """
+    found: list[Reach] = []
+    for part in parts:
+        steps = 0 if stopped_at_first(found) else length
+        found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
+        if found[-1].stopped == HALTED:
+            return None
+    return found
+
+
+def large(extent: Extent) -> bool:
+    """Return whether a part has too many edges for its words to be found apart."""
+    return extent.edges > MANY_EDGES
+
+
+def stopped_at_first(reaches: Sequence[Reach]) -> str:
+    """Return the limit that ended one of them first, in words, or ""."""
+    return next((reach.stopped for reach in reaches if reach.stopped), "")
 
 
 def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = lambda: None) -> tuple[int, str]:

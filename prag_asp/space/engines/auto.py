@@ -147,7 +147,7 @@ class AutoEngine:
 
     def _explored(self, engine: Engine, length: int) -> Engine:
         if engine is self._listing:
-            self._listing.explored(length)
+            self._listing.known(length)
         return engine
 
     def _too_long(self, length: int) -> bool:

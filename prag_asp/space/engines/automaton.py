@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
+from math import lcm
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -14,17 +16,18 @@ from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.output.kept import cache_folder
 from prag_asp.processes.stage import stage
-from prag_asp.space.automaton.automaton import Ranking, accepts, count_words, words
+from prag_asp.space.automaton.automaton import NO_PATHS, Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import FEW_STATES, HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more
-from prag_asp.space.weighing.weights import Weighed, Weights, refuse_weights
+from prag_asp.space.weighing.weights import Weighed, Weights, edge_weights, refuse_weights
 
 if TYPE_CHECKING:
     from prag_asp.space.automaton.merged import MergedRanking
+    from prag_asp.space.automaton.shuffled import ShuffledWords
     from prag_asp.space.engines.stored import Shelf
 
 WORTH_KEEPING = 0.2
@@ -32,6 +35,9 @@ WORTH_KEEPING = 0.2
 
 RANKED = 8
 """Lengths whose rankings are kept."""
+
+MANY_EDGES = 5_000_000
+"""Edges of the whole beyond which words are found part by part: up to that, listing them all is soon done."""
 
 LONG = 10_000
 """From this length on counting says how far it is."""
@@ -67,7 +73,9 @@ class AutomatonEngine:
         self._plain = Explorer(model, level, progress, merge=False)
         self._shelf = _shelf_for(model, level, merge) if limits.cached and explorer is None else None
         self._reached: Reach | None = self._shelf.read() if self._shelf else None
-        self._ranked: dict[int, Ranking | MergedRanking] = {}
+        self._ranked: dict[int, Ranking | MergedRanking | ShuffledWords] = {}
+        self._strands: tuple[int, list[Reach]] | None = None
+        self._joined = False
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
         begun = monotonic()
         if self._reached is None:
@@ -105,9 +113,9 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        reach = self._reach(length, budget, None if prefix else self._falls_apart)
+        reach = self._reach(length, budget, self._spreads if prefix else self._falls_apart)
         if reach.stopped == HALTED:
-            apart = self._count_apart(length, budget, reach)
+            apart = self._count_apart(length, budget, reach, prefix)
             if apart is not None:
                 return apart
             reach = self._reach(length, budget)
@@ -124,7 +132,7 @@ class AutomatonEngine:
             raise limit_reached(reach.states, reach.stopped or stopped, found, self._level, length)
         return found
 
-    def _count_apart(self, length: int, budget: Budget, whole: Reach) -> int | None:
+    def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
         """Return the number of words of a length, part by part; None where the parts are not independent after all.
 
         `whole` is what was explored of the whole until then.
@@ -132,6 +140,9 @@ class AutomatonEngine:
         Raises:
             LimitReached: a limit ended the count; the error has the number of words that were found.
         """
+        if prefix:
+            shuffled = self._shuffled(length, budget)
+            return shuffled.count(self._sets(prefix)) if shuffled else None
         from prag_asp.space.engines.apart import count_apart
 
         found = count_apart(replace(self._explorer, hopeless=None), self._parts, length, budget)
@@ -150,6 +161,42 @@ class AutomatonEngine:
         """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
         return extent.states > FEW_STATES and self._explorer.merge is None and bool(self._parts)
 
+    def _spreads(self, extent: Extent) -> bool:
+        """Return whether the whole has so many edges that words are found in its parts, if it has any."""
+        return extent.edges > MANY_EDGES and self._divides
+
+    @property
+    def _divides(self) -> bool:
+        """Whether words may be found part by part, as far as is known."""
+        return self._explorer.merge is None and not self._joined and bool(self._parts)
+
+    def _shuffled(self, length: int, budget: Budget) -> ShuffledWords | None:
+        """Return the words of a length by those of the parts.
+
+        None where the parts are not independent after all, or one of them has too many edges itself.
+
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        from prag_asp.space.automaton.shuffled import ShuffledWords
+        from prag_asp.space.engines.apart import large, reach_apart, stopped_at_first
+
+        if self._strands is None or not self._has_strands(length):
+            reaches = reach_apart(self._plain, self._parts, length, budget, large)
+            if reaches is None:
+                self._joined = True
+                return None
+            if stopped_at_first(reaches):
+                states = sum(reach.states for reach in reaches)
+                raise limit_reached(states, stopped_at_first(reaches), 0, self._level, length)
+            self._strands = (length, reaches)
+            self._tell(
+                f"found in {len(reaches)} independent parts with {sum(each.states for each in reaches):,} states"
+            )
+        reaches = self._strands[1]
+        letters = [[self._numbers[letter] for letter in reach.letters] for reach in reaches]
+        return ShuffledWords([reach.completions for reach in reaches], letters, length)
+
     @cached_property
     def _parts(self) -> tuple[Transition, ...]:
         """The independent parts of the domain, none where there is but one."""
@@ -159,9 +206,11 @@ class AutomatonEngine:
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        reach = self.explored(length)
+        reach = self.known(length)
         sets = self._sets(prefix)
-        if reach.merged:
+        if not isinstance(reach, Reach):
+            found = reach.words(sets)
+        elif reach.merged:
             from prag_asp.space.automaton.merged import merged_words
 
             found = merged_words(reach.merged, reach.completions, length, sets)
@@ -174,8 +223,10 @@ class AutomatonEngine:
         """Return whether a word belongs to the level."""
         if not all(letter in self._numbers for letter in word):
             return False
-        reach = self.explored(len(word))
+        reach = self.known(len(word))
         numbers = [self._numbers[letter] for letter in word]
+        if not isinstance(reach, Reach):
+            return reach.rank(numbers) is not None
         if reach.merged:
             from prag_asp.space.automaton.merged import accepts_merged
 
@@ -229,6 +280,8 @@ class AutomatonEngine:
         begun = monotonic()
         stage("exploring")
         found = self._explorer.reach(self._transition, length, budget, halt)
+        if found.stopped == UNFIT and halt and self._divides:
+            return replace(found, stopped=HALTED)
         if found.stopped == UNFIT:
             raise Unfit(found)
         if found.covers(length):
@@ -237,27 +290,41 @@ class AutomatonEngine:
                 self._shelf.write(found)
         return found
 
-    def explored(self, length: int) -> Reach:
-        """Return all that is reached within a length.
+    def known(self, length: int) -> Reach | ShuffledWords:
+        """Return all that is reached within a length; or its words, where they are those of many parts.
 
         Raises:
             LimitReached: a limit ended the exploration.
         """
         budget = self._limits.begin()
+        apart = self._has_strands(length) or self._reach(length, budget, self._spreads).stopped == HALTED
+        found = self._shuffled(length, budget) if apart else None
+        return found or self.explored(length, budget)
+
+    def _has_strands(self, length: int) -> bool:
+        return self._strands is not None and self._strands[0] >= length
+
+    def explored(self, length: int, budget: Budget | None = None) -> Reach:
+        """Return all that is reached within a length.
+
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        budget = budget or self._limits.begin()
         reach = self._reach(length, budget)
         if not reach.covers(length):
             found, _ = count_within(reach.completions, length, budget.to_close().spent)
             raise limit_reached(reach.states, reach.stopped, found, self._level, length)
         return reach
 
-    def _ranking(self, length: int) -> Ranking | MergedRanking:
+    def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
         """Return the ranking of a length, and keep the last ones made: tasks of several lengths are told by turns."""
         if length not in self._ranked:
-            reach = self.explored(length)
+            reach = self.known(length)
             stage("ranking")
             while len(self._ranked) >= RANKED:
                 del self._ranked[next(iter(self._ranked))]
-            self._ranked[length] = _merged_ranking(reach, length) or Ranking(reach.completions, length)
+            self._ranked[length] = _ranking_of(reach, length) if isinstance(reach, Reach) else reach
         return self._ranked[length]
 
     def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
@@ -266,17 +333,41 @@ class AutomatonEngine:
         hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
         read = hindsight.last_read if hindsight else ()
         explorer = self._plain if plain or goals else self._explorer
+        if not weights and not goals and not plain:
+            known = self.known(length)
+            if not isinstance(known, Reach):
+                return Weighed(NO_PATHS, ranking=known)
+            return Weighed(known.completions, ranking=_merged_ranking(known, length))
         if not weights and not goals:
-            known = self.explored(length)
-            if not (plain and known.merged):
-                return Weighed(known.completions, ranking=_merged_ranking(known, length))
-        reach, unit, marks = explorer.weighed(length, weights, self._limits.begin(), read)
+            whole = self.explored(length)
+            if not whole.merged:
+                return Weighed(whole.completions)
+        budget = self._limits.begin()
+        if not plain and not goals and weights.of_actions_alone:
+            apart = self._weigh_apart(length, weights, budget)
+            if apart is not None:
+                return apart
+        reach, unit, marks = explorer.weighed(length, weights, budget, read)
         if reach.stopped == UNFIT:
             raise Unfit(reach)
         if not reach.covers(length):
             raise limit_reached(reach.states, reach.stopped, 0, self._level, length)
         ends = numbered_goals(hindsight, marks) if hindsight else None
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
+
+    def _weigh_apart(self, length: int, weights: Weights, budget: Budget) -> Weighed | None:
+        """Return the words with the weights of their actions by those of the parts, where the whole spreads too far."""
+        if not self._divides:
+            return None
+        if not self._has_strands(length) and self._reach(length, budget, self._spreads).stopped != HALTED:
+            return None
+        words = self._shuffled(length, budget)
+        if words is None:
+            return None
+        by_letter, _ = edge_weights(self._transition.actions, weights)
+        scale = lcm(*(weight.denominator for weight in by_letter))
+        whole = [int(weight * scale) for weight in by_letter]
+        return Weighed(NO_PATHS, Fraction(1, scale**length), ranking=words.weighing(whole))
 
 
 def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
@@ -287,6 +378,10 @@ def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
     from prag_asp.space.engines.stored import shelf_for
 
     return shelf_for(folder, model, level, merge)
+
+
+def _ranking_of(reach: Reach, length: int) -> Ranking | MergedRanking:
+    return _merged_ranking(reach, length) or Ranking(reach.completions, length)
 
 
 def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:

@@ -176,11 +176,13 @@ class Explorer:
         if explored.stopped == OUTGROWN:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
-                explored = explore(transition, length, self._watch(length, budget, MORE_PATIENCE), object_to=object_to)
+                explored = explore(
+                    transition, length, self._watch(length, budget, MORE_PATIENCE, halt), object_to=object_to
+                )
                 if explored.stopped != OUTGROWN:
                     return explored, None
             return explore(
-                transition, length, self._watch(length, budget), merging=merging, object_to=object_to
+                transition, length, self._watch(length, budget, halt=halt), merging=merging, object_to=object_to
             ), merging
         if not explored.stopped and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
             _small[transition] = explored

@@ -12,18 +12,15 @@ from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
-from prag_asp.space.automaton.automaton import Completions
+from prag_asp.space.automaton.automaton import NO_PATHS, Completions
 from prag_asp.space.automaton.beam import count_along
 from prag_asp.space.automaton.layers import LayeredWords, Layers
-from prag_asp.space.automaton.sets import NOTHING, SetWords
+from prag_asp.space.automaton.sets import SetWords
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Engine, Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import Allow, Explorer, Halt, Reach
 from prag_asp.space.limits import MOST_CLOSING, UNLIMITED, Budget, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights, edge_weights, refuse_weights, weighing_facts
-
-NO_PATHS = Completions(NOTHING)
-"""Of what is never listed."""
 
 
 class SymbolicEngine:

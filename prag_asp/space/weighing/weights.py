@@ -47,6 +47,11 @@ class Weights:
     def __bool__(self) -> bool:
         return any((self.names, self.pairs, self.actions, self.entities))
 
+    @property
+    def of_actions_alone(self) -> bool:
+        """Whether a plan weighs no more than the product of what its actions weigh, each by itself."""
+        return not self.pairs and not self.entities
+
     def of_action(self, action: clingo.Symbol) -> Fraction:
         """Return the weight of a single occurrence of an action."""
         return self.names.get(action_name(action), Fraction(1)) * self.actions.get(action, Fraction(1))

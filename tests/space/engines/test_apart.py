@@ -6,20 +6,28 @@ import itertools
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from math import factorial, prod
+from fractions import Fraction
+from itertools import islice
+from math import exp, factorial, prod
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from prag_asp import LimitReached, Limits, TaskSpace
+from prag_asp import LimitReached, Limits, QueryError, TaskSpace
+from prag_asp.bits import SeededBits
+from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step import independent
 from prag_asp.logic.step.independent import independent_parts
 from prag_asp.space.automaton import explore as exploring
+from prag_asp.space.automaton.shuffled import ShuffledWords
+from prag_asp.space.drawing.draws import drawn_words, make_drawer
 from prag_asp.space.engines import LEVELS, Level, automaton
 from prag_asp.space.engines.apart import shuffled
 from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.engines.reach import Reach
+from prag_asp.space.weighing.weights import Weights, parse_weights
 from tests.brute_force import Action, Toy
 from tests.chance import examples
 from tests.domains import domain_of
@@ -32,6 +40,8 @@ def wherever_possible() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(independent, "FEWEST_VARIABLES", 0)
         patch.setattr(automaton, "FEW_STATES", 0)
+        patch.setattr(automaton, "MANY_EDGES", 0)
+        patch.setattr("prag_asp.space.engines.apart.MANY_EDGES", 1 << 30)
         patch.setattr(exploring, "MANY", 0)
         yield
 
@@ -156,6 +166,86 @@ def test_few_states_are_explored_together_as_they_always_were() -> None:
     told: list[str] = []
     space = TaskSpace(domain_of(ROOMS.replace("K", "4")), 12, progress=told.append)
     assert space.count("plan") and not any("independent" in words for words in told)
+
+
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
+@given(
+    st.booleans().flatmap(lambda closed: st.tuples(toys(closed=closed), toys(closed=closed))),
+    st.booleans(),
+    st.lists(st.sampled_from(["a", "b", "c"]), max_size=2),
+    st.integers(0, 2**32),
+)
+def test_words_of_two_domains_side_by_side_are_those_of_the_whole(
+    both: tuple[Toy, Toy], other_names: bool, prefix: list[str], seed: int
+) -> None:
+    model = Model(domain_of(beside(small(both[0]), small(both[1]), other_names).text(), "at_most"))
+    weights = parse_weights(
+        {name: f"{number}/3" for number, name in enumerate(sorted(names_of(model)))}, model.domain.facts
+    )
+    for level in LEVELS:
+        whole, apart = AutomatonEngine(model, level, merge=False), AutomatonEngine(model, level)
+        with wherever_possible():
+            for length in (4, 3, 0):
+                words = list(whole.words(length))
+                assert list(apart.words(length)) == words
+                assert [apart.unrank(length, rank) for rank in range(len(words))] == words
+                assert [apart.rank(word) for word in words] == list(range(len(words)))
+                assert all(map(apart.contains, words))
+                begun = [name for name in prefix if name in names_of(model)]
+                assert apart.count(length, begun) == whole.count(length, begun) == len(list(apart.words(length, begun)))
+                for weigh in [Weights()] if level == "skeleton" else [Weights(), weights]:
+                    assert drawn(apart, length, weigh, seed) == drawn(whole, length, weigh, seed)
+
+
+def names_of(model: Model) -> set[str]:
+    return set(map(action_name, model.domain.facts.declared_actions))
+
+
+def drawn(engine: AutomatonEngine, length: int, weights: Weights, seed: int) -> list[tuple[tuple[str, ...], Fraction]]:
+    """Return some draws with their probabilities; none where there is nothing to draw."""
+    try:
+        drawer = make_drawer(engine, engine._model.domain.facts, engine._level, length, weights)
+    except QueryError:
+        return []
+    draws = islice(drawn_words(drawer, engine, SeededBits(seed)), 20)
+    return [(draw.word, draw.probability) for draw in draws]
+
+
+def test_words_that_differ_in_one_action_are_told_from_words_of_the_whole() -> None:
+    model = Model(domain_of(ROOMS.replace("K", "3")))
+    whole = AutomatonEngine(model, "plan", merge=False)
+    with wherever_possible():
+        apart = AutomatonEngine(model, "plan")
+        words = set(whole.words(3))
+        assert isinstance(apart.known(3), ShuffledWords)
+        for word in itertools.product(whole.letters, repeat=3):
+            assert apart.contains(word) == (apart.rank(word) is not None) == (word in words)
+
+
+@pytest.mark.parametrize("weights", [{}, {"shut": "1/4", "light(room(3))": 5}])
+def test_plans_of_twelve_rooms_are_drawn_each_with_its_probability(weights: dict[str, str | int]) -> None:
+    domain = domain_of(ROOMS.replace("K", "12") + SWEPT)
+    told: list[str] = []
+    space = TaskSpace(domain, 40, progress=told.append)
+    tasks = space.sample(3, seed=3, weights=weights)
+    assert "found in 12 independent parts with 48 states" in told
+    shares = {round(exp(task.log_probability) * space.count(), 6) for task in tasks}
+    assert (shares == {1}) == (not weights)
+    for task in tasks:
+        assert space.word(space.index(task)) == tuple(map(str, task.actions))
+
+
+def test_a_part_that_is_large_itself_is_found_in_the_whole() -> None:
+    model = Model(domain_of(ROOMS.replace("K", "3")))
+    with wherever_possible(), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("prag_asp.space.engines.apart.MANY_EDGES", 0)
+        assert isinstance(AutomatonEngine(model, "plan").known(4), Reach)
+
+
+def test_a_limit_ends_the_finding_of_words_with_a_line() -> None:
+    limits = Limits(seconds=1e-9, cached=False)
+    with wherever_possible(), pytest.raises(LimitReached, match=r"time limit .* was reached"):
+        list(TaskSpace(domain_of(ROOMS.replace("K", "12")), 30, limits=limits).words("plan"))
 
 
 JOINED = {
