@@ -174,7 +174,8 @@ def test_what_is_put_off_is_done_afterwards_and_the_handlers_are_as_before() -> 
 
 
 PARENT = f"""
-import sys
+import signal, sys
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup would have it ignore
 sys.path.insert(0, {str(ROOT)!r})
 from prag_asp.processes.children import Children
 with Children("tests.answers") as ours:

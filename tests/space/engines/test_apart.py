@@ -26,7 +26,7 @@ from prag_asp.space.drawing.draws import drawn_words, make_drawer
 from prag_asp.space.engines import LEVELS, Level, automaton
 from prag_asp.space.engines.apart import shuffled
 from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.engines.reach import Reach
+from prag_asp.space.engines.reach import Reach, Unfit
 from prag_asp.space.weighing.weights import Weights, parse_weights
 from tests.brute_force import Action, Toy
 from tests.chance import examples
@@ -326,3 +326,18 @@ def test_states_of_a_part_are_merged_as_those_of_a_whole(monkeypatch: pytest.Mon
     (counted,) = [words for words in told if "independent" in words]
     # Three states of each room; of the books up to 7 are taken, one of which may be read where that is step by step.
     assert counted == f"counted in 3 independent parts with {2 * 3 + 8 + 6} states"
+
+
+@pytest.mark.parametrize("level", ["plan", "skeleton"])
+def test_parts_answer_where_the_whole_would_not_fit_into_memory(level: Level, monkeypatch: pytest.MonkeyPatch) -> None:
+    domain = domain_of(ROOMS.replace("K", "4"))
+    whole = AutomatonEngine(Model(domain), level, merge=False)
+    counts, ranks = whole.count(7), range(0, whole.count(7), 101)
+    monkeypatch.setattr("prag_asp.space.engines.reach.PATIENCE", 0)
+    engine = AutomatonEngine(Model(domain), level, hopeless=lambda extent, length: extent.depth > 3)
+    if level == "skeleton":
+        with pytest.raises(Unfit):
+            engine.count(7)
+    else:
+        assert engine.count(7) == counts
+        assert [engine.unrank(7, rank) for rank in ranks] == [whole.unrank(7, rank) for rank in ranks]
