@@ -7,10 +7,12 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
 from prag_asp.rl import Oracle
 from tests.docs.pages import DOCS, ROOT
@@ -125,15 +127,19 @@ def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatc
     assert {most for (_, most), (_, told) in verdicts.items() if "no two processes" in told} == {1.6}
 
 
-@pytest.mark.parametrize(("name", "cells", "ours"), [("beside.py", 4 * 7, 1), ("rates.py", 4 * 6 + 4 * 7, 2)])
-def test_what_environments_do_alone_and_by_twos_is_measured(name: str, cells: int, ours: int) -> None:
-    command = [sys.executable, *of(name), *SHORTENED[name].split()]
-    wide = {**os.environ, "COLUMNS": "160"}
-    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=wide)
-    told = re.search(r"two processes do ([\d.]+) times what one does, PyBullet alone ([\d.]+) times", ended.stdout)
-    assert told and ended.stdout.count("│") == cells and ended.returncode in (0, 1), ended.stderr
-    rates = re.findall(r"^│ (?:prag_asp|environment,) tabletop.*?│ +([\d,]+) ", ended.stdout, re.MULTILINE)
-    assert len(rates) == ours and all(int(rate.replace(",", "")) > 0 for rate in rates)
+def test_what_environments_do_alone_and_by_twos_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both commands tell of two processes, which are measured once for them."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
+    monkeypatch.setenv("COLUMNS", "160")
+    beside, rates = map(importlib.import_module, ("beside", "rates"))
+    monkeypatch.setattr(beside, "measured", cache(beside.measured))
+    for module, cells, ours in ((beside, 4 * 7, 1), (rates, 4 * 6 + 4 * 7, 2)):
+        name = f"{module.__name__}.py"
+        ended = CliRunner().invoke(module.main, [*of(name)[1:], *SHORTENED[name].split()])
+        told = re.search(r"two processes do ([\d.]+) times what one does, PyBullet alone ([\d.]+) times", ended.stdout)
+        assert told and ended.stdout.count("│") == cells and ended.exit_code in (0, 1), ended.output
+        found = re.findall(r"^│ (?:prag_asp|environment,) tabletop.*?│ +([\d,]+) ", ended.stdout, re.MULTILINE)
+        assert len(found) == ours and all(int(rate.replace(",", "")) > 0 for rate in found)
 
 
 def test_what_curricula_cost_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
