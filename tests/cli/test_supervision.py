@@ -44,7 +44,12 @@ main()
 """
 """The command ``domains``, doing something else."""
 
-HOLDS_THE_INTERPRETER = "print('begun', flush=True); sum(range(10**12))"
+HOLDS_THE_INTERPRETER = """
+    print('begun', flush=True)
+    lock = ctypes.create_string_buffer(256)  # larger than a mutex anywhere; all zeros are one that is free
+    for _ in range(2): ctypes.PyDLL(None).pthread_mutex_lock(lock)"""
+"""Foreign code that waits for what does not come, with the interpreter, and goes on to wait after each signal."""
+
 SWALLOWS = """while True:
         try: print('begun', flush=True); time.sleep(600)
         except BaseException: pass"""
