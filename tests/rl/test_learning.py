@@ -135,6 +135,8 @@ def test_what_environments_do_alone_and_by_twos_is_measured(monkeypatch: pytest.
     monkeypatch.setattr(beside, "measured", cache(beside.measured))
     for module, cells, ours in ((beside, 4 * 7, 1), (rates, 4 * 6 + 4 * 7, 2)):
         name = f"{module.__name__}.py"
+        asked = [sys.executable, of(name)[0], "--help"]
+        assert "--rounds" in subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True).stdout
         ended = CliRunner().invoke(module.main, [*of(name)[1:], *SHORTENED[name].split()])
         told = re.search(r"two processes do ([\d.]+) times what one does, PyBullet alone ([\d.]+) times", ended.stdout)
         assert told and ended.stdout.count("│") == cells and ended.exit_code in (0, 1), ended.output
