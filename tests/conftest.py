@@ -8,7 +8,7 @@ import secrets
 import signal
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -18,9 +18,16 @@ import pytest
 from hypothesis import is_hypothesis_test
 
 from tests import chance as chances
+from tests.patience import patience
 from tests.processes import children
 
 ROOT = Path(__file__).parent
+
+LONGEST = 900.0
+"""Seconds that a test may take, on whatever machine; ten times as many with ten times the examples."""
+
+COMPLAINTS = pytest.StashKey[int]()
+"""Where what goes wrong with a test as a whole is told, past what is captured of it."""
 
 os.environ["PRAG_ASP_CACHE"] = ""
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):  # processes that tests start need not compile the package each time
@@ -50,6 +57,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(tryfirst=True)  # before hypothesis reads its seed
 def pytest_configure(config: pytest.Config) -> None:
     options = config.option
+    config.stash[COMPLAINTS] = os.dup(2)  # nothing is captured yet
     if options.fresh and options.seed is None:
         options.seed = getattr(config, "workerinput", {}).get("seed") or secrets.randbelow(10**9)
     if options.seed is None:
@@ -116,6 +124,13 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 20, 50)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    config = item.config
+    with patience(LONGEST * (1 if config.option.seed is None else 10), config.stash[COMPLAINTS]):
+        return (yield)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

@@ -42,9 +42,9 @@ def test_rare(number):
 """
 
 
-def run(folder: Path, text: str, *options: str) -> subprocess.CompletedProcess[str]:
-    """Run a file of tests with the conftest of these, in a folder of its own."""
-    (folder / "conftest.py").write_text(CONFTEST)
+def run(folder: Path, text: str, *options: str, conftest: str = CONFTEST) -> subprocess.CompletedProcess[str]:
+    """Run a file of tests with the conftest of these, or another one, in a folder of its own."""
+    (folder / "conftest.py").write_text(conftest)
     (folder / "test_it.py").write_text(text)
     plugins = ("-p", "no:cacheprovider", "-p", "hypothesispytest")
     command = [sys.executable, "-m", "pytest", *plugins, "-c", os.devnull, "--rootdir", str(folder)]
