@@ -92,11 +92,15 @@ def within(limits: Limits, words: Iterator[Found], level: str, length: int) -> I
         yield word
 
 
-def stopped_at(limit: str, found: int, level: str, length: int) -> LimitReached:
-    """Return the error for a limit, given in words, that ended a count when `found` words were found."""
+def stopped_at(limit: str, found: int, level: str, length: int, states: int = 0) -> LimitReached:
+    """Return the error for a limit, given in words, that ended a count when `found` words were found.
+
+    Where states are listed, it says how many were.
+    """
+    explored = f" with {states:,} states explored" if states else ""
     return LimitReached(
-        f"{limit} was reached: there are at least {found} {level}s of length {length}; {allow_more(limit)}, or ask for "
-        "shorter ones",
+        f"{limit} was reached{explored}: there are at least {found} {level}s of length {length}; {allow_more(limit)}, "
+        "or ask for shorter ones",
         found,
     )
 

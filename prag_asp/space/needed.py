@@ -26,7 +26,7 @@ from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import count_words
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.merged import count_merged
-from prag_asp.space.engines.automaton import AutomatonEngine, limit_reached
+from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.protocol import Engine, Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reach import Explorer, Reach
 from prag_asp.space.limits import Limits, stopped_at
@@ -154,7 +154,7 @@ class Fewer:
         stage("counting")
         found, stopped = self._weight(reach, length, prefix)
         if reach.stopped or stopped:
-            raise limit_reached(reach.states, reach.stopped or stopped, 0, "plan", length)
+            raise stopped_at(reach.stopped or stopped, 0, "plan", length, reach.states)
         pairs = [(len(group), len(members)) for group, members in zip(self.groups, ground, strict=True)]
         return _renamed(found, [*zip(pairs, places, strict=False)])
 

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.space.automaton.walks import words_along
+
 KEPT_BYTES = 1 << 30
 """Memory for the rows of one automaton, about."""
 
@@ -201,27 +203,14 @@ def words(completions: Completions, length: int, prefix: Sequence[Callable[[int]
     automaton = completions.automaton
     if not automaton.states or len(prefix) > length or not completions.row(length)[0]:
         return
-    word: list[int] = []
-    waiting = [iter(range(int(automaton.offsets[0]), int(automaton.offsets[1])))]
-    if length == 0:
-        yield ()
-        return
-    while waiting:
-        edge = next(waiting[-1], None)
-        if edge is None:
-            waiting.pop()
-            if word:
-                word.pop()
-            continue
-        letter, target = int(automaton.letters[edge]), int(automaton.targets[edge])
-        left = length - len(word) - 1
-        if (len(word) < len(prefix) and not prefix[len(word)](letter)) or not completions.row(left)[target]:
-            continue
-        if left == 0:
-            yield (*word, letter)
-        else:
-            word.append(letter)
-            waiting.append(iter(range(int(automaton.offsets[target]), int(automaton.offsets[target + 1]))))
+
+    def onward(state: int, step: int) -> Iterator[tuple[int, int]]:
+        for edge in range(int(automaton.offsets[state]), int(automaton.offsets[state + 1])):
+            letter, target = int(automaton.letters[edge]), int(automaton.targets[edge])
+            if (step >= len(prefix) or prefix[step](letter)) and completions.row(length - step - 1)[target]:
+                yield letter, target
+
+    yield from words_along(0, length, onward)
 
 
 class Ranking:

@@ -19,6 +19,7 @@ from prag_asp.logic.diagram.digits import find_digits
 from prag_asp.logic.diagram.pieces import Piece, SetStep
 from prag_asp.logic.step.transition import Transition
 from prag_asp.space.automaton.automaton import Word
+from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 Look = Callable[[], None]
 """Called now and then; raises an error where a limit is reached."""
@@ -183,36 +184,12 @@ class LayeredWords:
 
     def __iter__(self) -> Iterator[Word]:
         """Yield the words in order, lazily; each once, whatever it weighs above 0."""
-        if not self.total:
-            return
-        if not self._length:
-            yield ()
-            return
-        word: list[int] = []
-        waiting = [self._ways(self._layers.start, 0)]
-        while waiting:
-            edge = next(waiting[-1], None)
-            if edge is None:
-                waiting.pop()
-                word = word[:-1]
-            elif len(waiting) == self._length:
-                yield (*word, edge.letter)
-            else:
-                word.append(edge.letter)
-                waiting.append(self._ways(edge.state, len(word)))
+        if self.total:
+            yield from words_along(self._layers.start, self._length, self._ways)
 
     def unrank(self, rank: int) -> Word:
         """Return the word that owns a rank from 0 to total - 1, where all weigh 1."""
-        word, state = [], self._layers.start
-        for step in range(self._length):
-            for edge in self._layers.onward(state):
-                behind = self._behind(edge, step)
-                if rank < behind:
-                    word.append(edge.letter)
-                    state = edge.state
-                    break
-                rank -= behind
-        return tuple(word)
+        return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
         """Return the rank of a word where all weigh 1, or None where it is no word."""
@@ -228,7 +205,7 @@ class LayeredWords:
             state = taken.state
         return rank
 
-    def walk(self, choose: Callable[[int, Sequence[int]], int]) -> tuple[Word, int]:
+    def walk(self, choose: Choice) -> tuple[Word, int]:
         """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
         word, weight, state = [], 1, self._layers.start
         for step in range(self._length):
@@ -239,11 +216,11 @@ class LayeredWords:
             state = edge.state
         return tuple(word), weight
 
-    def _ways(self, state: State, step: int) -> Iterator[Onward]:
+    def _ways(self, state: State, step: int) -> Iterator[tuple[int, State]]:
         allowed = self._prefix[step] if step < len(self._prefix) else None
         for edge in self._layers.onward(state):
             if (allowed is None or edge.letter in allowed) and self._behind(edge, step):
-                yield edge
+                yield edge.letter, edge.state
 
     def _behind(self, edge: Onward, step: int) -> int:
         """Return the weight of all words that go on over an edge, from it on."""

@@ -7,8 +7,7 @@ automaton that was never merged. A unit of a joint group counts as an entity her
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
@@ -21,6 +20,7 @@ from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.logic.symmetry.twins import Twins
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word
 from prag_asp.space.automaton.explore import Renamings
+from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 Names = NDArray[np.int64]
 """For each entity of a merged state, the entity that it stands for, and -1 at the end for none."""
@@ -181,20 +181,8 @@ def merged_words(
                 if completions.row(length - step - 1)[after.state]:
                     yield letter, after
 
-    if not length and completions.row(0)[0]:
-        yield ()
-    word: list[int] = []
-    waiting = [onward(merged.start, 0)] if length else []
-    while waiting:
-        letter, place = next(waiting[-1], (None, None))
-        if letter is None or place is None:
-            waiting.pop()
-            word = word[:-1]
-        elif len(waiting) == length:
-            yield (*word, letter)
-        else:
-            word.append(letter)
-            waiting.append(onward(place, len(word)))
+    if completions.row(length)[0]:
+        yield from words_along(merged.start, length, onward)
 
 
 class MergedRanking:
@@ -209,14 +197,7 @@ class MergedRanking:
 
     def unrank(self, rank: int) -> Word:
         """Return the word that owns a rank from 0 to total - 1."""
-
-        def owner(_: int, totals: Sequence[int]) -> int:
-            nonlocal rank
-            branch = bisect_right(totals, rank)
-            rank -= totals[branch - 1] if branch else 0
-            return branch
-
-        return self.walk(owner)[0]
+        return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
         """Return the rank of a word in an automaton without weights, or None where it is no word of it."""
@@ -237,7 +218,7 @@ class MergedRanking:
         exact = behind.astype(self._completions.row(left).dtype)
         return np.cumsum(exact if self._merged.own is None else exact * self._merged.own[branches.edges])
 
-    def walk(self, choose: Callable[[int, Sequence[int]], int]) -> tuple[Word, int]:
+    def walk(self, choose: Choice) -> tuple[Word, int]:
         """Return a word and its weight; `choose` takes a branch of each step by the running totals of their weights."""
         word, weight, place = [], 1, self._merged.start
         for step in range(self._length):

@@ -8,8 +8,7 @@ the sum of the parts' states, and not with their product.
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from itertools import accumulate
@@ -19,6 +18,7 @@ from operator import mul
 import numpy as np
 
 from prag_asp.space.automaton.automaton import Completions, Word
+from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 REMEMBERED = 1 << 12
 """Of how many states it is remembered what completes them, with so many letters left."""
@@ -74,21 +74,13 @@ class ShuffledWords:
         """Yield the words whose first letters are among those of `prefix`, in order, lazily."""
         if not self.total or len(prefix) > self._length:
             return
-        if not self._length:
-            yield ()
-            return
-        word: list[int] = []
-        waiting = [self._allowed(self._start, 0, prefix)]
-        while waiting:
-            edge, state = next(waiting[-1], (None, self._start))
-            if edge is None:
-                waiting.pop()
-                word = word[:-1]
-            elif len(waiting) == self._length:
-                yield (*word, edge.letter)
-            else:
-                word.append(edge.letter)
-                waiting.append(self._allowed(state, len(word), prefix))
+
+        def onward(state: State, step: int) -> Iterator[tuple[int, State]]:
+            for edge, behind in zip(self._onward(state), self._behind(state, self._length - step - 1), strict=True):
+                if behind and (step >= len(prefix) or edge.letter in prefix[step]):
+                    yield edge.letter, _moved(state, edge)
+
+        yield from words_along(self._start, self._length, onward)
 
     def count(self, prefix: Sequence[Collection[int]]) -> int:
         """Return the weight of the words whose first letters are among those of `prefix`."""
@@ -108,14 +100,7 @@ class ShuffledWords:
 
     def unrank(self, rank: int) -> Word:
         """Return the word that owns a rank from 0 to total - 1."""
-
-        def owner(_: int, running: Sequence[int]) -> int:
-            nonlocal rank
-            place = bisect_right(running, rank)
-            rank -= running[place - 1] if place else 0
-            return place
-
-        return self.walk(owner)[0]
+        return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
         """Return the rank of a word where all weigh 1, or None where it is no word."""
@@ -132,7 +117,7 @@ class ShuffledWords:
             state = _moved(state, edges[place])
         return rank
 
-    def walk(self, choose: Callable[[int, Sequence[int]], int]) -> tuple[Word, int]:
+    def walk(self, choose: Choice) -> tuple[Word, int]:
         """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
         word, weight, state = [], 1, self._start
         for step in range(self._length):
@@ -141,12 +126,6 @@ class ShuffledWords:
             weight *= edge.weight
             state = _moved(state, edge)
         return tuple(word), weight
-
-    def _allowed(self, state: State, step: int, prefix: Sequence[Collection[int]]) -> Iterator[tuple[Onward, State]]:
-        """Yield the edges that words go on over, with the states after them."""
-        for edge, behind in zip(self._onward(state), self._behind(state, self._length - step - 1), strict=True):
-            if behind and (step >= len(prefix) or edge.letter in prefix[step]):
-                yield edge, _moved(state, edge)
 
     def _running(self, state: State, step: int) -> list[int]:
         return list(accumulate(self._behind(state, self._length - step - 1)))

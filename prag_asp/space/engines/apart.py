@@ -1,4 +1,4 @@
-"""Counting a level whose domain falls into parts that have nothing in common: each part by itself, then all shuffled.
+"""A level whose domain falls into parts that have nothing in common: each is explored by itself, then all are shuffled.
 
 A plan of the whole is a plan of each part, together with which of its steps belong to which part; so the plans of
 length n are the sum, over the ways to write n as a sum of one length for each part, of the multinomial coefficient and
@@ -8,23 +8,33 @@ Combinatorics 2, 5.1). For that a part has to stay as it is while another one ac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import comb, prod
+from typing import TYPE_CHECKING
 
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import Completions
 from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.engines.reach import HALTED, Explorer, Halt, Reach
-from prag_asp.space.limits import Budget
+from prag_asp.space.limits import Budget, stopped_at
+
+if TYPE_CHECKING:
+    from prag_asp.space.automaton.shuffled import ShuffledWords
+
+FEW_STATES = 4096
+"""States up to which a domain is counted as a whole, though it may fall into parts: it answers more questions so."""
 
 MANY_EDGES = 5_000_000
+"""Edges of the whole beyond which words are found part by part: up to that, listing them all is soon done."""
+
+LARGE_PART = 5_000_000
 """Edges of a part beyond which nothing is won by finding its words apart."""
 
 
 @dataclass(frozen=True)
-class Apart:
+class Counted:
     """How many words there are, the states explored for that, and which limit ended it, in words."""
 
     found: int
@@ -32,43 +42,111 @@ class Apart:
     stopped: str
 
 
-def count_apart(explorer: Explorer, parts: Sequence[Transition], length: int, budget: Budget) -> Apart | None:
-    """Return the number of words of a length of a level, given by the independent parts of its domain.
+class Apart:
+    """The independent parts of one level of a domain, and what is found by way of them.
 
-    None where some part does not rest while another acts. A limit leaves words out; none is wrong. Of skeletons, no two
-    parts have a name of actions in common, or two of theirs could be shuffled to the same one.
+    `explorer` explores the whole, and `transition` returns its step function; parts are looked for when it has grown.
     """
-    found = reach_apart(explorer, parts, length, budget)
-    if found is None:
-        return None
-    counts = [_terms(reach.completions, length) for reach in found]
-    stage("counting shuffles")
-    number, late = shuffled(counts, budget.to_close().spent)
-    return Apart(number, sum(reach.states for reach in found), stopped_at_first(found) or late)
 
+    def __init__(self, explorer: Explorer, transition: Callable[[], Transition], tell: Callable[[str], None]) -> None:
+        self._explorer = explorer
+        self._transition = transition
+        self._tell = tell
+        self._parts: tuple[Transition, ...] | None = None
+        self._large = False
+        self._reached: tuple[int, list[Reach]] | None = None
 
-def reach_apart(
-    explorer: Explorer, parts: Sequence[Transition], length: int, budget: Budget, halt: Halt | None = None
-) -> list[Reach] | None:
-    """Return what each part reaches within a length; None where `halt` says so, or one does not rest as another acts.
+    @property
+    def counts(self) -> bool:
+        """Whether words may be counted part by part, as far as is known."""
+        if self._explorer.merge is not None:
+            return False
+        if self._parts is None:
+            from prag_asp.logic.step.independent import independent_parts
 
-    Once a limit ended one, no more than the first state of the others is looked at.
-    """
-    found: list[Reach] = []
-    for part in parts:
-        steps = 0 if stopped_at_first(found) else length
-        found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
-        if found[-1].stopped == HALTED:
+            self._parts = independent_parts(self._transition(), by_name=self._explorer.level == "skeleton")
+        return bool(self._parts)
+
+    @property
+    def finds(self) -> bool:
+        """Whether words may be found part by part, as far as is known: none of the parts is large itself."""
+        return self.counts and not self._large
+
+    def falls_apart(self, extent: Extent) -> bool:
+        """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
+        return extent.states > FEW_STATES and self.counts
+
+    def spreads(self, extent: Extent) -> bool:
+        """Return whether the whole has so many edges that words are found in its parts, if it has any."""
+        return extent.edges > MANY_EDGES and self.finds
+
+    def count(self, length: int, budget: Budget) -> Counted | None:
+        """Return the number of words of a length; None where some part does not rest while another one acts.
+
+        A limit leaves words out; none is wrong. Of skeletons, no two parts have a name of actions in common, or two of
+        theirs could be shuffled to the same one.
+        """
+        reaches = self._explored(replace(self._explorer, hopeless=None), length, budget)
+        if reaches is None:
+            self._parts = ()
             return None
-    return found
+        states = sum(reach.states for reach in reaches)
+        self._tell(f"counted in {len(reaches)} independent parts with {states:,} states")
+        counts = [_terms(reach.completions, length) for reach in reaches]
+        stage("counting shuffles")
+        number, late = shuffled(counts, budget.to_close().spent)
+        return Counted(number, states, _stopped(reaches) or late)
+
+    def has_words(self, length: int) -> bool:
+        """Return whether the words of a length are found already, those of each part."""
+        return self._reached is not None and self._reached[0] >= length
+
+    def words(self, length: int, numbers: Mapping[str, int], budget: Budget) -> ShuffledWords | None:
+        """Return the words of a length by those of the parts; letters of the whole have these `numbers`.
+
+        None where the parts are not independent after all, or one of them is large itself.
+
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        from prag_asp.space.automaton.shuffled import ShuffledWords
+
+        if self._reached is None or not self.has_words(length):
+            plain = Explorer(self._explorer.model, self._explorer.level, self._explorer.tell, merge=False)
+            reaches = self._explored(plain, length, budget, _is_large)
+            if reaches is None:
+                self._large = True
+                return None
+            states, stopped = sum(reach.states for reach in reaches), _stopped(reaches)
+            if stopped:
+                raise stopped_at(stopped, 0, self._explorer.level, length, states)
+            self._reached = (length, reaches)
+            self._tell(f"found in {len(reaches)} independent parts with {states:,} states")
+        reaches = self._reached[1]
+        letters = [[numbers[letter] for letter in reach.letters] for reach in reaches]
+        return ShuffledWords([reach.completions for reach in reaches], letters, length)
+
+    def _explored(
+        self, explorer: Explorer, length: int, budget: Budget, halt: Halt | None = None
+    ) -> list[Reach] | None:
+        """Return what each part reaches; None where `halt` says so, or one does not rest while another one acts.
+
+        Once a limit ended one, no more than the first state of the others is looked at.
+        """
+        found: list[Reach] = []
+        for part in self._parts or ():
+            steps = 0 if _stopped(found) else length
+            found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
+            if found[-1].stopped == HALTED:
+                return None
+        return found
 
 
-def large(extent: Extent) -> bool:
-    """Return whether a part has too many edges for its words to be found apart."""
-    return extent.edges > MANY_EDGES
+def _is_large(extent: Extent) -> bool:
+    return extent.edges > LARGE_PART
 
 
-def stopped_at_first(reaches: Sequence[Reach]) -> str:
+def _stopped(reaches: Sequence[Reach]) -> str:
     """Return the limit that ended one of them first, in words, or ""."""
     return next((reach.stopped for reach in reaches if reach.stopped), "")
 

@@ -10,7 +10,6 @@ from math import lcm
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import LimitReached
 from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
@@ -18,11 +17,11 @@ from prag_asp.output.kept import cache_folder
 from prag_asp.processes.stage import stage
 from prag_asp.space.automaton.automaton import NO_PATHS, Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
-from prag_asp.space.automaton.explore import Extent
 from prag_asp.space.automaton.recurrence import count_by_recurrence
+from prag_asp.space.engines.apart import Apart
 from prag_asp.space.engines.protocol import Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reach import FEW_STATES, HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, allow_more
+from prag_asp.space.engines.reach import HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
 from prag_asp.space.weighing.weights import Weighed, Weights, edge_weights, refuse_weights
 
 if TYPE_CHECKING:
@@ -35,9 +34,6 @@ WORTH_KEEPING = 0.2
 
 RANKED = 8
 """Lengths whose rankings are kept."""
-
-MANY_EDGES = 5_000_000
-"""Edges of the whole beyond which words are found part by part: up to that, listing them all is soon done."""
 
 LONG = 10_000
 """From this length on counting says how far it is."""
@@ -74,8 +70,7 @@ class AutomatonEngine:
         self._shelf = _shelf_for(model, level, merge) if limits.cached and explorer is None else None
         self._reached: Reach | None = self._shelf.read() if self._shelf else None
         self._ranked: dict[int, Ranking | MergedRanking | ShuffledWords] = {}
-        self._strands: tuple[int, list[Reach]] | None = None
-        self._joined = False
+        self._apart = Apart(self._explorer, lambda: self._transition, self._tell)
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
         begun = monotonic()
         if self._reached is None:
@@ -113,7 +108,7 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        reach = self._reach(length, budget, self._spreads if prefix else self._falls_apart)
+        reach = self._reach(length, budget, self._apart.spreads if prefix else self._apart.falls_apart)
         if reach.stopped == HALTED:
             apart = self._count_apart(length, budget, reach, prefix)
             if apart is not None:
@@ -129,7 +124,7 @@ class AutomatonEngine:
         else:
             found, stopped = count_within(reach.completions, length, budget.to_close().spent, self._tell)
         if stopped or reach.stopped:
-            raise limit_reached(reach.states, reach.stopped or stopped, found, self._level, length)
+            raise stopped_at(reach.stopped or stopped, found, self._level, length, reach.states)
         return found
 
     def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
@@ -141,68 +136,17 @@ class AutomatonEngine:
             LimitReached: a limit ended the count; the error has the number of words that were found.
         """
         if prefix:
-            shuffled = self._shuffled(length, budget)
-            return shuffled.count(self._sets(prefix)) if shuffled else None
-        from prag_asp.space.engines.apart import count_apart
-
-        found = count_apart(replace(self._explorer, hopeless=None), self._parts, length, budget)
-        if found is None:
-            self._parts = ()
+            words = self._apart.words(length, self._numbers, budget)
+            return words.count(self._sets(prefix)) if words else None
+        counted = self._apart.count(length, budget)
+        if counted is None:
             return None
-        self._tell(f"counted in {len(self._parts)} independent parts with {found.states:,} states")
-        if found.stopped:
-            least = found.found
+        if counted.stopped:
+            least = counted.found
             if self._level != "skeleton":  # what was explored of the whole has no names yet
                 least = max(least, count_within(whole.completions, length, budget.to_close().spent)[0])
-            raise limit_reached(found.states, found.stopped, least, self._level, length)
-        return found.found
-
-    def _falls_apart(self, extent: Extent) -> bool:
-        """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
-        return extent.states > FEW_STATES and self._explorer.merge is None and bool(self._parts)
-
-    def _spreads(self, extent: Extent) -> bool:
-        """Return whether the whole has so many edges that words are found in its parts, if it has any."""
-        return extent.edges > MANY_EDGES and self._divides
-
-    @property
-    def _divides(self) -> bool:
-        """Whether words may be found part by part, as far as is known."""
-        return self._explorer.merge is None and not self._joined and bool(self._parts)
-
-    def _shuffled(self, length: int, budget: Budget) -> ShuffledWords | None:
-        """Return the words of a length by those of the parts.
-
-        None where the parts are not independent after all, or one of them has too many edges itself.
-
-        Raises:
-            LimitReached: a limit ended the exploration.
-        """
-        from prag_asp.space.automaton.shuffled import ShuffledWords
-        from prag_asp.space.engines.apart import large, reach_apart, stopped_at_first
-
-        if self._strands is None or not self._has_strands(length):
-            reaches = reach_apart(self._plain, self._parts, length, budget, large)
-            if reaches is None:
-                self._joined = True
-                return None
-            if stopped_at_first(reaches):
-                states = sum(reach.states for reach in reaches)
-                raise limit_reached(states, stopped_at_first(reaches), 0, self._level, length)
-            self._strands = (length, reaches)
-            self._tell(
-                f"found in {len(reaches)} independent parts with {sum(each.states for each in reaches):,} states"
-            )
-        reaches = self._strands[1]
-        letters = [[self._numbers[letter] for letter in reach.letters] for reach in reaches]
-        return ShuffledWords([reach.completions for reach in reaches], letters, length)
-
-    @cached_property
-    def _parts(self) -> tuple[Transition, ...]:
-        """The independent parts of the domain, none where there is but one."""
-        from prag_asp.logic.step.independent import independent_parts
-
-        return independent_parts(self._transition, by_name=self._level == "skeleton")
+            raise stopped_at(counted.stopped, least, self._level, length, counted.states)
+        return counted.found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -280,7 +224,7 @@ class AutomatonEngine:
         begun = monotonic()
         stage("exploring")
         found = self._explorer.reach(self._transition, length, budget, halt)
-        if found.stopped == UNFIT and halt and self._divides:
+        if found.stopped == UNFIT and halt and self._apart.finds:
             return replace(found, stopped=HALTED)
         if found.stopped == UNFIT:
             raise Unfit(found)
@@ -297,12 +241,9 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration.
         """
         budget = self._limits.begin()
-        apart = self._has_strands(length) or self._reach(length, budget, self._spreads).stopped == HALTED
-        found = self._shuffled(length, budget) if apart else None
+        halted = self._apart.has_words(length) or self._reach(length, budget, self._apart.spreads).stopped == HALTED
+        found = self._apart.words(length, self._numbers, budget) if halted else None
         return found or self.explored(length, budget)
-
-    def _has_strands(self, length: int) -> bool:
-        return self._strands is not None and self._strands[0] >= length
 
     def explored(self, length: int, budget: Budget | None = None) -> Reach:
         """Return all that is reached within a length.
@@ -314,7 +255,7 @@ class AutomatonEngine:
         reach = self._reach(length, budget)
         if not reach.covers(length):
             found, _ = count_within(reach.completions, length, budget.to_close().spent)
-            raise limit_reached(reach.states, reach.stopped, found, self._level, length)
+            raise stopped_at(reach.stopped, found, self._level, length, reach.states)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
@@ -343,25 +284,26 @@ class AutomatonEngine:
             if not whole.merged:
                 return Weighed(whole.completions)
         budget = self._limits.begin()
-        if not plain and not goals and weights.of_actions_alone:
+        divides = weights.of_actions_alone and not (plain or goals)
+        apart = self._weigh_apart(length, weights, budget) if divides and self._apart.has_words(length) else None
+        if apart:
+            return apart
+        reach, unit, marks = explorer.weighed(length, weights, budget, read, self._apart.spreads if divides else None)
+        if divides and reach.stopped in {HALTED, UNFIT} and self._apart.finds:
             apart = self._weigh_apart(length, weights, budget)
-            if apart is not None:
+            if apart:
                 return apart
-        reach, unit, marks = explorer.weighed(length, weights, budget, read)
+            reach, unit, marks = explorer.weighed(length, weights, budget, read)
         if reach.stopped == UNFIT:
             raise Unfit(reach)
         if not reach.covers(length):
-            raise limit_reached(reach.states, reach.stopped, 0, self._level, length)
+            raise stopped_at(reach.stopped, 0, self._level, length, reach.states)
         ends = numbered_goals(hindsight, marks) if hindsight else None
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 
     def _weigh_apart(self, length: int, weights: Weights, budget: Budget) -> Weighed | None:
-        """Return the words with the weights of their actions by those of the parts, where the whole spreads too far."""
-        if not self._divides:
-            return None
-        if not self._has_strands(length) and self._reach(length, budget, self._spreads).stopped != HALTED:
-            return None
-        words = self._shuffled(length, budget)
+        """Return the words with the weights of their actions by those of the parts, if these give them."""
+        words = self._apart.words(length, self._numbers, budget)
         if words is None:
             return None
         by_letter, _ = edge_weights(self._transition.actions, weights)
@@ -390,16 +332,3 @@ def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
     from prag_asp.space.automaton.merged import MergedRanking
 
     return MergedRanking(reach.merged, reach.completions, length)
-
-
-def limit_reached(states: int, limit: str, found: int, level: Level, length: int) -> LimitReached:
-    """Return the error that says which limit was reached, how far it came until then, and how many words it found.
-
-    Where no state is listed, as with diagrams, nothing is said of how many there are.
-    """
-    explored = f" with {states:,} states explored" if states else ""
-    return LimitReached(
-        f"{limit} was reached{explored}: there are at least {found} {level}s of length "
-        f"{length}; {allow_more(limit)}, or ask for shorter ones",
-        found,
-    )

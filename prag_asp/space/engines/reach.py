@@ -35,8 +35,7 @@ PATIENCE, WORDS, LARGE = 250_000, 4, 100
 """Edges of a space beyond which its states are merged, where these take few words, and have so many renamings."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
-"""States up to which a domain is explored as a whole, though it may fall into parts: it answers more questions so. And
-edges up to which all levels share what was explored."""
+"""States and edges up to which all levels share what was explored."""
 
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
@@ -140,14 +139,19 @@ class Explorer:
         return _known(transition, explored, merging, explored.automaton)
 
     def weighed(
-        self, length: int, weights: Weights, budget: Budget, read: Sequence[clingo.Symbol] = ()
+        self,
+        length: int,
+        weights: Weights,
+        budget: Budget,
+        read: Sequence[clingo.Symbol] = (),
+        halt: Halt | None = None,
     ) -> tuple[Reach, Fraction, NDArray[np.bool_]]:
         """Return the same with a whole number on each edge, what 1 stands for, and the truth of `read` after each edge.
 
         The latter has shape (edges, atoms read).
         """
         transition = self.transition(weights, read)
-        explored, merging = self._explored(transition, length, budget, weights)
+        explored, merging = self._explored(transition, length, budget, weights, halt)
         own = explored.labels.shape[1] - len(read)
         automaton, scale = explored.automaton, 1
         if weights:

@@ -7,7 +7,7 @@ entity that it uses, once; an entity weighs what it and all its classes weigh to
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -27,6 +27,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.names import refuse_ambiguous, shared_names
 from prag_asp.program.settings import MAX_EXPONENT
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word
+from prag_asp.space.automaton.walks import Choice
 from prag_asp.wording import unknown
 
 Number = int | Fraction | Decimal | str
@@ -199,7 +200,7 @@ class Walks(Protocol):
 
     total: int
 
-    def walk(self, choose: Callable[[int, Sequence[int]], int]) -> tuple[Word, int]:
+    def walk(self, choose: Choice) -> tuple[Word, int]:
         """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
         ...
 

@@ -23,7 +23,7 @@ from prag_asp.logic.step.independent import independent_parts
 from prag_asp.space.automaton import explore as exploring
 from prag_asp.space.automaton.shuffled import ShuffledWords
 from prag_asp.space.drawing.draws import drawn_words, make_drawer
-from prag_asp.space.engines import LEVELS, Level, automaton
+from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.apart import shuffled
 from prag_asp.space.engines.automaton import AutomatonEngine
 from prag_asp.space.engines.reach import Reach, Unfit
@@ -39,9 +39,8 @@ def wherever_possible() -> Iterator[None]:
     """Count apart wherever there are parts, however small."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(independent, "FEWEST_VARIABLES", 0)
-        patch.setattr(automaton, "FEW_STATES", 0)
-        patch.setattr(automaton, "MANY_EDGES", 0)
-        patch.setattr("prag_asp.space.engines.apart.MANY_EDGES", 1 << 30)
+        patch.setattr("prag_asp.space.engines.apart.FEW_STATES", 0)
+        patch.setattr("prag_asp.space.engines.apart.MANY_EDGES", 0)
         patch.setattr(exploring, "MANY", 0)
         yield
 
@@ -238,7 +237,7 @@ def test_plans_of_twelve_rooms_are_drawn_each_with_its_probability(weights: dict
 def test_a_part_that_is_large_itself_is_found_in_the_whole() -> None:
     model = Model(domain_of(ROOMS.replace("K", "3")))
     with wherever_possible(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr("prag_asp.space.engines.apart.MANY_EDGES", 0)
+        patch.setattr("prag_asp.space.engines.apart.LARGE_PART", 0)
         assert isinstance(AutomatonEngine(model, "plan").known(4), Reach)
 
 
