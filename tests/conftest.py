@@ -30,6 +30,7 @@ COMPLAINTS = pytest.StashKey[int]()
 """Where what goes wrong with a test as a whole is told, past what is captured of it."""
 
 os.environ["PRAG_ASP_CACHE"] = ""
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command has it: a thread more waits in vain, and computes
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):  # processes that tests start need not compile the package each time
     sys.dont_write_bytecode = False
 

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event, Thread
 
 import pytest
 
@@ -157,6 +158,9 @@ def test_an_interruption_while_a_child_is_started_comes_when_it_is_known_and_end
 def test_what_is_put_off_is_done_afterwards_and_the_handlers_are_as_before() -> None:
     heard: list[str] = []
     before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append("terminated"))
+    ending = Event()
+    other = Thread(target=ending.wait)  # which may take signals that the main one blocks
+    other.start()
     try:
         usual = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
         with pytest.raises(KeyboardInterrupt):
@@ -171,6 +175,8 @@ def test_what_is_put_off_is_done_afterwards_and_the_handlers_are_as_before() -> 
         assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == usual
     finally:
         signal.signal(signal.SIGTERM, before)
+        ending.set()
+        other.join()
 
 
 PARENT = f"""
