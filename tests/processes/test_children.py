@@ -168,6 +168,7 @@ def test_what_is_put_off_is_done_afterwards_and_the_handlers_are_as_before() -> 
                 with uninterrupted():
                     os.kill(os.getpid(), signal.SIGTERM)
                     os.kill(os.getpid(), signal.SIGINT)
+                    time.sleep(0.05)  # in which another thread takes what this one does not
                     heard.append("inner")
                 heard.append("outer")
             heard.append("too late")
