@@ -19,7 +19,7 @@ from prag_asp.lint.stages import Checked
 from prag_asp.logic.model import Model
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source
-from prag_asp.space import task_space
+from prag_asp.space import word_space
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.shared import Shared
@@ -39,7 +39,7 @@ def logic_shared() -> Iterator[None]:
     ever.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(task_space, "Shared", _known)
+        patch.setattr(word_space, "Shared", _known)
         patch.setattr(load, "check", _check)
         yield
 

@@ -74,7 +74,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "logic": ("ground", "step", "diagram", "symmetry", "model", "formula"),
     "space": (
         "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "needed", "explain", "drawing",
-        "shared", "task_space", "task_spaces", "ordered", "why",
+        "shared", "word_space", "task_space", "task_spaces", "ordered", "why",
     ),
     "physics": (
         "bullet", "required", "lent", "robot", "written", "witness", "situation", "predicates", "facts", "world",

@@ -34,4 +34,4 @@ def test_deaf():
     for _ in range(2): ctypes.PyDLL(None).pthread_mutex_lock(lock)
 """
     done = run(tmp_path, text, conftest=CONFTEST + IMPATIENT)
-    assert done.returncode == 1 and "test_it.py\", line 5 in test_deaf" in done.stderr, done.stderr
+    assert done.returncode == 1 and 'test_it.py", line 5 in test_deaf' in done.stderr, done.stderr

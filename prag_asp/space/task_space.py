@@ -7,33 +7,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from copy import copy
 from fractions import Fraction
 from itertools import islice
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 from prag_asp.atom import Atom
-from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name
-from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.renaming import renamed
-from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.space.conditions.condition import Condition
-from prag_asp.space.engines import LEVELS, Draw, Engine, Level
-from prag_asp.space.engines.prefix import parse_plan, parse_prefix
-from prag_asp.space.engines.protocol import Progress
-from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.plans.canonical import canonical_names, canonical_prefix
-from prag_asp.space.shared import Shared
+from prag_asp.space.engines import Draw, Level
+from prag_asp.space.engines.prefix import parse_plan
+from prag_asp.space.plans.canonical import canonical_names
 from prag_asp.space.weighing.weights import Number, Weights, parse_weights
+from prag_asp.space.word_space import Prefix, WordSpace, checked_level
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from prag_asp.logic.formula.approximate import Estimate
     from prag_asp.space.drawing.drawers import Drawer, Over
     from prag_asp.space.drawing.statistics import Statistics
     from prag_asp.space.parts.ranked import RankedTasks
@@ -46,11 +38,8 @@ LISTED, LONGEST_LISTED = 500, 30
 WORD = re.compile(r"\w+")
 """A name that regular expressions can spell."""
 
-Prefix = Sequence[str | Atom]
-"""What a word begins with: for each of the first steps an action or the name of one."""
 
-
-class TaskSpace:
+class TaskSpace(WordSpace):
     """All tasks of a domain with a given number of actions: counted, enumerated, tested and drawn exactly.
 
     `engine` is ``automaton``, ``clingo``, ``sat``, ``sharp``, ``symbolic`` or ``auto``; `limits` say what each question
@@ -61,135 +50,6 @@ class TaskSpace:
         QueryError: the length is no whole number or negative, or there is no such engine.
         EngineError: the engine asked for cannot express the domain; it is raised by the first question.
     """
-
-    def __init__(
-        self,
-        domain: Domain,
-        length: int,
-        *,
-        engine: str = "auto",
-        progress: Progress | None = None,
-        limits: Limits = UNLIMITED,
-    ) -> None:
-        if not isinstance(domain, Domain):
-            raise QueryError(f"{domain!r} is no domain; give load_domain({domain!r})")
-        self._shared = Shared(Model(domain), engine, progress, limits)
-        self.domain = domain
-        self.length = _checked(length)
-        self.condition = Condition()
-        self._part_of: TaskSpace | None = None
-
-    def __copy__(self) -> TaskSpace:
-        space = object.__new__(type(self))
-        space.__dict__.update(self.__dict__)
-        return space
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Let it be sent to other processes, where it computes anew; nobody is told of progress there."""
-        shared = self._shared
-        return _sent, (self.domain, self.length, shared.engine, shared.limits, self.condition, self._part_of)
-
-    def same_tasks(self, other: object) -> bool:
-        """Tell whether another space is of the same domain, length and conditions: its ranks mean the same tasks."""
-        if not isinstance(other, TaskSpace):
-            return False
-        asked = self.domain, self.length, self.condition
-        if self is other or asked != (other.domain, other.length, other.condition):
-            return self is other
-        return self._part_of is other._part_of or self.symmetries == other.symmetries
-
-    def at(self, length: int) -> TaskSpace:
-        """Return the space of another length, which shares all that was computed."""
-        space = copy(self)
-        space.length = _checked(length)
-        return space
-
-    def where(self, *conditions: str | Condition) -> TaskSpace:
-        """Return the space of those tasks that satisfy all of some conditions, each a value or its words.
-
-        Entities that a condition tells apart are not interchangeable in that space; none become so by it.
-
-        Raises:
-            QueryError: a condition is none, or speaks of something that the domain does not have.
-        """
-        return self._asked(conditions, None)
-
-    def _asked(self, conditions: Iterable[str | Condition], part_of: TaskSpace | None) -> TaskSpace:
-        """Return the space under further conditions, as a part of another one where that is given."""
-        space = copy(self)
-        for condition in conditions:
-            space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
-        if space.condition != self.condition:
-            from prag_asp.space.conditions.conditioned import conditioned
-
-            shared = self._shared
-            whole = part_of._shared.model if part_of else None
-            model = Model(conditioned(self.domain, space.condition), shared.model.bare or shared.model, whole)
-            fewest = space.condition.fewest_actions
-            space._shared = Shared(model, shared.engine, shared.progress, shared.limits, fewest)
-            space._part_of = part_of
-        return space
-
-    def _part(self, condition: str | Condition) -> TaskSpace:
-        """Return the tasks that satisfy a condition which all renamings of tasks keep, up to the same renamings.
-
-        Under both conditions, other entities may be interchangeable: where one is on b and one on a, these are.
-        """
-        return self._asked([condition], self)
-
-    @property
-    def title(self) -> str:
-        """The domain, the length and the conditions in words."""
-        where = "".join(f", where {clause}" for clause in self.condition.clauses)
-        return f"{self.domain.label} of length {self.length}{where}"
-
-    @property
-    def symmetries(self) -> Symmetries:
-        """The interchangeable entities, alone and in units: tasks are plans up to the renamings that they generate."""
-        return self._shared.model.symmetries(self.length)
-
-    def __repr__(self) -> str:
-        where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
-        return f"TaskSpace({self.domain.label!r}, length={self.length}){where}"
-
-    def count(self, by: Level = "task", prefix: Prefix = ()) -> int:
-        """Return the exact number of plans, tasks or skeletons that begin with `prefix`.
-
-        Raises:
-            QueryError: no such level, or the prefix names no action of the domain.
-            LimitReached: a limit ended the count; the error has the number that was found until then.
-        """
-        return self._shared.count(_level(by), self.length, self._prefix(by, prefix))
-
-    def estimate(
-        self, by: Level = "task", prefix: Prefix = (), *, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0
-    ) -> Estimate:
-        """Return about how many plans, tasks or skeletons begin with `prefix`, whatever the engine: no exact number.
-
-        With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
-
-        Raises:
-            QueryError: no such level, the prefix names no action of the domain, or a number is out of range.
-            EngineError: ApproxMC is not installed or fails, or the program has no counterpart in clauses.
-            LimitReached: it takes too long.
-        """
-        from prag_asp.logic.formula.approximate import Estimate, Tolerance
-        from prag_asp.space.engines.sharp import estimate_words
-
-        tolerance = Tolerance(epsilon, delta)
-        level, first = _level(by), self._prefix(by, prefix)
-        if self.length < self._shared.fewest_actions:
-            return Estimate(0, tolerance)
-        shared = self._shared
-        return estimate_words(shared.model, level, self.length, first, tolerance, seed, shared.limits)
-
-    def words(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
-        """Yield plans, tasks or skeletons as texts of actions or as names, in rank order, lazily, each once.
-
-        Raises:
-            QueryError: no such level, or the prefix names no action of the domain.
-        """
-        return self._engine(by).words(self.length, self._prefix(by, prefix))
 
     def tasks(self, prefix: Prefix = ()) -> Iterator[Task]:
         """Yield the tasks that begin with `prefix`, in rank order, lazily, each once."""
@@ -294,10 +154,6 @@ class TaskSpace:
             told = f"no task of {self.title}: {' '.join(map(str, plan))}"
             raise QueryError(f"{told}; prag-asp explain says why it is no plan, where it is none")
         return rank
-
-    def word(self, rank: int) -> tuple[str, ...]:
-        """Return the task of a rank from 0 to ``count() - 1`` as the texts of its actions."""
-        return self._engine("task").unrank(self.length, rank)
 
     def rank_of(self, word: tuple[str, ...]) -> int:
         """Return the rank of a task given as the texts of its actions, at once where it has its canonical names.
@@ -425,24 +281,7 @@ class TaskSpace:
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
-        return self._shared.drawer_for(_level(by), self.length, self._tempered(weights, temperature), over)
-
-    def letters(self, by: Level = "task") -> tuple[str, ...]:
-        """Return what the numbers of `draw_array` stand for: the texts of actions, or names."""
-        return self._engine(by).letters
-
-    def dimacs(self, by: Level = "task") -> Iterator[str]:
-        """Yield the lines of a formula with one model for each word, projected on what it shows, for model counters.
-
-        Raises:
-            QueryError: no such level.
-            EngineError: the domain has no counterpart in clauses.
-        """
-        from prag_asp.logic.formula.cnf import dimacs
-        from prag_asp.space.engines.formula import word_formula
-
-        formula = word_formula(self._shared.model, _level(by), self.length)
-        return dimacs(formula.cnf, [f"the {by}s of {self.title}, by prag_asp"])
+        return self._shared.drawer_for(checked_level(by), self.length, self._tempered(weights, temperature), over)
 
     def total_weight(
         self, *, weights: Mapping[str, Number] | None = None, by: Level = "task", temperature: Temperature = 1
@@ -489,44 +328,6 @@ class TaskSpace:
         """
         given = self.domain.settings.weights if weights is None else weights
         return parse_weights(given, self.domain.facts)
-
-    def _engine(self, by: Level) -> Engine:
-        return self._shared.engine_for(_level(by), self.length)
-
-    def _prefix(self, by: Level, prefix: Prefix) -> tuple[str, ...]:
-        if isinstance(prefix, str):
-            raise QueryError(f"prefix {prefix!r}: give a list, such as [{prefix!r}]")
-        if not prefix:
-            return ()
-        items = [str(item) for item in prefix]
-        if self.domain.fewer and {*items} <= {action_name(action) for action in self.domain.fewer.facts.actions}:
-            return parse_prefix(items, by, self.domain.fewer.facts)
-        facts = self.domain.facts
-        found = parse_prefix(items, by, facts)
-        if by != "task" or not found:
-            return found
-        return canonical_prefix(found, {str(action): action for action in facts.actions}, self.symmetries)
-
-
-def _sent(
-    domain: Domain, length: int, engine: str, limits: Limits, condition: Condition, part_of: TaskSpace | None
-) -> TaskSpace:
-    """Return the space that another process has sent."""
-    return TaskSpace(domain, length, engine=engine, limits=limits)._asked([condition], part_of)
-
-
-def _checked(length: int) -> int:
-    if not isinstance(length, int) or isinstance(length, bool):
-        raise QueryError(f"length {length!r}: give a whole number, such as 4")
-    if length < 0:
-        raise QueryError(f"length {length}: a plan has at least 0 actions")
-    return length
-
-
-def _level(by: Level) -> Level:
-    if by not in LEVELS:
-        raise QueryError(f"no level {by!r}; there are {', '.join(LEVELS)}")
-    return by
 
 
 def _drawn(by: Level) -> Level:

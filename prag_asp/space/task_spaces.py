@@ -14,8 +14,9 @@ from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import Draw, Level
 from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.task_space import Prefix, TaskSpace
+from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weighing.weights import Number
+from prag_asp.space.word_space import Prefix
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
