@@ -116,7 +116,7 @@ class Completions:
         self._every = 1
         self._bytes = 0
         degrees = np.diff(automaton.offsets)
-        heaviest = 1 if automaton.weights is None else max((int(w) for w in automaton.weights), default=1)
+        heaviest = 1 if automaton.weights is None else int(automaton.weights.max(initial=1))
         self._growth = int(degrees.max(initial=0)) * heaviest
         self._inhabited = np.flatnonzero(degrees)
 

@@ -154,7 +154,7 @@ class Explorer:
         explored, merging = self._explored(transition, length, budget, weights, halt)
         own = explored.labels.shape[1] - len(read)
         automaton, scale = explored.automaton, 1
-        if weights:
+        if weights and explored.stopped not in {HALTED, UNFIT}:
             automaton, scale = weigh(automaton, explored.labels[:, :own], transition.actions, weights)
         return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
 

@@ -13,7 +13,7 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm, prod
-from typing import Protocol
+from typing import Any, Protocol
 
 import clingo
 import numpy as np
@@ -34,6 +34,9 @@ Number = int | Fraction | Decimal | str
 
 EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
 """A number as text; what follows an exponent of 18 digits does not matter any more."""
+
+MANY_KINDS = 1 << 61
+"""Where the number of a kind of edges is beyond this, kinds are numbered anew: twice as much still has 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -246,11 +249,22 @@ def weigh(
     `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
     """
     by_letter, by_label = edge_weights(actions, weights)
-    rows = np.unique(
-        np.concatenate([automaton.letters[:, None], labels.astype(np.int64)], axis=1), axis=0, return_inverse=True
-    )
-    kinds, inverse = rows[0], rows[1].reshape(-1)
-    fractions = [prod((by_label[i] for i in np.flatnonzero(kind[1:])), start=by_letter[int(kind[0])]) for kind in kinds]
+    first, kinds = _kinds(automaton.letters, labels)
+    fractions = [
+        prod((by_label[label] for label in np.flatnonzero(labels[edge])), start=by_letter[int(automaton.letters[edge])])
+        for edge in first
+    ]
     scale = lcm(*(fraction.denominator for fraction in fractions))
     whole = np.array([int(fraction * scale) for fraction in fractions], dtype=object)
-    return replace(automaton, weights=whole[inverse]), scale
+    return replace(automaton, weights=whole[kinds]), scale
+
+
+def _kinds(letters: NDArray[np.integer[Any]], labels: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the first edge of each kind and the kind of each edge; those of a kind have the same letter and labels."""
+    kinds = letters.astype(np.int64)
+    for column in labels.T:
+        kinds = 2 * kinds + column
+        if kinds.max(initial=0) > MANY_KINDS:
+            kinds = np.unique(kinds, return_inverse=True)[1]
+    _, first, kinds = np.unique(kinds, return_index=True, return_inverse=True)
+    return first, kinds

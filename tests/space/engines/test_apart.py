@@ -222,7 +222,11 @@ def test_words_that_differ_in_one_action_are_told_from_words_of_the_whole() -> N
 
 
 @pytest.mark.parametrize("weights", [{}, {"shut": "1/4", "light(room(3))": 5}])
-def test_plans_of_twelve_rooms_are_drawn_each_with_its_probability(weights: dict[str, str | int]) -> None:
+def test_plans_of_twelve_rooms_are_drawn_each_with_its_probability(
+    weights: dict[str, str | int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is listed before the parts are found is dropped: nothing of it is weighed."""
+    monkeypatch.delattr("prag_asp.space.engines.reach.weigh")
     domain = domain_of(ROOMS.replace("K", "12") + SWEPT)
     told: list[str] = []
     space = TaskSpace(domain, 40, progress=told.append)
