@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
 from prag_asp.pddl.formula import Formula, Junction, Literal, Quantified, Variable, conjuncts, negated
 from prag_asp.pddl.layout import statement
-from prag_asp.pddl.model import OBJECT, DomainFile, Effect, Schema
+from prag_asp.pddl.model import OBJECT, DomainFile, Effect, ProblemFile, Schema
 from prag_asp.pddl.places import Line
-from prag_asp.pddl.rivals import is_conditional, may_be_same, told_apart
+from prag_asp.pddl.rivals import Rivals, is_conditional, told_apart
+from prag_asp.pddl.size import large_actions
 
 TRUTH = {True: "true", False: "false"}
 
@@ -18,14 +19,21 @@ class Behaviour:
     """Writes actions and the goal; what depends on the state before a step, or on the last one, is kept as `rules`."""
 
     def __init__(
-        self, domain: DomainFile, goal: Formula, words: Vocabulary, actions: Mapping[str, str], rules: Rules
+        self, domain: DomainFile, problem: ProblemFile, words: Vocabulary, actions: Mapping[str, str], rules: Rules
     ) -> None:
         self._domain = domain
-        self._goal = goal
+        self._goal = problem.goal
+        self._rivals = Rivals(domain, problem)
+        self._large = large_actions(domain, problem)
         self._words = words
         self._actions = actions
         self._rules = rules
         self._bodies = Bodies(words, rules)
+
+    @property
+    def looks_ahead(self) -> bool:
+        """Whether some actions are so many that they ask what may ever be true."""
+        return bool(self._large)
 
     def action(self, action: Schema) -> Iterator[str]:
         """Yield the rules of an action; those of steps are kept for their section."""
@@ -37,6 +45,8 @@ class Behaviour:
         for part in fixed:
             body += self._bodies.body(part, BASE)
         body = self._without_object(body, fixed)
+        if action.name in self._large:
+            body += self._ever(parts)
         if NEVER in body:
             body = [*map(self._words.belongs, action.parameters), NEVER]
         yield statement(f"action({term})", body)
@@ -59,6 +69,15 @@ class Behaviour:
         bound = {term for part in facts for term in part.terms if isinstance(term, Variable)}
         needless = {self._words.belongs(each) for each in bound if each.types == (OBJECT,)}
         return [each for each in body if each not in needless]
+
+    def _ever(self, parts: Iterable[Formula]) -> Iterator[str]:
+        """Yield that those of some conditions that are fluents may ever be true."""
+        for part in parts:
+            if isinstance(part, Literal) and part.positive and self._is_fluent(part):
+                yield f"ever({self._words.atom(part)})"
+
+    def _is_fluent(self, literal: Literal) -> bool:
+        return literal.predicate not in self._words.static | self._words.derived
 
     def _valued(self, predicate: str, term: str, values: Mapping[bool, list[str]]) -> Iterator[str]:
         for value, atoms in values.items():
@@ -98,9 +117,11 @@ class Behaviour:
         rest: list[str] = []
         for effect in action.effects:
             self._rules.comes_from("domain", effect.literal.line)
-            rivals = [] if effect.literal.positive else [each for each in added if may_be_same(each, effect)]
+            rivals = [] if effect.literal.positive else self._rivals.of(effect, added)
             if effect in moving or not moving.isdisjoint(rivals):
                 self._step_effect(term, effect)
+                if self.looks_ahead and effect.literal.positive:
+                    rest += self._rules.placed(self._ever_made(term, effect))
                 continue
             unlike = told_apart(self._words, effect, rivals)
             if unlike is None:
@@ -117,6 +138,15 @@ class Behaviour:
         self._rules.comes_from("domain", min((each.literal.line for each in action.effects), default=action.line))
         yield from self._valued("postcondition", term, plain)
         yield from dict.fromkeys(rest)
+
+    def _ever_made(self, term: str, effect: Effect) -> Iterator[str]:
+        """Yield that an effect which depends on the state may ever come true."""
+        parts = list(conjuncts(effect.condition))
+        body = [f"action({term})", *map(self._words.belongs, effect.variables)]
+        for part in parts:
+            body += [] if self._bodies.changes(part) else self._bodies.body(part, BASE)
+        if NEVER not in body:
+            yield statement(f"ever({self._words.atom(effect.literal)})", [*body, *self._ever(parts)])
 
     def _step_effect(self, term: str, effect: Effect) -> None:
         head = f"{'adds' if effect.literal.positive else 'deletes'}({self._words.atom(effect.literal)},t)"

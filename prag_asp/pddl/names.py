@@ -19,7 +19,7 @@ RESERVED = frozenset([
     "barred", "hierarchical", "ahead", "last_stage", "worded_before", "wording", "unit", "unit_end", "splits",
     "concatenation", "covers", "expected", "goes_on", "spared", "other", "forces", "supposed",
     "may_hold", "may_stand", "may_occur", "never_without", "some_impossible", "never_possible", "impossible_matters",
-    "joint_unit", "next_unit", "unit_named", "names_unit_late",
+    "joint_unit", "next_unit", "unit_named", "names_unit_late", "ever",
 ])  # fmt: skip
 """What means something to clingo or to the encodings, whatever the number of arguments."""
 

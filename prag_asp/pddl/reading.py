@@ -12,7 +12,7 @@ from prag_asp.pddl.files import read_files
 from prag_asp.pddl.model import DomainFile, ProblemFile
 from prag_asp.pddl.places import sources_of
 from prag_asp.pddl.size import check_size
-from prag_asp.pddl.translate import CLOSED, Translation
+from prag_asp.pddl.translate import Translation
 from prag_asp.program.sources import Source, text_source
 
 
@@ -67,5 +67,5 @@ def read(domain: str | Path, problem: str | Path) -> Imported:
     lines = found.lines(title)
     sources = tuple(sources_of(lines, {"domain": Path(domain), "problem": Path(problem)}))
     name, text = f"{first.name}_{second.name}", "\n".join(lines) + "\n"
-    closed = text_source(name, f"{CLOSED}\n")
-    return Imported(name, text, (*sources, closed), actions, objects, (first, second))
+    included = text_source(name, "\n".join([*found.included, ""]))
+    return Imported(name, text, (*sources, included), actions, objects, (first, second))

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from prag_asp.pddl.conditions import Vocabulary
 from prag_asp.pddl.formula import Variable, conjuncts
-from prag_asp.pddl.model import Effect
+from prag_asp.pddl.model import DomainFile, Effect, ProblemFile
 
 
 def is_conditional(effect: Effect) -> bool:
@@ -14,13 +14,36 @@ def is_conditional(effect: Effect) -> bool:
     return next(conjuncts(effect.condition), None) is not None
 
 
-def may_be_same(effect: Effect, other: Effect) -> bool:
-    """Tell whether two effects may speak of the same fluent."""
-    one, two = effect.literal, other.literal
-    return one.predicate == two.predicate and all(
-        left == right or isinstance(left, Variable) or isinstance(right, Variable)
-        for left, right in zip(one.terms, two.terms, strict=True)
-    )
+class Rivals:
+    """Finds effects that may speak of the same fluent, by the types of their terms."""
+
+    def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
+        self._objects = problem.objects
+        self._above = [domain.above(name) for name in domain.types]
+        self._known: dict[tuple[tuple[str, ...], tuple[str, ...]], bool] = {}
+
+    def of(self, effect: Effect, others: Iterable[Effect]) -> list[Effect]:
+        """Return which of some other effects may speak of the fluent of an effect."""
+        found = effect.literal
+        return [
+            each
+            for each in others
+            if each.literal.predicate == found.predicate and all(map(self._may_be_one, found.terms, each.literal.terms))
+        ]
+
+    def _may_be_one(self, left: Variable | str, right: Variable | str) -> bool:
+        if isinstance(left, str) and isinstance(right, str):
+            return left == right
+        types = self._types(left), self._types(right)
+        if types not in self._known:
+            first, second = types
+            self._known[types] = any(
+                not above.isdisjoint(first) and not above.isdisjoint(second) for above in self._above
+            )
+        return self._known[types]
+
+    def _types(self, term: Variable | str) -> tuple[str, ...]:
+        return term.types if isinstance(term, Variable) else (self._objects[term],)
 
 
 def told_apart(words: Vocabulary, effect: Effect, rivals: Iterable[Effect]) -> list[str] | None:

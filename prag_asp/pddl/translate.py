@@ -12,7 +12,7 @@ from prag_asp.pddl.model import OBJECT, DomainFile, ProblemFile
 from prag_asp.pddl.names import TERMS, clingo_names
 from prag_asp.pddl.places import Line, Place
 
-CLOSED = '#include "rules/closed_world.lp".'
+INCLUDED = '#include "rules/{}.lp".'
 
 
 class Translation:
@@ -32,7 +32,12 @@ class Translation:
         self.actions: Mapping[str, str] = actions
         self.words = Vocabulary(predicates, types, objects, frozenset(still) - derived, derived, self._kinds())
         self._rules = Rules()
-        self._behaviour = Behaviour(domain, problem.goal, self.words, actions, self._rules)
+        self._behaviour = Behaviour(domain, problem, self.words, actions, self._rules)
+
+    @property
+    def included(self) -> list[str]:
+        """The rules of the library that the program reads."""
+        return [INCLUDED.format(each) for each in ["closed_world", *["ever"] * self._behaviour.looks_ahead]]
 
     def lines(self, title: str) -> list[str]:
         """Return the whole program, which begins with a comment; what PDDL says knows its place."""
@@ -47,7 +52,7 @@ class Translation:
         self._behaviour.derive(STEP)
         goal = self._behaviour.goal()
         self._behaviour.derive(END)
-        lines = [f"% {title}", *self._changed_names(), "", CLOSED, "", *start[:-1]]
+        lines = [f"% {title}", *self._changed_names(), "", *self.included, "", *start[:-1]]
         lines += heading("Actions") + (shown or ["", Line("#defined action/1.", Place("domain", 1))])
         if self._rules.parts[BASE]:
             lines += [*heading("What actions ask of what never changes"), "", *self._rules.parts[BASE]]

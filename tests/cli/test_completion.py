@@ -77,7 +77,7 @@ def test_cameras_of_the_scene_and_what_varies_are_offered() -> None:
 
 
 def test_rules_engines_and_first_words_of_conditions_are_offered(tmp_path: Path) -> None:
-    assert offered("count", "prag", "--rule", "") == ["at_most", "closed_world", "no_undo"]
+    assert offered("count", "prag", "--rule", "") == ["at_most", "closed_world", "ever", "no_undo"]
     (tmp_path / "rules").mkdir()
     (tmp_path / "rules" / "mine.lp").write_text("", encoding="utf-8")
     assert offered("count", "prag", "--encodings", str(tmp_path), "--rule", "") == ["mine"]

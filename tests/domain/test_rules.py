@@ -12,9 +12,9 @@ from prag_asp.program.paths import BY_LIBRARY, data_folder
 from tests.lint.test_good_domains import SWITCH, domain
 
 WRONG = [
-    ("nope", r"^nope: no such rule; there are at_most, closed_world, no_undo in .*rules$"),
+    ("nope", r"^nope: no such rule; there are at_most, closed_world, ever, no_undo in .*rules$"),
     ("no_und", r"^no_und: no such rule; did you mean no_undo\?$"),
-    ("weights", r"^weights: no such rule; there are at_most, closed_world, no_undo in .*rules$"),
+    ("weights", r"^weights: no such rule; there are at_most, closed_world, ever, no_undo in .*rules$"),
     ("canonical_names", r"^canonical_names: no such rule; there are "),
     ("../contract", r"no such rule; "),
     ("no_undo(1)", r"^no_undo\(1\): the rule no_undo takes no arguments; write no_undo$"),
@@ -73,3 +73,15 @@ def test_every_rule_that_is_not_added_by_the_library_can_be_asked_for() -> None:
     names = {path.stem for path in (data_folder("encodings") / "rules").glob("*.lp")}
     for name in names - BY_LIBRARY:
         assert load_domain("hanoi", rules=(name,)).facts.actions
+
+
+def test_what_may_ever_be_true_is_open_at_the_start_or_made_so_for_sure_or_perhaps() -> None:
+    found = load_domain(
+        text='#include "rules/ever.lp". fluent((open;perhaps;made;shut;lost)). '
+        "initially((perhaps;made;shut),false). initially(lost,true). action(begin). postcondition(begin,lost,false). "
+        "postcondition(begin,perhaps,unknown). postcondition(begin,made,true). "
+        "action(ask(F)) :- fluent(F), ever(F). precondition(ask(F),F,true) :- action(ask(F))."
+    )
+    assert sorted(map(str, found.facts.actions)) == [
+        "ask(lost)", "ask(made)", "ask(open)", "ask(perhaps)", "begin",
+    ]  # fmt: skip

@@ -185,6 +185,25 @@ def test_plans_are_counted_by_a_formula() -> None:
         assert space.count("plan", ["light"] * min(length, 2)) == perm(1000, length)
 
 
+EVER = """#include "rules/closed_world.lp". #include "rules/ever.lp". class(lamp).
+fluent((lit(L);warm(L);gone(L))) :- is_a(L,lamp). action(light(L)) :- is_a(L,lamp).
+action((join(L,M);fly(L,M))) :- is_a(L,lamp), is_a(M,lamp), L != M, ever(lit(L)), ever(warm(M)).
+action(fetch(L,M)) :- is_a(L,lamp), is_a(M,lamp), ever(gone(L)).
+precondition(fetch(L,M),gone(L),true) :- action(fetch(L,M)).
+ever(warm(L)) :- ever(lit(L)). precondition(fly(L,M),warm(M),true) :- action(fly(L,M)).
+precondition(light(L),lit(L),false) :- action(light(L)). postcondition(light(L),lit(L),true) :- action(light(L)).
+precondition(join(L,M),lit(L),true) :- action(join(L,M)). postcondition(join(L,M),warm(M),true) :- action(join(L,M)).
+"""
+
+
+def test_what_may_ever_be_is_found_with_as_many_as_are_needed() -> None:
+    lamps = 200
+    domain = load_domain(text=f"{EVER}entity(({'; '.join(f'l{n}' for n in range(lamps))}), lamp).")
+    assert isinstance(domain.needed, Needed)
+    assert domain.needed.total(domain.needed.facts.actions) == lamps + 2 * lamps * (lamps - 1)
+    assert TaskSpace(domain, 2).count("plan") == 2 * lamps * (lamps - 1)
+
+
 def test_a_goal_for_all_entities_needs_as_many_steps() -> None:
     text = (
         "class(lamp). entity(lamp(1..20), lamp). fluent(lit(L)) :- is_a(L,lamp). initially(F,false) :- fluent(F)."

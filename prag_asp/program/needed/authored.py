@@ -17,7 +17,7 @@ from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, Statement, be
 
 READ = frozenset([
     ("class", 1), ("class", 2), ("entity", 2), ("is_a", 2), ("fluent", 1), ("action", 1), ("precondition", 3),
-    ("postcondition", 3), ("initially", 2), ("goal", 2), ("at_most", 2),
+    ("postcondition", 3), ("initially", 2), ("goal", 2), ("at_most", 2), ("ever", 1),
 ])  # fmt: skip
 """What of the contract own rules may read: of two mirror images of an invariant, only one needs to be there."""
 
@@ -27,7 +27,7 @@ MIRRORED = frozenset([("exclusive", 2), ("impossible", 2)])
 STATED = (READ - {("is_a", 2)}) | MIRRORED | {("implies", 2)}
 """What of the contract own rules may derive."""
 
-RULES = frozenset(["closed_world.lp", "at_most.lp"])
+RULES = frozenset(["closed_world.lp", "at_most.lp", "ever.lp"])
 """The rules beside the core encodings that see no entity that nobody names, and no step but by its action's name."""
 
 FOLDERS = ("rules", "conditions")

@@ -1,0 +1,107 @@
+"""Of an action with many instances by its types, only those are made whose conditions may ever hold."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis.strategies import integers
+
+from prag_asp import DomainError, load_domain
+from prag_asp.pddl import read, size
+from tests.chance import examples
+from tests.pddl.forward import Search
+from tests.pddl.random_tasks import random_task
+from tests.pddl.tasks import TASKS
+from tests.pddl.test_read import written
+from tests.spaces import with_engines
+
+RING = 30
+JOINED = """(define (domain ring) (:requirements :typing) (:types bead clasp - thing) (:predicates (next ?x ?y - thing))
+ (:action turn :parameters (?a ?b ?c ?d ?e ?f - bead) :effect (and (not (next ?a ?b)) (not (next ?e ?f)) (next ?a ?f))
+  :precondition (and (next ?a ?b) (next ?b ?c) (next ?c ?d) (next ?d ?e) (next ?e ?f))))"""
+
+
+def ring(beads: int, links: int) -> str:
+    names = [f"b{number}" for number in range(beads)]
+    linked = " ".join(f"(next {one} {two})" for one, two in pairwise(names[: links + 1]))
+    return f"(define (problem p) (:domain ring) (:objects {' '.join(names)} - bead) (:init {linked}) (:goal (and)))"
+
+
+def test_what_conditions_join_is_made_though_types_alone_would_make_more_than_any_machine_holds(tmp_path: Path) -> None:
+    """Six beads of thirty are 729 million rows, of which the links that there are leave a few hundred."""
+    domain = load_domain(*written(tmp_path, JOINED, ring(RING, 20)))
+    assert len(domain.facts.actions) < 1000
+    small = load_domain(*written(tmp_path, JOINED, ring(7, 6)))
+    for space in with_engines(small, "automaton", "clingo"):
+        assert [space.at(n).count(by="plan") for n in range(3)] == Search(JOINED, ring(7, 6)).count(2) == [1, 2, 0]
+
+
+def test_parameters_that_no_predicate_binds_still_make_too_many(tmp_path: Path) -> None:
+    free = JOINED.replace("(next ?b ?c) (next ?c ?d) (next ?d ?e) (next ?e ?f)", "")
+    told = r"domain.pddl:2: turn makes 24,010,000 actions of 70 objects, and no more than 10,000,000 can be made"
+    with pytest.raises(DomainError, match=told):
+        load_domain(*written(tmp_path, free, ring(70, 3)))
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_all_plans_stay_where_every_action_looks_ahead(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(size, "LARGE", 0)
+    domain, problem = TASKS[name]
+    goalless = f"{problem[: problem.index('(:goal')]}(:goal (and)))"
+    for text in (problem, goalless):
+        loaded = load_domain(*written(tmp_path, domain, text))
+        counts = Search(domain, text).count(3)
+        for space, most in zip(with_engines(loaded, "automaton", "clingo"), (3, 2), strict=True):
+            assert [space.at(n).count(by="plan") for n in range(most + 1)] == counts[: most + 1]
+
+
+@settings(max_examples=examples(40))
+@given(seed=integers(0, 10**6))
+def test_random_tasks_whose_actions_look_ahead_have_the_plans_of_a_forward_search(
+    seed: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    domain, problem = random_task(seed)
+    counts = Search(domain, problem).count(3)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(size, "LARGE", 0)
+        paths = written(tmp_path_factory.mktemp("random"), domain, problem)
+        found = read(*paths).text
+        assert '#include "rules/ever.lp".' in found
+        (space,) = with_engines(load_domain(*paths), "automaton")
+        assert [space.at(n).count(by="plan") for n in range(4)] == counts, f"{seed}\n{domain}\n{problem}\n{found}"
+
+
+APART = """(define (domain d) (:types cup - thing lid - thing mug - cup) (:predicates (on ?x ?y - thing))
+ (:action swap :parameters (?c - cup ?l - lid ?m - mug) :precondition (on ?c ?l)
+  :effect (and (not (on ?c ?l)) (not (on ?l ?c)) (not (on ?c ?c)) (on ?m ?l))))"""
+
+
+def test_terms_whose_types_have_nothing_in_common_are_not_told_apart(tmp_path: Path) -> None:
+    problem = "(define (problem p) (:domain d) (:objects c - cup l - lid m - mug) (:init (on c l)) (:goal (and)))"
+    found = read(*written(tmp_path, APART, problem)).text
+    deleted = [line for line in found.splitlines() if line.startswith("postcondition") and ", false)" in line]
+    assert [line.partition(":- ")[2] for line in deleted] == ["action(swap(C,L,M)).", "action(swap(C,L,M)), C != M."]
+    assert deleted[0].startswith("postcondition(swap(C,L,M), (on(L,C); on(C,C)), false)")
+    counts = Search(APART, problem).count(3)
+    (space,) = with_engines(load_domain(*written(tmp_path, APART, problem)), "automaton")
+    assert [space.at(n).count(by="plan") for n in range(4)] == counts
+
+
+def test_what_only_conditional_effects_make_true_may_ever_be_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(size, "LARGE", 0)
+    domain = """(define (domain d) (:predicates (p ?x) (q ?x) (r))
+     (:action make :parameters (?x) :effect (when (p ?x) (and (q ?x) (not (p ?x)))))
+     (:action use :parameters (?x) :precondition (q ?x) :effect (r)))"""
+    problem = "(define (problem e) (:domain d) (:objects a b) (:init (p a)) (:goal (r)))"
+    loaded = load_domain(*written(tmp_path, domain, problem))
+    assert sorted(map(str, loaded.facts.actions)) == ["make(a)", "make(b)", "use(a)"]
+    (space,) = with_engines(loaded, "automaton")
+    assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
+    assert space.at(2).count(by="plan") == 1
