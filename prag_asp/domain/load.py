@@ -21,7 +21,16 @@ from prag_asp.program.facts import Facts, flattened
 from prag_asp.program.paths import data_folder
 from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.settings import Settings
-from prag_asp.program.sources import HIERARCHY, Program, Source, asked_sources, core_sources, read_sources, read_text
+from prag_asp.program.sources import (
+    HIERARCHY,
+    Program,
+    Source,
+    asked_sources,
+    core_sources,
+    each_once,
+    read_sources,
+    read_text,
+)
 
 if TYPE_CHECKING:
     from prag_asp.scene.model import Scene
@@ -104,13 +113,13 @@ def load_domain(
     values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
     core = core_sources(encodings)
-    own = _unique(found.sources(encodings))
+    own = each_once(found.sources(encodings))
     own = set_constants(own, values, found.name) if values else own
     asked = tuple(source for rule in rules for source in rule_sources(rule, encodings))
     known = {source.path.resolve() for source in core}
     added = (*asked_sources(own, encodings), *own, *asked)
     extra = tuple(source for source in added if source.path.resolve() not in known)
-    program = Program((*core, *_unique(extra)))
+    program = Program((*core, *each_once(extra)))
     path = found.folder / LEARNED if learned and found.folder and settings is None else None
     path = path if path is not None and os.path.lexists(path) else None
     table_file = _settings(settings, found.folder)
@@ -171,7 +180,7 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
     Raises:
         DomainError: the sources state something else, or speak of what the domain does not declare.
     """
-    program = Program(_unique((*domain.program.sources, *sources)))
+    program = Program(each_once((*domain.program.sources, *sources)))
     impossible = check_learned(program, sources).impossible
     known = {frozenset(pair) for pair in domain.facts.impossible}
     added = {frozenset(pair): pair for pair in impossible if frozenset(pair) not in known}
@@ -181,7 +190,3 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
         facts=replace(domain.facts, impossible=impossible, steady=()),
         learned=tuple(added.values()),
     )
-
-
-def _unique(sources: tuple[Source, ...]) -> tuple[Source, ...]:
-    return tuple({(source.path.resolve(), source.text): source for source in sources}.values())

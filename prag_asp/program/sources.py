@@ -183,8 +183,12 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
     if not (encodings / CONTRACT).is_file():
         raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
     paths = sorted(path for path in encodings.glob("*.lp") if path.name not in (HIERARCHY, ONE_VALUE, REACHABLE))
-    found: Iterable[Source] = (source for path in paths for source in read_sources(path, encodings))
-    return tuple({source.path.resolve(): source for source in found}.values())
+    return each_once(source for path in paths for source in read_sources(path, encodings))
+
+
+def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
+    """Return sources without those that are there before: one file may stand in several, with other texts."""
+    return tuple({(source.path.resolve(), source.text): source for source in sources}.values())
 
 
 def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:

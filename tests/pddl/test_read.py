@@ -80,6 +80,19 @@ def test_goals_that_contradict_themselves_or_facts_are_no_mistakes(goal: str, tm
     assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
 
 
+@settings(max_examples=examples(20))
+@given(seed=integers(0, 10**6))
+def test_random_tasks_keep_all_their_rules_under_a_condition(
+    seed: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    domain, problem = random_task(seed)
+    without = domain.replace("(:action go :parameters () :effect (s))", "")
+    counts = Search(without, problem).count(2)
+    loaded = load_domain(*written(tmp_path_factory.mktemp("random"), domain, problem))
+    for space in with_engines(loaded, "automaton", "clingo"):
+        assert [space.at(n).where("lacks go").count(by="plan") for n in range(3)] == counts, seed
+
+
 NOTHING = "(define (domain d) (:constants k) (:predicates (p ?x) (q ?x)) (:action a :parameters (?x) {} :effect (p k)))"
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from prag_asp.domain.load import Domain
 from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Assignment, Facts
-from prag_asp.program.sources import ADDED, Program, Source, read_sources
+from prag_asp.program.sources import ADDED, Program, Source, each_once, read_sources
 from prag_asp.space.conditions.clauses import Achieves, After, Clause, Ends, asked_end, asked_start
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.formula import Conjunction
@@ -46,9 +46,8 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     facts = replace(facts, goal=tuple(dict.fromkeys((*facts.goal, *goal))))
     folder = domain.encodings / "conditions"
     read = (source for file in dict.fromkeys(files) for source in read_sources(folder / f"{file}.lp", domain.encodings))
-    sources = {source.path.resolve(): source for source in (*domain.program.sources, *read)}
     added = [Source(ADDED, " ".join(dict.fromkeys(asked)))] if asked else []
-    return replace(domain, program=Program((*sources.values(), *added)), facts=facts)
+    return replace(domain, program=Program(each_once((*domain.program.sources, *read, *added))), facts=facts)
 
 
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
