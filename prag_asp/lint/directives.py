@@ -25,7 +25,7 @@ STATED = frozenset(
     [
         ("class", 1), ("class", 2), ("entity", 2), ("fluent", 1), ("action", 1), ("precondition", 3),
         ("postcondition", 3), ("initially", 2), ("exclusive", 2), ("implies", 2), ("goal", 2),
-        ("composite", 1), ("stage", 3), ("free", 1), ("at_most", 2),
+        ("composite", 1), ("stage", 3), ("free", 1), ("at_most", 2), ("ever", 1),
     ]
 )  # fmt: skip
 """The predicates that hold before any step, whatever happens."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import clingo
 from clingo.ast import ASTType
 
+from prag_asp.lint.ever import EVER
 from prag_asp.lint.origin import Origins, Place
 from prag_asp.program.facts import Assignment, Facts, rows, unsorted_rows
 from prag_asp.program.problem import Problem
@@ -30,7 +31,9 @@ def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> 
     findings = Findings(origins, facts)
     for predicate in _doubtful(facts):
         rows = unsorted_rows(control, predicate, ARITIES[predicate])
-        (findings.paired if predicate in INVARIANTS else findings.assigned)(predicate, rows)
+        (findings.named if predicate in INVARIANTS else findings.assigned)(predicate, rows)
+    if not findings.any:
+        findings.named(EVER[0], unsorted_rows(control, *EVER))
     yield from findings.problems()
     yield from _doubled(facts, origins)
 
@@ -114,8 +117,13 @@ class Findings:
                 hint = f"use {', '.join(allowed[:-1])} or {allowed[-1]}"
                 self._add(("value", str(value)), f"{predicate} of {fluent} has the value {value}", hint, predicate, row)
 
-    def paired(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
-        """Find the fluents of an invariant that are not declared."""
+    @property
+    def any(self) -> bool:
+        """Whether anything is found."""
+        return bool(self._culprits)
+
+    def named(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
+        """Find the fluents that are not declared of a predicate that has nothing but fluents."""
         for row in sorted(row for row in rows if not self._fluents.issuperset(row)):
             for fluent in row:
                 if fluent not in self._fluents:

@@ -7,12 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import clingo
 
-from prag_asp.lint.directives import STATED
+from prag_asp.lint.directives import CHOICES, STATED
+from prag_asp.lint.ever import CLOSED_EVER, EVER
 from prag_asp.lint.origin import Origins, Place
 from prag_asp.program.composition import find_cycle
 from prag_asp.program.facts import Facts, rows
 from prag_asp.program.names import ambiguity, shared_names
 from prag_asp.program.problem import Problem
+from prag_asp.program.syntax import Statement
 from prag_asp.wording import did_you_mean
 
 Symbol = clingo.Symbol
@@ -112,8 +114,17 @@ def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
         yield Problem(*max(places), f"{ambiguity(text, facts)}", "same-name")
 
 
-def choice_problems(control: clingo.Control, origins: Origins) -> Iterator[Problem]:
-    """Yield the first declaration of each predicate that some answer sets of the base part lack."""
+def choice_problems(control: clingo.Control, statements: Sequence[Statement], origins: Origins) -> Iterator[Problem]:
+    """Yield the first declaration of each predicate that some answer sets of the base part lack.
+
+    Where nothing is chosen, but what may ever be true depends on its opposite by way of the actions, that is all.
+    """
+    ever = [each.symbol for each in control.symbolic_atoms.by_signature(*EVER) if not each.is_fact]
+    if ever and not any(each.node.head.ast_type in CHOICES for each in statements if each.own and each.is_rule):
+        asking = [each for each in statements if each.own and any(atom.signature == EVER for atom in each.body)]
+        told = f"{min(ever)} depends on actions that ask for it, and that by `not`; say without `not` what may be true"
+        yield asking[0].problem(f"{told}: {' '.join(CLOSED_EVER)}")
+        return
     for name, arity in sorted(STATED):
         uncertain = [each.symbol for each in control.symbolic_atoms.by_signature(name, arity) if not each.is_fact]
         if uncertain:

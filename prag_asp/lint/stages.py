@@ -14,19 +14,19 @@ from prag_asp.lint.composites import composite_problems
 from prag_asp.lint.demands import demand_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
+from prag_asp.lint.ever import EVER, ever_problems
 from prag_asp.lint.execution import execution_problems, find_execution
+from prag_asp.lint.growth import recursion_problems, size_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
 from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources, steady_values, unreached_problems
-from prag_asp.lint.recursion import recursion_problems
-from prag_asp.lint.size import size_problems
 from prag_asp.lint.table import name_problems, table_problems
 from prag_asp.lint.vocabulary import vocabulary_problems
 from prag_asp.processes.stage import stage
 from prag_asp.program.allowed import Allowed, allowance_problems, allowed_names, not_allowed
-from prag_asp.program.facts import Facts, read_facts, without
+from prag_asp.program.facts import Facts, read_facts, rows, without
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
@@ -92,7 +92,7 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     grounder.ground([("base", [])])
     judge.take(demand_problems(grounder.control, statements))
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
-    facts = _facts(grounder, origins)
+    facts = _facts(grounder, statements, origins)
     _check_facts(judge, grounder, facts, statements, origins)
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
@@ -137,7 +137,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
     grounder = Grounder(_one_free_step(program, sources))
     grounder.ground([("base", [])])
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
-    facts = _facts(grounder, origins)
+    facts = _facts(grounder, statements, origins)
     raise_problems(each for each in demand_problems(grounder.control, statements) if not each.is_warning)
     raise_problems(effect_problems(grounder.control, facts, origins))
     return facts
@@ -152,11 +152,12 @@ def _states_invariant(statement: Statement) -> bool:
     return statement.part != "base" or (plain and heads == [LEARNED_INVARIANT])
 
 
-def _facts(grounder: Grounder, origins: Origins) -> Facts:
+def _facts(grounder: Grounder, statements: Sequence[Statement], origins: Origins) -> Facts:
     try:
+        rows(grounder.control, *EVER)
         return read_facts(grounder.control)
     except DomainError:
-        raise_problems(choice_problems(grounder.control, origins))
+        raise_problems(choice_problems(grounder.control, statements, origins))
         raise
 
 
@@ -169,6 +170,7 @@ def _check_facts(
     judge.take([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
     judge.take(composite_problems(facts, origins))
     judge.take(limit_problems(grounder.control, facts, statements, origins))
+    judge.take(ever_problems(grounder, facts, statements))
     judge.take(state_problems(facts, origins))
     if grounder.control.is_conflicting:
         judge.take(_violations(origins))

@@ -1,4 +1,7 @@
-"""Facts that are more than any machine holds, told before they are made."""
+"""What is more than any machine holds, told before it is made: large facts, and rules of a step that never end.
+
+Rules of the base part that make ever larger terms are found while it is ground.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ from math import prod
 
 from clingo.ast import ASTType
 
+from prag_asp.program.finite.checks import ever_larger
+from prag_asp.program.finite.endless import endless_rules
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import STRING, Statement
 
@@ -35,3 +40,17 @@ def _sizes(head: str, constants: Mapping[str, str]) -> Iterator[int]:
         low, high = (constants.get(end, end) for end in ends.groups())
         if re.fullmatch(r"-?\d+", low) and re.fullmatch(r"-?\d+", high):
             yield max(int(high) - int(low) + 1, 0)
+
+
+def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the own rules of a step that certainly make ever larger terms of the same step, once they are used.
+
+    Where nothing else derives what they start from, they are never used.
+    """
+    endless = [each for each in endless_rules(statements) if each.certain and each.rule.timed]
+    rules = {each.rule for each in endless}
+    begun = {head.signature for each in statements if each.is_rule and each not in rules for head in each.heads}
+    for each in endless:
+        head = each.rule.heads[0]
+        if head.signature in begun:
+            yield each.rule.problem(ever_larger(head.name))
