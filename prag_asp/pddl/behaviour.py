@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
-from prag_asp.pddl.formula import Formula, Junction, Literal, Quantified, Variable, conjuncts, negated
+from prag_asp.pddl.formula import Formula, Junction, Literal, Quantified, Variable, conjuncts, demanded, negated
 from prag_asp.pddl.layout import statement
 from prag_asp.pddl.model import OBJECT, DomainFile, Effect, ProblemFile, Schema
 from prag_asp.pddl.places import Line
@@ -46,7 +46,7 @@ class Behaviour:
             body += self._bodies.body(part, BASE)
         body = self._without_object(body, fixed)
         if action.name in self._large:
-            body += self._ever(parts)
+            body += self._ever(action.precondition)
         if NEVER in body:
             body = [*map(self._words.belongs, action.parameters), NEVER]
         yield statement(f"action({term})", body)
@@ -70,14 +70,10 @@ class Behaviour:
         needless = {self._words.belongs(each) for each in bound if each.types == (OBJECT,)}
         return [each for each in body if each not in needless]
 
-    def _ever(self, parts: Iterable[Formula]) -> Iterator[str]:
-        """Yield that those of some conditions that are fluents may ever be true."""
-        for part in parts:
-            if isinstance(part, Literal) and part.positive and self._is_fluent(part):
-                yield f"ever({self._words.atom(part)})"
-
-    def _is_fluent(self, literal: Literal) -> bool:
-        return literal.predicate not in self._words.static | self._words.derived
+    def _ever(self, condition: Formula) -> Iterator[str]:
+        """Yield that the fluents may ever be true that a condition demands."""
+        fixed = self._words.static | self._words.derived
+        return (f"ever({self._words.atom(each)})" for each in demanded(condition) if each.predicate not in fixed)
 
     def _valued(self, predicate: str, term: str, values: Mapping[bool, list[str]]) -> Iterator[str]:
         for value, atoms in values.items():
@@ -141,12 +137,11 @@ class Behaviour:
 
     def _ever_made(self, term: str, effect: Effect) -> Iterator[str]:
         """Yield that an effect which depends on the state may ever come true."""
-        parts = list(conjuncts(effect.condition))
         body = [f"action({term})", *map(self._words.belongs, effect.variables)]
-        for part in parts:
+        for part in conjuncts(effect.condition):
             body += [] if self._bodies.changes(part) else self._bodies.body(part, BASE)
         if NEVER not in body:
-            yield statement(f"ever({self._words.atom(effect.literal)})", [*body, *self._ever(parts)])
+            yield statement(f"ever({self._words.atom(effect.literal)})", [*body, *self._ever(effect.condition)])
 
     def _step_effect(self, term: str, effect: Effect) -> None:
         head = f"{'adds' if effect.literal.positive else 'deletes'}({self._words.atom(effect.literal)},t)"

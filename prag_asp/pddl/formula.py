@@ -75,6 +75,11 @@ def conjuncts(formula: Formula) -> Iterator[Formula]:
         yield formula
 
 
+def demanded(formula: Formula) -> Iterator[Literal]:
+    """Yield what has to be true for a formula to hold, as far as it plainly says so."""
+    return (each for each in conjuncts(formula) if isinstance(each, Literal) and each.positive)
+
+
 def literals(formula: Formula) -> Iterator[Literal]:
     """Yield all literals of a formula."""
     if isinstance(formula, Literal):

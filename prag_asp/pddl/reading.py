@@ -67,5 +67,5 @@ def read(domain: str | Path, problem: str | Path) -> Imported:
     lines = found.lines(title)
     sources = tuple(sources_of(lines, {"domain": Path(domain), "problem": Path(problem)}))
     name, text = f"{first.name}_{second.name}", "\n".join(lines) + "\n"
-    included = text_source(name, "\n".join([*found.included, ""]))
-    return Imported(name, text, (*sources, included), actions, objects, (first, second))
+    general = text_source(name, "\n".join([*found.general, ""]))
+    return Imported(name, text, (*sources, general), actions, objects, (first, second))

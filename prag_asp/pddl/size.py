@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from math import prod
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.pddl.formula import Literal, conjuncts, literals
+from prag_asp.pddl.formula import Equality, Literal, Variable, conjuncts, demanded, literals, variables
 from prag_asp.pddl.model import DomainFile, ProblemFile, Schema
 
 MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
@@ -21,12 +21,11 @@ Kinds = Iterable[tuple[str, ...]]
 
 
 def check_size(
-    path: Path, domain: DomainFile, problem: ProblemFile, fluents: Mapping[str, Kinds], static: Iterable[str]
+    path: Path, domain: DomainFile, problem: ProblemFile, fluents: Mapping[str, Kinds], static: Collection[str]
 ) -> None:
     """Check that fluents and actions are not too many; `fluents` are the types of arguments of what actions change.
 
-    An action is counted by the types of those parameters of which no predicate has to hold, where none of the `static`
-    predicates says of which objects there is one.
+    Of actions, that is told which the start and the types of parameters alone tell: see `fewest_instances`.
 
     Raises:
         DomainError: they are; the message tells the line in the domain.
@@ -40,23 +39,64 @@ def check_size(
         hint = "give its arguments types with fewer objects"
         raise DomainError(f"{path}:{domain.predicates[name].line}: {made_by}; {hint}")
     for action in domain.actions:
-        bound = {term for each in asked(action) for term in each.terms}
-        found = instances(each.types for each in action.parameters if each not in bound)
-        if found > MOST_ACTIONS and not {each.predicate for each in literals(action.precondition)}.intersection(static):
-            made_by = f"{action.name} makes {found:,} actions {told} {MOST_ACTIONS:,} can be made"
-            raise DomainError(f"{path}:{action.line}: {made_by}; give its parameters types with fewer objects")
+        if instances(each.types for each in action.parameters) > MOST_ACTIONS:
+            found = fewest_instances(action, domain, problem, static, {*fluents, *static})
+            if found > MOST_ACTIONS:
+                made_by = f"{action.name} makes at least {found:,} actions {told} {MOST_ACTIONS:,} can be made"
+                raise DomainError(f"{path}:{action.line}: {made_by}; give its parameters types with fewer objects")
+
+
+def fewest_instances(
+    action: Schema, domain: DomainFile, problem: ProblemFile, static: Collection[str], asked: Collection[str]
+) -> int:
+    """Return a number of instances that an action has at least if it has any; 0 where that takes more to know.
+
+    Each predicate of those `asked` that has to be true has no fewer rows than are so at the start. Parameters that none
+    names have all objects of their types, but for one that each of those before them is. Where predicates or parameters
+    are joined in other ways, nothing is known. What depends on the state otherwise rules no instance out.
+    """
+    rows = [each for each in demanded(action.precondition) if each.predicate in asked]
+    bound = [term for each in rows for term in variables(each)]
+    free = [each for each in action.parameters if each not in bound]
+    ranks: dict[Variable | str, int] = {term: rank for rank, term in enumerate([*bound, *free], 1)}
+    unlike: Counter[Variable | str] = Counter()
+    for part in conjuncts(action.precondition):
+        if isinstance(part, Equality) and not part.positive and part.left != part.right:
+            unlike[max(part.left, part.right, key=lambda term: ranks.get(term, 0))] += 1
+        elif not (isinstance(part, Literal) and part.positive) and {each.predicate for each in literals(part)} <= {
+            *static
+        }:
+            return 0
+    if len(set(bound)) < len(bound) or not unlike.keys().isdisjoint(bound):
+        return 0
+    instances = _instances(domain, problem)
+    least = {literal: 0 if literal.predicate in static else 1 for literal in rows}
+    return prod(max(least[each], _true_at_start(each, domain, problem)) for each in rows) * prod(
+        max(0, instances([each.types]) - unlike[each]) for each in free
+    )
+
+
+def _true_at_start(literal: Literal, domain: DomainFile, problem: ProblemFile) -> int:
+    """Return for how many values of its variables a literal is true at the start."""
+    found: set[tuple[str, ...]] = set()
+    for each in problem.initial:
+        if each.predicate == literal.predicate:
+            names = tuple(map(str, each.terms))
+            values = dict(zip(literal.terms, names, strict=True))
+            if tuple(map(values.__getitem__, literal.terms)) == names and all(
+                term == name
+                if isinstance(term, str)
+                else not domain.above(problem.objects[name]).isdisjoint(term.types)
+                for term, name in values.items()
+            ):
+                found.add(names)
+    return len(found)
 
 
 def large_actions(domain: DomainFile, problem: ProblemFile) -> frozenset[str]:
     """Return the names of the actions that have many instances by the types of their parameters."""
     instances = _instances(domain, problem)
     return frozenset(each.name for each in domain.actions if instances(each.types for each in each.parameters) > LARGE)
-
-
-def asked(action: Schema) -> Iterator[Literal]:
-    """Yield what has to be true for an action to occur, as far as it is plainly said."""
-    parts = conjuncts(action.precondition)
-    return (each for each in parts if isinstance(each, Literal) and each.positive)
 
 
 def _instances(domain: DomainFile, problem: ProblemFile) -> Callable[[Kinds], int]:

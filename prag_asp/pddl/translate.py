@@ -12,7 +12,9 @@ from prag_asp.pddl.model import OBJECT, DomainFile, ProblemFile
 from prag_asp.pddl.names import TERMS, clingo_names
 from prag_asp.pddl.places import Line, Place
 
-INCLUDED = '#include "rules/{}.lp".'
+CLOSED = '#include "rules/closed_world.lp".'
+EVER = ("ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true).")
+"""What may ever be true: fluents may follow from actions, which ask for it, so it reads nothing by its opposite."""
 
 
 class Translation:
@@ -35,9 +37,10 @@ class Translation:
         self._behaviour = Behaviour(domain, problem, self.words, actions, self._rules)
 
     @property
-    def included(self) -> list[str]:
-        """The rules of the library that the program reads."""
-        return [INCLUDED.format(each) for each in ["closed_world", *["ever"] * self._behaviour.looks_ahead]]
+    def general(self) -> list[str]:
+        """What the program says of all fluents, and of no line of PDDL."""
+        ahead = ["", "% What may be true at some time, so that no action is made that never occurs", *EVER]
+        return [CLOSED, *(ahead if self._behaviour.looks_ahead else ())]
 
     def lines(self, title: str) -> list[str]:
         """Return the whole program, which begins with a comment; what PDDL says knows its place."""
@@ -52,7 +55,7 @@ class Translation:
         self._behaviour.derive(STEP)
         goal = self._behaviour.goal()
         self._behaviour.derive(END)
-        lines = [f"% {title}", *self._changed_names(), "", *self.included, "", *start[:-1]]
+        lines = [f"% {title}", *self._changed_names(), "", *self.general, "", *start[:-1]]
         lines += heading("Actions") + (shown or ["", Line("#defined action/1.", Place("domain", 1))])
         if self._rules.parts[BASE]:
             lines += [*heading("What actions ask of what never changes"), "", *self._rules.parts[BASE]]

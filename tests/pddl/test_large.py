@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,6 +12,8 @@ from hypothesis.strategies import integers
 
 from prag_asp import DomainError, load_domain
 from prag_asp.pddl import read, size
+from prag_asp.pddl.files import read_files
+from prag_asp.pddl.translate import Translation
 from tests.chance import examples
 from tests.pddl.forward import Search
 from tests.pddl.random_tasks import random_task
@@ -41,7 +44,9 @@ def test_what_conditions_join_is_made_though_types_alone_would_make_more_than_an
 
 def test_parameters_that_no_predicate_binds_still_make_too_many(tmp_path: Path) -> None:
     free = JOINED.replace("(next ?b ?c) (next ?c ?d) (next ?d ?e) (next ?e ?f)", "")
-    told = r"domain.pddl:2: turn makes 24,010,000 actions of 70 objects, and no more than 10,000,000 can be made"
+    told = (
+        r"domain.pddl:2: turn makes at least 72,030,000 actions of 70 objects, and no more than 10,000,000 can be made"
+    )
     with pytest.raises(DomainError, match=told):
         load_domain(*written(tmp_path, free, ring(70, 3)))
 
@@ -71,9 +76,91 @@ def test_random_tasks_whose_actions_look_ahead_have_the_plans_of_a_forward_searc
         patch.setattr(size, "LARGE", 0)
         paths = written(tmp_path_factory.mktemp("random"), domain, problem)
         found = read(*paths).text
-        assert '#include "rules/ever.lp".' in found
-        (space,) = with_engines(load_domain(*paths), "automaton")
+        assert "ever(F) :- initially(F,true)." in found
+        loaded = load_domain(*paths)
+        (space,) = with_engines(loaded, "automaton")
         assert [space.at(n).count(by="plan") for n in range(4)] == counts, f"{seed}\n{domain}\n{problem}\n{found}"
+
+
+@settings(max_examples=examples(40))
+@given(seed=integers(0, 10**6))
+def test_no_action_has_fewer_instances_than_are_said_to_be_made_at_least(
+    seed: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    paths = written(tmp_path_factory.mktemp("random"), *random_task(seed))
+    files = read_files(*paths)
+    words = Translation(*files)
+    static = words.words.static
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(size, "LARGE", 0)
+        made = Counter(action.name for action in load_domain(*paths).facts.declared_actions)
+    for action in files[0].actions:
+        least = size.fewest_instances(action, *files, static, {*words.fluents(), *static})
+        there = made[words.actions[action.name]]
+        assert not there or least <= there, f"{action.name} of {seed}"
+
+
+UNARY = """(define (domain d) (:constants k) (:predicates (p ?x) (r))
+ (:action all :parameters (?a ?b ?c ?d) :precondition (and {}) :effect (r)))"""
+
+
+@pytest.mark.parametrize(
+    ("condition", "least"),
+    [
+        ("(p ?a) (p ?b) (p ?c) (p ?d)", "28,561"),
+        ("(p ?a) (not (= ?a ?b)) (not (= ?b ?c)) (not (= ?d k))", f"{13 * 19 * 19 * 19:,}"),
+        ("(not (= ?a ?b)) (not (= ?b ?c)) (not (= ?c ?a))", f"{20 * 19 * 18 * 20:,}"),
+        ("(p ?a) (p ?a)", ""),
+        ("(p ?a) (p ?b) (not (= ?a ?b))", ""),
+        ("(= ?a ?b)", ""),
+        ("(not (= ?a ?a))", ""),
+    ],
+)
+def test_instances_are_counted_by_what_is_true_at_the_start(
+    condition: str, least: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(size, "MOST_ACTIONS", 20_000)
+    names = [f"o{number}" for number in range(19)]
+    start = " ".join(f"(p {name})" for name in names[:13])
+    problem = f"(define (problem e) (:domain d) (:objects {' '.join(names)}) (:init {start}) (:goal (r)))"
+    paths = written(tmp_path, UNARY.format(condition), problem)
+    if least:
+        with pytest.raises(DomainError, match=f"domain.pddl:2: all makes at least {least} actions of 20 objects"):
+            read(*paths)
+    else:
+        read(*paths)
+
+
+JOINED_RULES = """(define (domain d) (:predicates (p ?x) (q ?x) (r))
+ (:action make :parameters (?x) :precondition (p ?x) :effect (not (p ?x)))
+ (:action use :parameters (?x) :precondition (q ?x) :effect (and (r) (not (q ?x)))))"""
+TWO = "(define (problem e) (:domain d) (:objects a b) (:init (p a)) (:goal (and)))"
+
+
+def test_what_a_joined_rule_makes_true_is_said_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(size, "LARGE", 0)
+    paths = written(tmp_path, JOINED_RULES, TWO)
+    more = (
+        "#program step(t).\nwet(q(X),t) :- occurs(make(X),t).\nholds(F,true,t) :- wet(F,t).\nchanged(F,t) :- wet(F,t)."
+    )
+    told = r"<text>:3: this rule may make q\(a\) true, but ever does not say so, and .* missing; state ever\(q\(a\)\)"
+    with pytest.raises(DomainError, match=told):
+        load_domain(*paths, text=more)
+    told = f"#program base.\never(q(X)) :- action(make(X)).\n{more}"
+    (space,) = with_engines(load_domain(*paths, text=told), "automaton")
+    monkeypatch.setattr(size, "LARGE", 10**4)
+    (whole,) = with_engines(load_domain(*paths, text=more), "automaton")
+    counts = [whole.at(n).count(by="plan") for n in range(4)]
+    assert [space.at(n).count(by="plan") for n in range(4)] == counts == [1, 1, 1, 0]
+
+
+def test_fluents_may_follow_from_the_actions_of_a_large_import(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(size, "LARGE", 0)
+    more = "fluent(done(A)) :- action(A). postcondition(A,done(A),true) :- action(A)."
+    found = load_domain(*written(tmp_path, JOINED_RULES, TWO), text=more)
+    assert sorted(map(str, found.facts.actions)) == ["make(a)"]
+    (space,) = with_engines(found, "automaton")
+    assert [space.at(n).count(by="plan") for n in range(3)] == [1, 1, 0]
 
 
 APART = """(define (domain d) (:types cup - thing lid - thing mug - cup) (:predicates (on ?x ?y - thing))
