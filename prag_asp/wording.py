@@ -60,7 +60,9 @@ def plural(number: int, one: str, several: str = "") -> str:
 def unknown(text: str, known: Iterable[str], kind: str) -> str:
     """Return the message for a word that is not among those known."""
     names = {*known}
-    return f"no {kind} {text!r}; {did_you_mean(text, names, f'there are {listed(names)}')}"
+    like = "(" in text and any(each.startswith(text[: text.index("(") + 1]) for each in names)
+    never = ", or it can never occur" if kind == "action" and like else ""
+    return f"no {kind} {text!r}{never}; {did_you_mean(text, names, f'there are {listed(names)}')}"
 
 
 @contextmanager

@@ -50,3 +50,10 @@ def test_another_number_and_another_word_make_names_of_their_own(name: str) -> N
 def test_of_many_known_names_some_are_told() -> None:
     assert unknown("xy", list("jihgfedcba"), "action") == "no action 'xy'; there are a, b, c, d, e, f, g, h ..."
     assert unknown("go", [], "action") == "no action 'go'; there are none"
+
+
+def test_an_action_whose_likes_are_known_may_be_one_that_never_occurs() -> None:
+    assert (
+        unknown("go(c)", ["go(a)", "gone"], "action") == "no action 'go(c)', or it can never occur; did you mean go(a)?"
+    )
+    assert unknown("go(c)", ["gone(a)"], "action") == "no action 'go(c)'; did you mean gone(a)?"
