@@ -16,6 +16,7 @@ from pathlib import Path
 
 from peers_counting import by_ganak
 from peers_process import limit_processor_time, tell, timed
+from planning_answers import UNFINISHED
 
 from prag_asp import Limits, TaskSpace, load_domain
 
@@ -30,12 +31,13 @@ OUT_OF_TIME = {21, 23}
 
 @dataclass(frozen=True)
 class Question:
-    """A domain, a problem, a number of actions, and the smallest number of actions that reaches the goal."""
+    """A domain, a problem, a number of actions, the smallest number that reaches the goal, and processor seconds."""
 
     domain: Path
     problem: Path
     length: int
     shortest: int
+    seconds: float
 
 
 def by_engine(name: str) -> Callable[[Question], int]:
@@ -58,7 +60,7 @@ def by_kstar(asked: Question) -> int:
     """Have K* list all plans up to a length, and count those that have it.
 
     Raises:
-        SystemExit: there is none, or the list is not whole.
+        SystemExit: there is none, the list is not whole, or the planner, a process of its own, used up its time.
     """
     from kstar_planner import planners  # noqa: PLC0415
 
@@ -66,7 +68,9 @@ def by_kstar(asked: Question) -> int:
     found = planners.plan_topq(asked.domain, asked.problem, quality_bound=bound)
     plans = [plan for plan in found["plans"] if len(plan["actions"]) == asked.length]
     if not plans or found["timeout_triggered"]:
-        raise SystemExit("no plans")
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        out_of_time = used.ru_utime + used.ru_stime >= asked.seconds
+        raise SystemExit(f"{UNFINISHED} after {asked.seconds:g} s" if out_of_time else "no plans")
     return len(plans)
 
 
@@ -90,7 +94,7 @@ def shortest(asked: Question) -> int:
             break
     found = FOUND.search(done.stdout)
     if found is None:
-        raise SystemExit("not finished" if done.returncode in OUT_OF_TIME else "no plan was found")
+        raise SystemExit(UNFINISHED if done.returncode in OUT_OF_TIME else "no plan was found")
     return int(found[1])
 
 
@@ -108,7 +112,7 @@ def main() -> None:
     seconds, tool, domain, problem, length, least = sys.argv[1:]
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     limit_processor_time(float(seconds))
-    asked = Question(Path(domain), Path(problem), int(length), int(least))
+    asked = Question(Path(domain), Path(problem), int(length), int(least), float(seconds))
     count, taken = timed(lambda: TOOLS[tool](asked))
     tell(count=count, seconds=taken)
 

@@ -3,7 +3,8 @@
 CHECKOUT is a copy of the public collection aibasel/downward-benchmarks. Of each family of an optimal track the first
 tasks are taken whose shortest plan Fast Downward finds (up-fast-downward) within the limit; their plans of that length,
 and of one and a half times it, are counted. The peers are installed by: pip install kstar-planner pyganak. A peer that
-is missing, fails or takes longer than the limit has not counted, and is not asked for longer plans. K* works on what
+is missing, fails or takes longer than the limit has not counted, and is not asked for longer plans. Where its time ran
+out on what ours counts, it takes at least so many times our seconds. K* works on what
 Fast Downward's translation leaves of a task, without the actions that change nothing of use for the goal: so it has
 fewer of the longer plans, and those numbers are not compared. Seconds are of processor time, actions cost 1, and each
 tool has 4 GB. With --answers FILE, what is known stays there, and is not asked again: a run may be broken off, go on,
@@ -22,7 +23,7 @@ from tempfile import TemporaryDirectory
 
 import click
 from peers_process import measured
-from planning_answers import Answer, Answers
+from planning_answers import UNFINISHED, Answer, Answers
 from planning_tasks import PlanningTask, first_tasks, with_unit_costs
 from rich.console import Console
 from rich.table import Table
@@ -54,9 +55,12 @@ class Row:
         """Tell whether a tool has counted."""
         return tool in self.answers and self.answers[tool].count is not None
 
-    def times(self, peer: str) -> float:
-        """Return how many times our seconds a peer takes."""
-        return self.answers[peer].seconds / self.answers[OURS].seconds
+    def times(self, peer: str) -> float | None:
+        """Return how many times our seconds a peer takes, at least where its time ran out; None where it gave up."""
+        theirs, ours = self.answers[peer], self.answers[OURS]
+        if theirs.count is None and not theirs.failure.startswith(UNFINISHED):
+            return None
+        return (theirs.limit if theirs.count is None else theirs.seconds) / ours.seconds
 
     def cells(self) -> list[str]:
         """Return the cells of the table: the task, the length, the count and the seconds of each tool."""
@@ -128,8 +132,15 @@ def _beside(peer: str, rows: Sequence[Row]) -> Iterator[str]:
     }
     for kind, some in kinds.items():
         if some:
-            times = median(row.times(peer) for row in some)
+            times = median(filter(None, (row.times(peer) for row in some)))
             yield f"{peer} takes {times:.1f} times our seconds, in the median of the {len(some)} counts of both, {kind}"
+    counted = [row for row in rows if row.counted(OURS)]
+    least = [times for row in counted if (times := row.times(peer)) is not None]
+    if least:
+        told = (
+            f"{peer} takes at least {median(least):.1f} times our seconds, in the median of {len(least)} counts of ours"
+        )
+        yield f"{told}; of {len(counted) - len(least)} others it told none"
 
 
 @click.command()

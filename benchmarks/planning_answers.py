@@ -33,7 +33,7 @@ class Answer:
         """Return what the tool says at a limit."""
         if self.count is None or self.seconds <= limit:
             return self
-        return replace(self, count=None, failure=f"{UNFINISHED} after {limit:g} s")
+        return replace(self, count=None, limit=limit, failure=f"{UNFINISHED} after {limit:g} s")
 
     def settles(self, limit: float) -> bool:
         """Tell whether it is known what the tool says at a limit."""
