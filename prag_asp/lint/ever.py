@@ -51,11 +51,11 @@ def ever_problems(grounder: Grounder, facts: Facts, statements: Sequence[Stateme
     ever = {fluent for (fluent,) in unsorted_rows(grounder.control, *EVER)}
     asked = {each: reader for each in facts.fluents if each not in ever and (reader := _reader(each, readers))}
     if asked:
-        yield from [*_unstated(facts, asked)] or _made_by_rules(grounder, statements, asked)
+        yield from [*_unstated(facts, asked)] or _made_by_rules(grounder, statements, asked, readers)
 
 
 def _name(atom: AtomNode) -> str:
-    """Return the name of what an atom asks for, nothing where it may be any."""
+    """Return the name of the fluent that an atom speaks of, nothing where it may be any."""
     found = names(atom.arguments[0].partition("(")[:1])
     return next(iter(found), "")
 
@@ -89,14 +89,14 @@ class _Maker(NamedTuple):
 
 
 def _made_by_rules(
-    grounder: Grounder, statements: Sequence[Statement], asked: Mapping[clingo.Symbol, Statement]
+    grounder: Grounder, statements: Sequence[Statement], asked: Collection[clingo.Symbol], names: Collection[str]
 ) -> Iterator[Problem]:
     """Yield the first fluent of each name that an own rule of a step may make true, and that is not stated."""
-    steps = [each for each in statements if each.own and each.is_rule and each.part == "step"]
+    steps = [each for each in statements if each.is_rule and each.part == "step" and _is_added(each)]
     makers = [_Maker(each, atom) for each in steps for atom in each.heads if _may_make(atom, each, steps)]
     if not makers:
         return
-    grounder.derive(_Relaxed(statements, steps).rules(makers))
+    grounder.derive(_Relaxed(statements, steps, names).rules(makers))
     found: dict[str, tuple[int, clingo.Symbol]] = {}
     for maker, fluent in rows(grounder.control, f"{RELAXED}_made", 2):
         if fluent in asked:
@@ -104,6 +104,11 @@ def _made_by_rules(
     for number, fluent in found.values():
         told = f"this rule may make {fluent} true, but ever does not say so, and {MEND}"
         yield makers[number].rule.problem(f"{told}; state ever({fluent})")
+
+
+def _is_added(statement: Statement) -> bool:
+    """Return whether a statement is the domain's own, or one of those that it asked for."""
+    return statement.own or statement.path.parent.name == "rules"
 
 
 def _may_make(head: AtomNode, statement: Statement, steps: Sequence[Statement]) -> bool:
@@ -134,29 +139,38 @@ def _setting(steps: Iterable[Statement], head: str) -> Iterator[Statement]:
 
 
 class _Relaxed:
-    """Writes rules of a step for the base part, without time, so that each derives what it may derive at some step."""
+    """Writes rules of a step for the base part, without time, so that each derives what it may derive at some step.
 
-    def __init__(self, statements: Sequence[Statement], steps: Sequence[Statement]) -> None:
+    What is `asked` for are names of fluents, the empty one for all: nothing is known of when others are true. A
+    predicate of a step that cannot be written is left out of what it is read by, which then derives more.
+    """
+
+    def __init__(self, statements: Sequence[Statement], steps: Sequence[Statement], asked: Collection[str]) -> None:
         rules = [each for each in statements if each.is_rule]
-        self._steps = steps
+        self._asked = asked
         self._base = {atom.signature for each in rules if not each.timed for atom in each.heads}
         self._timed = {atom.signature for each in rules if each.timed for atom in each.heads}
-        self._own = {atom.signature for each in steps for atom in each.heads} - STATE_PREDICATES - {OCCURS}
+        self._heads = [(atom, each) for each in steps for atom in each.heads if atom.signature not in STATE_PREDICATES]
+        self._written = {atom.signature for atom, _ in self._heads} - {OCCURS}
+        while (
+            unbound := {atom.signature for atom, rule in self._heads if not self._is_bound(atom, rule)} & self._written
+        ):
+            self._written -= unbound
 
-    def rules(self, makers: Sequence[_Maker]) -> list[str]:
-        """Return the rules; where one cannot be written, what each maker may make by its head alone."""
-        found: list[str] = []
-        for name, arity in sorted(self._own & self._base):
-            named = [f"X{number}" for number in range(1, arity)]
-            found.append(f"{_applied(name, named)} :- {name}({','.join([*named, '_'])}).")
-        for each in self._steps:
-            for atom in each.heads:
-                if atom.signature in self._own:
-                    body, terms = self._body(each), atom.arguments[:-1]
-                    if not self._is_plain(atom, each) or not _variables(terms) <= _variables(body):
-                        return [_made(number, maker, ()) for number, maker in enumerate(makers)]
-                    found.append(f"{_applied(atom.name, terms)} :- {', '.join(body) or '#true'}.")
-        return found + [_made(number, maker, self._body(maker.rule)) for number, maker in enumerate(makers)]
+    def rules(self, makers: Iterable[_Maker]) -> Iterator[str]:
+        """Yield the rules of what is read, and of what each maker may make."""
+        for name, arity in sorted(self._written & self._base):
+            terms = [f"X{number}" for number in range(1, arity)]
+            yield f"{_applied(name, terms)} :- {name}({','.join([*terms, '_'])})."
+        for atom, rule in self._heads:
+            if atom.signature in self._written:
+                yield f"{_applied(atom.name, atom.arguments[:-1])} :- {', '.join(self._body(rule)) or '#true'}."
+        for number, maker in enumerate(makers):
+            yield _made(number, maker, self._body(maker.rule))
+
+    def _is_bound(self, head: AtomNode, rule: Statement) -> bool:
+        """Return whether a head can be written: the body, as it is written, has all its variables."""
+        return self._is_plain(head, rule) and _variables(head.arguments[:-1]) <= _variables(self._body(rule))
 
     def _body(self, rule: Statement) -> list[str]:
         """Return what has to be true for a rule to fire, as far as it can be said without time."""
@@ -172,8 +186,9 @@ class _Relaxed:
         if atom.signature == OCCURS:
             yield f"action({first})"
         elif atom.signature in STATE_PREDICATES:
-            yield f"{'ever' if others[0] == 'true' else 'fluent'}({first})"
-        elif atom.signature in self._own:
+            known = others[0] == "true" and not {_name(atom), ""}.isdisjoint(self._asked)
+            yield f"{'ever' if known else 'fluent'}({first})"
+        elif atom.signature in self._written:
             yield _applied(atom.name, atom.arguments[:-1])
         elif atom.signature in self._base - self._timed:
             yield str(atom)

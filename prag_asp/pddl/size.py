@@ -63,17 +63,15 @@ def fewest_instances(
     for part in conjuncts(action.precondition):
         if isinstance(part, Equality) and not part.positive and part.left != part.right:
             unlike[max(part.left, part.right, key=lambda term: ranks.get(term, 0))] += 1
-        elif not (isinstance(part, Literal) and part.positive) and {each.predicate for each in literals(part)} <= {
-            *static
-        }:
+        elif not (isinstance(part, Literal) and part.positive) and all(
+            each.predicate in static for each in literals(part)
+        ):
             return 0
     if len(set(bound)) < len(bound) or not unlike.keys().isdisjoint(bound):
         return 0
     instances = _instances(domain, problem)
-    least = {literal: 0 if literal.predicate in static else 1 for literal in rows}
-    return prod(max(least[each], _true_at_start(each, domain, problem)) for each in rows) * prod(
-        max(0, instances([each.types]) - unlike[each]) for each in free
-    )
+    found = [max(each.predicate not in static, _true_at_start(each, domain, problem)) for each in rows]
+    return prod(found) * prod(max(0, instances([each.types]) - unlike[each]) for each in free)
 
 
 def _true_at_start(literal: Literal, domain: DomainFile, problem: ProblemFile) -> int:

@@ -1,0 +1,115 @@
+"""What may ever be true is stated by domains, and is compared with what their own rules of a step make true."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis.strategies import booleans, sampled_from, sets
+
+from prag_asp import DomainError, TaskSpace, load_domain
+from tests.chance import examples
+
+LAMPS = """#include "rules/closed_world.lp".
+class(lamp). entity((a;b), lamp).
+fluent(lit(L)) :- is_a(L,lamp).
+fluent(wet(L)) :- is_a(L,lamp).
+initially(lit(a), true).
+action(touch(L)) :- is_a(L,lamp).
+action(read(L)) :- is_a(L,lamp), ever(lit(L)).
+precondition(read(L), lit(L), true) :- action(read(L)).
+"""
+
+
+def problems(rules: str, ever: str = '#include "rules/ever.lp".') -> list[str]:
+    try:
+        load_domain(text=f"{LAMPS}{ever}\n#program step(t).\n{rules}")
+    except DomainError as error:
+        return str(error).splitlines()
+    return []
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "holds(lit(L),true,t) :- occurs(touch(L),t). changed(lit(L),t) :- occurs(touch(L),t).",
+        "holds(F,true,t) :- sets(F,t). changed(F,t) :- sets(F,t). sets(lit(L),t) :- occurs(touch(L),t).",
+        "holds(lit(L),V,t) :- occurs(touch(L),t), opposite(V,_). changed(lit(L),t) :- occurs(touch(L),t).",
+        "changed(lit(L),t) :- occurs(touch(L),t).",
+        "known(lit(L),true,t) :- occurs(touch(L),t).",
+        "{ spark(L,t) : is_a(L,lamp) } :- occurs(touch(_),t). holds(lit(L),true,t) :- spark(L,t). "
+        "changed(lit(L),t) :- spark(L,t).",
+        "held(N+1,t) :- held(N,t-1), N < 3. held(0,t) :- occurs(touch(_),t). "
+        "holds(lit(L),true,t) :- held(2,t), is_a(L,lamp). changed(lit(L),t) :- held(2,t), is_a(L,lamp).",
+        "holds(lit(L),true,t) :- holds(wet(L),false,t-1), is_a(L,lamp). changed(lit(L),t) :- occurs(touch(L),t).",
+        "holds(lit(L),true,t) :- t > 1, is_a(L,lamp). changed(lit(L),t) :- occurs(touch(L),t).",
+    ],
+)
+def test_what_a_rule_may_make_true_is_asked_of_ever(rules: str) -> None:
+    (told,) = problems(rules)
+    assert "this rule may make lit(b) true, but ever does not say so" in told
+    assert told.endswith("state ever(lit(b))")
+    assert not problems(rules, '#include "rules/ever.lp".\never(lit(L)) :- is_a(L,lamp).')
+    assert not problems(rules, "ever(F) :- fluent(F).")
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "holds(lit(L),true,t) :- holds(lit(L),true,t-1), occurs(touch(L),t). "
+        "holds(lit(L),false,t) :- dark(L,t). changed(lit(L),t) :- dark(L,t). dark(L,t) :- occurs(touch(L),t).",
+        "holds(wet(L),true,t) :- occurs(touch(L),t). changed(wet(L),t) :- occurs(touch(L),t).",
+        "holds(lit(L),true,t) :- bright(L,t). changed(lit(L),t) :- bright(L,t). changed(lit(L),t) :- dark(L,t). "
+        "holds(lit(L),false,t) :- dark(L,t), not bright(L,t). "
+        "dark(L,t) :- occurs(touch(L),t). bright(a,t) :- occurs(touch(a),t).",
+    ],
+)
+def test_what_no_rule_makes_true_need_not_be_stated(rules: str) -> None:
+    assert not problems(rules)
+
+
+def test_fluents_that_nothing_asks_for_may_be_true_without_being_stated() -> None:
+    wet = "initially(wet(b),true). ever(lit(a))."
+    dries = (
+        "holds(lit(L),true,t) :- holds(wet(L),true,t-1), occurs(touch(L),t). changed(lit(L),t) :- occurs(touch(L),t)."
+    )
+    (told,) = problems(dries, wet)
+    assert told.endswith("state ever(lit(b))")
+    domain = load_domain(text=f"{LAMPS}{wet} ever(lit(b)).\n#program step(t).\n{dries}")
+    assert TaskSpace(domain, 2).count(by="plan") > 0
+
+
+RULES = [
+    "sets(lit(L),t) :- occurs(touch(L),t).",
+    "sets(wet(L),t) :- occurs(touch(L),t), not holds(wet(L),true,t-1).",
+    "sets(lit(L),t) :- occurs(touch(M),t), next(M,L).",
+    "sets(lit(L),t) :- holds(wet(L),true,t-1), occurs(read(_),t).",
+    "sets(wet(L),t) :- holds(lit(M),true,t-1), next(M,L), occurs(touch(M),t).",
+    "clears(lit(L),t) :- occurs(touch(L),t).",
+    "clears(F,t) :- occurs(read(L),t), fluent(F), F != lit(L).",
+    "sets(F,t) :- clears(F,t), holds(F,false,t-1).",
+]
+STATED = ["ever(lit(L)) :- next(_,L).", "ever(wet(L)) :- is_a(L,lamp).", "ever(lit(a)).", "initially(wet(b),true)."]
+SETTING = """
+#defined sets/2. #defined clears/2.
+changed(F,t) :- sets(F,t).
+changed(F,t) :- clears(F,t).
+holds(F,true,t) :- sets(F,t).
+holds(F,false,t) :- clears(F,t), not sets(F,t)."""
+
+
+@settings(max_examples=examples(60))
+@given(rules=sets(sampled_from(RULES), min_size=1, max_size=4), stated=sets(sampled_from(STATED)), general=booleans())
+def test_no_plan_is_missing_where_nothing_is_told(rules: set[str], stated: set[str], general: bool) -> None:
+    lamps = LAMPS.replace("(a;b)", "(a;b;c)") + "next(a,b). next(b,c). #defined ever/1.\n"
+    ever = " ".join([*sorted(stated), '#include "rules/ever.lp".' if general else "ever(lit(a))."])
+    steps = "\n".join(["#program step(t).", *sorted(rules), SETTING])
+    try:
+        asking = load_domain(text=f"{lamps}{ever}\n{steps}")
+    except DomainError as error:
+        assert "ever" in str(error)
+        return
+    start = " ".join(each for each in stated if each.startswith("initially"))
+    whole = load_domain(text=f"{lamps}{start} ever(F) :- fluent(F).\n{steps}")
+    assert [TaskSpace(asking, n).count(by="plan") for n in range(4)] == [
+        TaskSpace(whole, n).count(by="plan") for n in range(4)
+    ]
