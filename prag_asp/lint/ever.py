@@ -25,7 +25,7 @@ EVER = ("ever", 1)
 CLOSED_EVER = ("ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true).")
 """What may ever be true of a closed world, where no action leaves anything unknown."""
 
-OCCURS = ("occurs", 2)
+OCCURS, HOLDS = ("occurs", 2), ("holds", 3)
 RELAXED = "_ever"
 """What the predicates begin with that relaxed rules derive."""
 
@@ -89,14 +89,14 @@ class _Maker(NamedTuple):
 
 
 def _made_by_rules(
-    grounder: Grounder, statements: Sequence[Statement], asked: Collection[clingo.Symbol], names: Collection[str]
+    grounder: Grounder, statements: Sequence[Statement], asked: Collection[clingo.Symbol], read: Collection[str]
 ) -> Iterator[Problem]:
     """Yield the first fluent of each name that an own rule of a step may make true, and that is not stated."""
     steps = [each for each in statements if each.is_rule and each.part == "step" and _is_added(each)]
     makers = [_Maker(each, atom) for each in steps for atom in each.heads if _may_make(atom, each, steps)]
     if not makers:
         return
-    grounder.derive(_Relaxed(statements, steps, names).rules(makers))
+    grounder.derive(_Relaxed(statements, steps, read).rules(makers))
     found: dict[str, tuple[int, clingo.Symbol]] = {}
     for maker, fluent in rows(grounder.control, f"{RELAXED}_made", 2):
         if fluent in asked:
@@ -121,21 +121,32 @@ def _may_make(head: AtomNode, statement: Statement, steps: Sequence[Statement]) 
 def _is_set(head: AtomNode, statement: Statement, steps: Sequence[Statement]) -> bool:
     """Return whether what a rule says to be changed is set by other rules whenever it fires.
 
-    It is made false by a rule that reads the same but for negations, each of what another rule alone makes it true by.
+    A rule makes it false that reads the same, unless what another rule makes it true by, and by nothing else, is so.
     """
-    fluent, time = head.arguments
-    alone = [each for each in _setting(steps, f"holds({fluent},true,{time})") if len(each.literals) == 1]
-    truths = {text for each in alone for _, text in each.literals}
-    positive = {text for _, text in statement.literals}
-    for each in _setting(steps, f"holds({fluent},false,{time})"):
-        more = {text for _, text in each.literals} - positive
-        if all(text.startswith("not ") and text.removeprefix("not ") in truths for text in more):
-            return True
-    return False
+    fluent, positive = _renamed(head.arguments[0], statement)
+    true, false = ([_renamed(term, each) for term, each in _setting(steps, value)] for value in ("true", "false"))
+    alone = {text for term, texts in true if term == fluent and len(texts) == 1 for text in texts}
+    unless = {f"not {text}" for text in alone}
+    return any(term == fluent and positive <= texts <= positive | unless for term, texts in false)
 
 
-def _setting(steps: Iterable[Statement], head: str) -> Iterator[Statement]:
-    return (each for each in steps if each.node.head.ast_type == ASTType.Literal and str(each.node.head) == head)
+def _setting(steps: Iterable[Statement], value: str) -> Iterator[tuple[str, Statement]]:
+    """Yield the rules that give a fluent a value whenever they fire, each after the term of the fluent."""
+    for each in steps:
+        if each.node.head.ast_type == ASTType.Literal:
+            for atom in each.heads:
+                if atom.signature == HOLDS and atom.arguments[1] == value:
+                    yield atom.arguments[0], each
+
+
+def _renamed(term: str, rule: Statement) -> tuple[str, frozenset[str]]:
+    """Return a term and the literals of a rule, the variables called by the order in which they come."""
+    found: dict[str, str] = {}
+    new = [
+        VARIABLE.sub(lambda name: found.setdefault(name[0], f"V{len(found)}"), text)
+        for text in (term, *(text for _, text in rule.literals))
+    ]
+    return new[0], frozenset(new[1:])
 
 
 class _Relaxed:

@@ -61,6 +61,7 @@ def test_what_a_rule_may_make_true_is_asked_of_ever(rules: str) -> None:
         "holds(lit(L),true,t) :- bright(L,t). changed(lit(L),t) :- bright(L,t). changed(lit(L),t) :- dark(L,t). "
         "holds(lit(L),false,t) :- dark(L,t), not bright(L,t). "
         "dark(L,t) :- occurs(touch(L),t). bright(a,t) :- occurs(touch(a),t).",
+        "holds(lit(L),false,t) :- occurs(touch(L),t). changed(lit(X),t) :- occurs(touch(X),t).",
     ],
 )
 def test_what_no_rule_makes_true_need_not_be_stated(rules: str) -> None:
