@@ -18,13 +18,13 @@ RESERVED = frozenset([
     "named", "adds", "deletes", "mentioned", "introduces_late", "times", "requires", "reverts", "differs", "undoes",
     "barred", "hierarchical", "ahead", "last_stage", "worded_before", "wording", "unit", "unit_end", "splits",
     "concatenation", "covers", "expected", "goes_on", "spared", "other", "forces", "supposed",
-    "may_hold", "may_stand", "may_occur", "never_without", "some_impossible", "never_possible", "impossible_matters",
-    "joint_unit", "next_unit", "unit_named", "names_unit_late", "ever",
+    "may_hold", "_may_set", "may_stand", "may_occur", "never_without", "some_impossible", "never_possible",
+    "impossible_matters", "t", "joint_unit", "next_unit", "unit_named", "names_unit_late", "ever",
 ])  # fmt: skip
 """What means something to clingo or to the encodings, whatever the number of arguments."""
 
-TERMS = frozenset(["not", "true", "false", "unknown"])
-"""What cannot name a fluent, which is a term and no predicate of its own."""
+TERMS = frozenset(["not", "true", "false", "unknown", "t"])
+"""What cannot name a fluent, which is a term and no predicate of its own; t is the number of a step."""
 
 CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 

@@ -80,6 +80,24 @@ def test_goals_that_contradict_themselves_or_facts_are_no_mistakes(goal: str, tm
     assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
 
 
+NAMED_T = """(define (domain d) (:requirements :adl) (:types {type}) (:constants {constant} - {type})
+ (:predicates (p ?x) (q ?x) ({fluent})) (:action one :parameters (?x - {type}) :precondition (or (p ?x) ({fluent}))
+ :effect (and (q ?x) (not (p ?x)) (when (p {constant}) (q {constant})) (when (q ?x) ({fluent})))))"""
+
+
+@pytest.mark.parametrize(("kind", "constant", "fluent"), ["tab", "bta", "bat", "abk"])
+def test_the_name_of_a_step_is_a_name_like_others_in_pddl(
+    kind: str, constant: str, fluent: str, tmp_path: Path
+) -> None:
+    domain = NAMED_T.format(type=kind, constant=constant, fluent=fluent)
+    condition = f"(or (q {constant}) (and (q u) (forall (?y - {kind}) (or (q ?y) ({fluent})))))"
+    init = f"(:init (p {constant}) (p u))"
+    problem = f"(define (problem e) (:domain d) (:objects u - {kind}) {init} (:goal {condition}))"
+    loaded = load_domain(*written(tmp_path, domain, problem))
+    for space in with_engines(loaded, "automaton", "clingo"):
+        assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
+
+
 @settings(max_examples=examples(20))
 @given(seed=integers(0, 10**6))
 def test_random_tasks_keep_all_their_rules_under_a_condition(
