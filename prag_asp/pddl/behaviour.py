@@ -155,7 +155,7 @@ class Behaviour:
         adds, deletes = (any(rule.startswith(word) for rule in rules) for word in ("adds(", "deletes("))
         if deletes:
             self._rules.add(STEP, "adds(F,t)", ["occurs(A,t)", "postcondition(A,F,true)"])
-            self._rules.add(STEP, "changed(F,t)", ["deletes(F,t)"])
+            self._rules.add(STEP, "changed(F,t)", ["deletes(F,t)", "not adds(F,t)"])
             self._rules.add(STEP, "holds(F,false,t)", ["deletes(F,t)", "not adds(F,t)"])
         if adds:
             self._rules.add(STEP, "changed(F,t)", ["adds(F,t)"])

@@ -70,7 +70,8 @@ def fewest_instances(
     if len(set(bound)) < len(bound) or not unlike.keys().isdisjoint(bound):
         return 0
     instances = _instances(domain, problem)
-    found = [max(each.predicate not in static, _true_at_start(each, domain, problem)) for each in rows]
+    added = {effect.literal.predicate for each in domain.actions for effect in each.effects if effect.literal.positive}
+    found = [max(each.predicate in added, _true_at_start(each, domain, problem)) for each in rows]
     return prod(found) * prod(max(0, instances([each.types]) - unlike[each]) for each in free)
 
 

@@ -13,7 +13,7 @@ from prag_asp.pddl.names import TERMS, clingo_names
 from prag_asp.pddl.places import Line, Place
 
 CLOSED = '#include "rules/closed_world.lp".'
-EVER = ("ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true).")
+AT_START, BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true)."
 """What may ever be true: fluents may follow from actions, which ask for it, so it reads nothing by its opposite."""
 
 
@@ -39,8 +39,14 @@ class Translation:
     @property
     def general(self) -> list[str]:
         """What the program says of all fluents, and of no line of PDDL."""
-        ahead = ["", "% What may be true at some time, so that no action is made that never occurs", *EVER]
-        return [CLOSED, *(ahead if self._behaviour.looks_ahead else ())]
+        if not self._behaviour.looks_ahead:
+            return [CLOSED]
+        rules = ["#defined ever/1."]
+        if any(each.predicate in self.fluents() for each in self._problem.initial):
+            rules.append(AT_START)
+        if any(effect.literal.positive for each in self._domain.actions for effect in each.effects):
+            rules.append(BY_ACTIONS)
+        return [CLOSED, "", "% What may be true at some time, so that no action is made that never occurs", *rules]
 
     def lines(self, title: str) -> list[str]:
         """Return the whole program, which begins with a comment; what PDDL says knows its place."""

@@ -188,7 +188,10 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
 
 def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
     """Return sources without those that are there before: one file may stand in several, with other texts."""
-    return tuple({(source.path.resolve(), source.text): source for source in sources}.values())
+    found: dict[tuple[Path, str], Source] = {}
+    for source in sources:
+        found.setdefault((source.path.resolve(), source.text), source)
+    return tuple(found.values())
 
 
 def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:

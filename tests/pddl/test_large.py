@@ -76,7 +76,7 @@ def test_random_tasks_whose_actions_look_ahead_have_the_plans_of_a_forward_searc
         patch.setattr(size, "LARGE", 0)
         paths = written(tmp_path_factory.mktemp("random"), domain, problem)
         found = read(*paths).text
-        assert "ever(F) :- initially(F,true)." in found
+        assert "#defined ever/1." in found
         loaded = load_domain(*paths)
         (space,) = with_engines(loaded, "automaton")
         assert [space.at(n).count(by="plan") for n in range(4)] == counts, f"{seed}\n{domain}\n{problem}\n{found}"
@@ -100,7 +100,8 @@ def test_no_action_has_fewer_instances_than_are_said_to_be_made_at_least(
         assert not there or least <= there, f"{action.name} of {seed}"
 
 
-UNARY = """(define (domain d) (:constants k) (:predicates (p ?x) (r))
+UNARY = """(define (domain d) (:constants k) (:predicates (p ?x) (r) (lost))
+ (:action lose :effect (not (lost)))
  (:action all :parameters (?a ?b ?c ?d) :precondition (and {}) :effect (r)))"""
 
 
@@ -113,6 +114,7 @@ UNARY = """(define (domain d) (:constants k) (:predicates (p ?x) (r))
         ("(p ?a) (p ?a)", ""),
         ("(p ?a) (p ?b) (not (= ?a ?b))", ""),
         ("(= ?a ?b)", ""),
+        ("(lost)", ""),
         ("(not (= ?a ?a))", ""),
     ],
 )
@@ -125,7 +127,7 @@ def test_instances_are_counted_by_what_is_true_at_the_start(
     problem = f"(define (problem e) (:domain d) (:objects {' '.join(names)}) (:init {start}) (:goal (r)))"
     paths = written(tmp_path, UNARY.format(condition), problem)
     if least:
-        with pytest.raises(DomainError, match=f"domain.pddl:2: all makes at least {least} actions of 20 objects"):
+        with pytest.raises(DomainError, match=f"domain.pddl:3: all makes at least {least} actions of 20 objects"):
             read(*paths)
     else:
         read(*paths)
@@ -152,6 +154,47 @@ def test_what_a_joined_rule_makes_true_is_said_there(tmp_path: Path, monkeypatch
     (whole,) = with_engines(load_domain(*paths, text=more), "automaton")
     counts = [whole.at(n).count(by="plan") for n in range(4)]
     assert [space.at(n).count(by="plan") for n in range(4)] == counts == [1, 1, 1, 0]
+
+
+CHAIN = """(define (domain chain) (:requirements :adl) (:predicates (bond ?x ?y) (sharp) (hot ?x) (k ?x) (done))
+ (:action cut :parameters (?a ?b) :precondition (bond ?a ?b) :effect {})
+ (:action blunt :parameters () :precondition (sharp) :effect (not (sharp)))
+ (:action heat :parameters (?a) :effect (hot ?a))
+ (:action crack :parameters (?a ?b ?c) :precondition (and (bond ?a ?b) (bond ?b ?c)) :effect (done)))"""
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "(when (sharp) (not (bond ?a ?b)))",
+        "(when (and (hot ?a) (hot ?b) (not (= ?a ?b))) (bond ?b ?a))",
+        "(when (and (hot ?a) (= ?a ?b)) (bond ?b ?a))",
+        "(when (and (hot ?a) (not (k ?b))) (bond ?b ?a))",
+        "(when (and (hot ?a) (k ?b)) (bond ?b ?a))",
+        "(when (and (hot ?a) (forall (?c) (or (k ?c) (not (= ?b ?c))))) (bond ?b ?a))",
+        "(forall (?c) (when (and (hot ?c) (exists (?d) (not (= ?c ?d)))) (bond ?c ?a)))",
+        "(forall (?c) (when (and (hot ?c) (or (sharp) (hot ?a))) (and (bond ?c ?a) (not (bond ?a ?b)))))",
+    ],
+)
+def test_conditional_effects_of_large_imports_say_enough(
+    effect: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = "(define (problem e) (:domain chain) (:objects a b c) (:init (bond a b) (sharp) (k c)) (:goal (and)))"
+    domain = CHAIN.format(effect)
+    monkeypatch.setattr(size, "LARGE", 0)
+    loaded = load_domain(*written(tmp_path, domain, problem), strict=True)
+    for space in with_engines(loaded, "automaton", "clingo"):
+        assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
+
+
+def test_a_large_import_in_which_nothing_is_true_at_the_start_warns_of_lines_that_there_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(size, "LARGE", 0)
+    paths = written(tmp_path, JOINED_RULES, TWO.replace("(p a)", ""))
+    warnings = load_domain(*paths).warnings
+    assert {each.name for each in warnings} == {"never-holds", "no-plan"}
+    assert {each.path for each in warnings} == {paths[0]}
 
 
 def test_fluents_may_follow_from_the_actions_of_a_large_import(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
