@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import clingo
 
 from prag_asp.lint.directives import CHOICES, STATED
-from prag_asp.lint.ever import CLOSED_EVER, EVER
 from prag_asp.lint.origin import Origins, Place
+from prag_asp.lint.reaching.ever import CLOSED_EVER, EVER
 from prag_asp.program.composition import find_cycle
 from prag_asp.program.facts import Facts, rows
 from prag_asp.program.names import ambiguity, shared_names

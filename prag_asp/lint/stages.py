@@ -14,14 +14,21 @@ from prag_asp.lint.composites import composite_problems
 from prag_asp.lint.demands import demand_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
-from prag_asp.lint.ever import EVER, ever_problems
 from prag_asp.lint.execution import execution_problems, find_execution
 from prag_asp.lint.growth import recursion_problems, size_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
-from prag_asp.lint.reachability import LEFT_OUT, find_unreached, relaxed_sources, steady_values, unreached_problems
+from prag_asp.lint.reaching.ever import EVER, ever_problems
+from prag_asp.lint.reaching.reachability import (
+    LEFT_OUT,
+    find_reached,
+    find_unreached,
+    relaxed_sources,
+    steady_values,
+    unreached_problems,
+)
 from prag_asp.lint.table import name_problems, table_problems
 from prag_asp.lint.vocabulary import vocabulary_problems
 from prag_asp.processes.stage import stage
@@ -97,11 +104,13 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     left = _check_steps(judge, plain, grounder, facts, statements, origins)
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
     if encodings and relaxed and _can_leave_out(statements):
-        unreached = find_unreached(grounder, left, statements, encodings)
-        left = replace(left, unreached=unreached.actions)
-        left = replace(left, steady=steady_values(left, statements, encodings))
-        if not any(each.name == "no-plan" for each in judge.warnings):
-            judge.take(unreached_problems(unreached, origins))
+        reached = find_reached(grounder, left, statements, encodings)
+        judge.take(ever_problems(grounder, left, statements, reached))
+        if reached is not None:
+            unreached = find_unreached(reached, left)
+            left = replace(left, unreached=unreached.actions, steady=steady_values(reached, left))
+            if not any(each.name == "no-plan" for each in judge.warnings):
+                judge.take(unreached_problems(unreached, origins))
     ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))
     return Checked(left, settings, tuple(ordered))
 
@@ -170,7 +179,6 @@ def _check_facts(
     judge.take([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
     judge.take(composite_problems(facts, origins))
     judge.take(limit_problems(grounder.control, facts, statements, origins))
-    judge.take(ever_problems(grounder, facts, statements))
     judge.take(state_problems(facts, origins))
     if grounder.control.is_conflicting:
         judge.take(_violations(origins))

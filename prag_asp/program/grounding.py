@@ -64,9 +64,10 @@ class Grounder:
         """Have the parts that are ground later take it for possible that each of some atoms holds."""
         self._tell(f"#external {atom}." for atom in atoms)
 
-    def derive(self, rules: Iterable[str]) -> None:
-        """Derive by rules what follows from what is ground; the parts that are ground later read it."""
-        self._tell(rules)
+    def add(self, part: str, rules: Iterable[str]) -> None:
+        """Add rules to a part that is not ground yet."""
+        text = "\n".join(rules)
+        self._run(lambda: self.control.add(part, [], text))
 
     def _tell(self, statements: Iterable[str]) -> None:
         """Ground statements as a part of their own.

@@ -136,16 +136,78 @@ def test_a_value_that_invariants_forbid_together_with_all_that_may_be_is_not_rea
     assert unreached(text + "postcondition(wait,shut,unknown).") == ["burn"]
 
 
+BEYOND = "enter(3,4) enter(4,3) enter(4,5) enter(5,4) take(4) take(5) unlock(4) unlock(5)"
+
+
 @pytest.mark.parametrize(
-    "rule",
+    ("rules", "never"),
     [
-        "holds(open(3),true,t) :- occurs(enter(1,2),t).",
-        "known(has(3),true,t) :- occurs(take(2),t).",
-        "changed(open(R),t) :- occurs(take(2),t), room(R).",
+        ("holds(open(3),true,t) :- occurs(enter(1,2),t). changed(open(3),t) :- occurs(enter(1,2),t).", BEYOND),
+        ("known(has(3),true,t) :- occurs(take(2),t), not holds(has(3),true,t-1). changed(has(3),t) :- #false.", BEYOND),
+        ("gift(K,t) :- occurs(take(2),t), K = 3. holds(F,true,t) :- found(F,t). found(has(3),t) :- gift(3,t).", BEYOND),
+        ("changed(open(R),t) :- occurs(take(2),t), room(R).", ""),
+        ("holds(open(R),V,t) :- occurs(take(2),t), room(R), set(V).", ""),
+        ("occurs(take(3),t) :- occurs(take(2),t-1).", ""),
     ],
 )
-def test_rules_over_time_that_make_states_keep_all_actions(rule: str) -> None:
-    assert unreached(f"{KEYS}\n#program step(t).\n{rule}") == []
+def test_what_rules_over_time_make_is_reached(rules: str, never: str) -> None:
+    text = f"{KEYS} set(true;false).\n#program step(t).\n{rules}"
+    assert sorted(unreached(text)) == never.split()
+    with loaded(text) as domain:
+        assert domain is not None
+        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
+        for length in range(4):
+            spaces = [
+                space.at(length) for each in (domain, whole) for space in with_engines(each, "automaton", "clingo")
+            ]
+            assert len({space.count("plan") for space in spaces}) == 1
+
+
+MADE = ("holds({F},{V},t)", "known({F},{V},t)", "changed({F},t)", "sets({F},{V},t)", "now({F},t)")
+READ = (
+    "occurs({A},t)", "occurs({A},t-1)", "occurs(_,t)", "holds({F},{V},t-1)", "not holds({F},{V},t-1)",
+    "known({F},{V},t)", "now({F},t-1)", "not now({F},t-1)", "sets({F},{V},t-1)", "changed({F},t-1)",
+)  # fmt: skip
+SETS = """
+#defined sets/3. #defined now/2.
+holds(F,V,t) :- sets(F,V,t), opposite(V,_).
+changed(F,t) :- sets(F,_,t).
+"""
+
+
+@st.composite
+def rules_over_time(draw: st.DrawFn, toy: Toy) -> str:
+    """Draw rules that make states of a domain, some by predicates of their own."""
+    fluents = st.integers(0, toy.fluents - 1).map(lambda f: f"f{f}")
+    names = st.integers(0, len(toy.actions) - 1).map(lambda i: term(toy, i))
+
+    def written(pattern: str) -> str:
+        return pattern.format(F=draw(fluents), V=draw(st.sampled_from(["true", "false"])), A=draw(names))
+
+    lines = []
+    for _ in range(draw(st.integers(1, 4))):
+        head, body = draw(st.sampled_from(MADE)), draw(st.lists(st.sampled_from(READ), min_size=1, max_size=3))
+        lines.append(f"{written(head)} :- {', '.join(map(written, body))}.")
+    return "\n".join(lines) + SETS
+
+
+@settings(max_examples=examples(100), suppress_health_check=list(HealthCheck))
+@given(st.one_of(chains(closed=False), chains(closed=True)), st.data())
+def test_what_random_rules_over_time_make_is_reached(toy: Toy, data: st.DataObject) -> None:
+    with loaded(toy.text() + data.draw(rules_over_time(toy))) as domain:
+        if domain is None or not (domain.facts.unreached or domain.facts.steady):
+            return
+        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
+        for length in range(4):
+            spaces = [
+                space.at(length) for each in (domain, whole) for space in with_engines(each, "automaton", "clingo")
+            ]
+            assert len({space.count("plan") for space in spaces}) == 1
+
+
+def test_states_that_are_made_at_a_step_by_its_number_keep_all_actions() -> None:
+    assert unreached(f"{KEYS} holds(open(3),true,2).") == []
+    assert unreached(f"{KEYS}\n#program check(t).\nholds(open(3),true,t) :- occurs(take(1),t).") == []
 
 
 @settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
@@ -168,13 +230,17 @@ def test_a_state_has_no_value_that_nothing_makes() -> None:
     with loaded(KEYS) as domain:
         assert domain is not None
         steady = {str(fluent): value for fluent, value in domain.facts.steady}
-        assert steady == {f"open({room})": "false" for room in (3, 4, 5)} | {
-            f"has({key})": "false" for key in (3, 4, 5)
-        } | {f"in({room})": "false" for room in (3, 4, 5)}
+        closed = {f"{name}({number})": "false" for name in ("open", "has", "in") for number in (3, 4, 5)}
+        assert steady == {**closed, "has(1)": "true"}
         before = set(map(str, Model(domain).ground.before))
         assert "holds(open(2),true)" in before and "holds(open(4),false)" in before
         assert "holds(open(4),true)" not in before
-    with loaded(f"{KEYS}\n#program step(t).\nholds(open(3),true,t) :- occurs(enter(1,2),t).") as domain:
+    rule = "holds(open(3),true,t) :- occurs(enter(1,2),t). changed(open(3),t) :- occurs(enter(1,2),t)."
+    with loaded(f"{KEYS}\n#program step(t).\n{rule}") as domain:
+        assert domain is not None
+        still = {f"{name}({number})" for name in ("open", "has", "in") for number in (4, 5)} | {"has(1)"}
+        assert {str(fluent) for fluent, _ in domain.facts.steady} == still
+    with loaded(f"{KEYS} holds(open(3),true,2).") as domain:
         assert domain is not None and not domain.facts.steady
     with loaded(f"{KEYS} exclusive(has(4),has(5)).") as domain:
         assert domain is not None and not domain.facts.steady
