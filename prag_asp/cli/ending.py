@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NoReturn
 from prag_asp.errors import PragError
 from prag_asp.processes.lifeline import above_the_standard_ones
 from prag_asp.processes.machine import SHARE, memory_in_use, most_addresses, usual_memory
-from prag_asp.processes.stage import hear
+from prag_asp.processes.stage import Note, hear
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -247,6 +247,8 @@ def doing() -> str:
 
 
 def _hear(words: str) -> None:
+    if isinstance(words, Note):
+        return
     _command.stage = words
     if _command.board is not None:
         _command.board.tell_stage(words)

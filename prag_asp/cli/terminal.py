@@ -18,7 +18,7 @@ from prag_asp.cli import ending
 from prag_asp.cli.ending import ASKED, NO_MEMORY, Struck, Terminated
 from prag_asp.cli.exits import Exit, exit_of
 from prag_asp.errors import LimitReached, PragError, one_line, plain
-from prag_asp.processes.stage import Note, so_far
+from prag_asp.processes.stage import Note, hear, note, so_far
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -207,21 +207,21 @@ def progress() -> Iterator[Tell]:
     """
     noted: set[str] = set()
 
-    def hear(words: str) -> None:
+    def pass_on(words: str) -> None:
         so_far(_line(words))
         if isinstance(words, Note) and words not in noted:
             noted.add(words)
-            tell_line(_line(words))
+            note(words)
 
     if sys.stderr is None or not sys.stderr.isatty():
-        yield lambda words, done=0, total=None: hear(words)
+        yield lambda words, done=0, total=None: pass_on(words)
         return
     begun = monotonic()
     shown: list[tuple[Progress, TaskID]] = []
     with ExitStack() as bars:
 
         def tell(words: str, done: float = 0, total: int | None = None) -> None:
-            hear(words)
+            pass_on(words)
             first = not shown
             if first:
                 if monotonic() - begun <= PATIENCE:
@@ -232,6 +232,14 @@ def progress() -> Iterator[Tell]:
             bar.update(number, description=plain(_line(words)), completed=done, total=total, refresh=first)
 
         yield tell
+
+
+def _tell_note(words: str) -> None:
+    if isinstance(words, Note):
+        tell_line(_line(words))
+
+
+hear(_tell_note)
 
 
 def _line(words: str) -> str:

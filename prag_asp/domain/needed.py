@@ -17,6 +17,7 @@ import clingo
 
 from prag_asp.errors import DomainError
 from prag_asp.lint import Checked, check, with_entities
+from prag_asp.processes.stage import note
 from prag_asp.program.facts import Facts, ground_later
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.needed.alike import Alike, find_alike
@@ -30,7 +31,7 @@ FEWEST = 16
 """Entities that are alike from which on it is asked how many are needed."""
 
 MANY = 20_000
-"""Fluents, actions and their conditions and effects below which a whole program is ground: it answers any question."""
+"""Fluents, actions, conditions, effects and invariants below which a program is ground whole: it answers anything."""
 
 FIRST = 3
 """Entities of a group that are ground first, to see what rules and actions name."""
@@ -90,9 +91,15 @@ class Needed:
         return with_entities(self.facts, self._like([needs.least for needs in self.needs]))
 
     def whole_facts(self) -> Facts:
-        """Return what the whole program states, which is ground when somebody first asks for it."""
+        """Return what the whole program states, which is ground, and told of, when somebody first asks for it."""
         program, given = self.program, self.given
-        return ground_later(lambda: check(program, given).facts)
+        groups = ", ".join(f"{len(group):,} like {group[0]}" for group in self.groups)
+
+        def ground() -> Facts:
+            note(f"note: all entities are ground ({groups}): this asks for more than a number of all plans or tasks")
+            return check(program, given).facts
+
+        return ground_later(ground)
 
     def sizes(self, length: int) -> tuple[int, ...]:
         """Return how many entities of each group plans of a length need."""
@@ -109,11 +116,12 @@ class Needed:
 
     @property
     def size(self) -> int:
-        """The number of fluents and actions of the whole program, and of their conditions and effects."""
+        """The number of fluents, actions, conditions, effects and invariants of the whole program."""
         facts = self.facts
         tables = (facts.preconditions, facts.postconditions)
         pairs = ((action, fluent) for table in tables for action, values in table.items() for fluent, _ in values)
-        return self._total(pairs) + self.total((*facts.fluents, *facts.actions))
+        invariants = chain(facts.exclusive, facts.implies, facts.impossible)
+        return self._total(chain(pairs, invariants)) + self.total((*facts.fluents, *facts.actions))
 
     def total(self, terms: Iterable[clingo.Symbol]) -> int:
         """Return how many terms the whole program has where the least one has some."""
@@ -207,8 +215,8 @@ def _like(groups: Iterable[Group], sizes: Iterable[int], given: Source) -> dict[
     words = set(re.findall(r"\w+", given.text))
     like: dict[clingo.Symbol, clingo.Symbol] = {}
     for group, size in zip(groups, sizes, strict=True):
-        named = {entity for entity in group if words.issuperset(re.findall(r"\w+", str(entity)))}
-        ordered = sorted(group, key=lambda entity: entity not in named)
+        named = {each for each in group if str(each) in (given.text if each.arguments else words)}
+        ordered = sorted(group, key=lambda each: each not in named)
         like |= dict.fromkeys(ordered[max(size, len(named)) :], ordered[0])
     return like
 

@@ -29,6 +29,11 @@ def so_far(words: str) -> None:
     _tell(f"{_now} ({words})" if _now else words)
 
 
+def note(words: str) -> None:
+    """Say what is to be read, and leaves the stage what it is."""
+    _tell(Note(words))
+
+
 def hear(listener: Listener) -> None:
     """Have a function hear what is done from now on."""
     _listeners.append(listener)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
+from prag_asp.processes.stage import Note
 from prag_asp.space.engines import Engine, Level, select
 from prag_asp.space.engines.no_words import NoWords
 from prag_asp.space.engines.protocol import Letters, Progress
@@ -67,16 +68,14 @@ class Shared:
         return AsNeeded(domain, domain.fewer, self.engine, self.progress, self.limits)
 
     def _tell_all_ground(self) -> None:
-        """Tell why all entities of a group are ground, though it is large."""
+        """Tell which statement has all entities of a group ground, though it is large."""
         domain = self.model.domain
-        if not domain.needed or not self.progress:
+        if not isinstance(domain.needed, str) or not self.progress:
             return
         from prag_asp.domain.needed import is_large
 
-        if not isinstance(domain.needed, str):
-            self.progress("all entities are ground: this asks for more than a number of all plans or tasks")
-        elif is_large(domain.facts):
-            self.progress(f"all entities are ground: {domain.needed}")
+        if is_large(domain.facts):
+            self.progress(Note(f"note: all entities are ground, though many are alike: {domain.needed}"))
 
     def drawer_for(self, by: Level, length: int, weights: Weights, over: Over | None) -> Drawer:
         """Return the way to draw words, and keep the last one made."""

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from prag_asp.cli import cli
+from prag_asp.cli.exits import Exit
 from tests.commands import ok, ok_apart, run
 
 
@@ -98,6 +99,44 @@ def test_auto_says_in_one_line_why_it_takes_clingo_and_nothing_where_it_does_not
     assert cli.main([*asked, "--where", "loop-free"]) == 0
     told = capsys.readouterr().err
     assert told.startswith("note: engine clingo, because ") and told.count("\n") == 1
+
+
+def test_what_grounds_all_entities_says_so_before_it_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "lamps.lp"
+    path.write_text(
+        "class(lamp). entity(lamp(1..150), lamp). fluent((lit(L);hot(L))) :- is_a(L,lamp). "
+        "initially(lit(L),false) :- is_a(L,lamp). initially(hot(L),false) :- is_a(L,lamp). "
+        "action(light(L)) :- is_a(L,lamp). "
+        "precondition(light(L),lit(L),false) :- is_a(L,lamp). postcondition(light(L),lit(L),true) :- is_a(L,lamp). "
+        "exclusive(hot(L),hot(M)) :- is_a(L,lamp), is_a(M,lamp), L != M."
+    )
+    asked = ["count", str(path), "-n", "1", "--by", "plan", "--no-cache"]
+    assert cli.main(asked) == 0
+    assert capsys.readouterr() == ("150\n", "")
+    for more in (["--where", "uses lamp"], ["--prefix", "light(lamp(7))"]):
+        assert cli.main([*asked, *more]) == 0
+        out, err = capsys.readouterr()
+        assert out == ("150\n" if "--where" in more else "1\n")
+        assert err.startswith("note: all entities are ground (150 like lamp(1)): ") and err.count("\n") == 1
+    done = run(*asked, "--where", "uses lamp", "--time", "0.001s")
+    assert done.returncode == Exit.LIMIT
+
+
+def test_a_statement_that_has_all_entities_ground_is_told_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "lamps.lp"
+    path.write_text(
+        "class(lamp). entity(lamp(1..150), lamp). fluent((dark;lit(L))) :- is_a(L,lamp). "
+        "initially(F,false) :- fluent(F). "
+        "action(light(L)) :- is_a(L,lamp). precondition(light(L),lit(M),false) :- is_a(L,lamp), is_a(M,lamp). "
+        "postcondition(light(L),lit(L),true) :- is_a(L,lamp). "
+        "precondition(light(L),dark,false) :- is_a(L,lamp), #count { M : is_a(M,lamp) } > 2."
+    )
+    assert cli.main(["count", str(path), "-n", "1", "--by", "plan", "--no-cache"]) == 0
+    out, err = capsys.readouterr()
+    assert out == "150\n"
+    assert err.startswith("note: all entities are ground, though many are alike: ") and err.count("\n") == 1
 
 
 def test_auto_says_in_one_line_why_it_takes_diagrams(

@@ -270,6 +270,26 @@ def test_settings_may_name_an_entity_that_is_not_ground(tmp_path: Path) -> None:
     assert domain.fewer and TaskSpace(domain, 1).count("plan") == 30 + 30 * 30
 
 
+def test_settings_name_entities_as_they_are_written(tmp_path: Path) -> None:
+    """One entity with an argument does not stand for all that are made of the same words."""
+    path = tmp_path / "domain.toml"
+    path.write_text("[weights]\n'c(29)' = 2\ntake = 7\nc = 3\n")
+    domain = load_domain(text=f"entity((c(1..60); c), cube).\n{STACKS}", settings=path)
+    assert domain.fewer
+    ground = {str(entity) for entity in domain.fewer.facts.entities}
+    assert {"c(29)", "c"} <= ground and "c(7)" not in ground and len(ground) < 20
+
+
+def test_invariants_make_a_program_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    lamps = "class(lamp). entity(lamp(1..300), lamp). fluent(lit(L)) :- is_a(L,lamp). action(light(L)) :- is_a(L,lamp)."
+    effect = "postcondition(light(L),lit(L),true) :- is_a(L,lamp)."
+    domain = load_domain(text=lamps + effect)
+    assert domain.needed is None
+    domain = load_domain(text=f"{lamps}{effect} exclusive(lit(L),lit(M)) :- is_a(L,lamp), is_a(M,lamp), L < M.")
+    assert domain.fewer and domain.fewer.size > 300 * 299 / 2
+
+
 def test_tasks_stand_for_the_renamings_of_units_as_well() -> None:
     """Each arm has its own hand, and of the cubes no more are ground than plans need."""
     domain = load_domain(

@@ -150,7 +150,7 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
     grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
     _declare(grounder, seeds | dict.fromkeys(sorted(_initial(grounder, reads))), [])
-    most, steps = _most_steps(program, reads), 0
+    most, steps, stated = _most_steps(program, reads), 0, len(atoms)
     sizes: dict[clingo.Symbol, int] = {}
     while True:
         more = max(steps, 1)
@@ -166,7 +166,7 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
         if not new:
             return None
         seeds |= dict.fromkeys(sorted(new))
-        if steps > most or len(atoms) > MOST_ATOMS:
+        if steps > most or len(atoms) - stated > MOST_ATOMS:
             return _signature(min(new))
 
 
