@@ -8,7 +8,7 @@ out on what ours counts, it takes at least so many times our seconds. K* works o
 Fast Downward's translation leaves of a task, without the actions that change nothing of use for the goal: so it has
 fewer of the longer plans, and those numbers are not compared. Seconds are of processor time, actions cost 1, and each
 tool has 4 GB. With --answers FILE, what is known stays there, and is not asked again: a run may be broken off, go on,
-take more tasks or a higher limit. It ends with code 1 where two counts differ.
+take more tasks or a higher limit. It ends with code 1 where two counts differ, or one is 0 for the shortest plans.
 """
 
 from __future__ import annotations
@@ -50,6 +50,11 @@ class Row:
         """The different counts, but those of longer plans by K*."""
         comparable = (tool for tool in self.answers if tool != "kstar" or self.length == self.shortest)
         return sorted({count for tool in comparable if (count := self.answers[tool].count) is not None})
+
+    @property
+    def wrong(self) -> bool:
+        """Whether two counts differ, or one does not know of the shortest plan."""
+        return len(self.counts) > 1 or (self.length == self.shortest and 0 in self.counts)
 
     def counted(self, tool: str) -> bool:
         """Tell whether a tool has counted."""
@@ -132,7 +137,7 @@ def _beside(peer: str, rows: Sequence[Row]) -> Iterator[str]:
     }
     for kind, some in kinds.items():
         if some:
-            times = median(filter(None, (row.times(peer) for row in some)))
+            times = median(row.answers[peer].seconds / row.answers[OURS].seconds for row in some)
             yield f"{peer} takes {times:.1f} times our seconds, in the median of the {len(some)} counts of both, {kind}"
     counted = [row for row in rows if row.counted(OURS)]
     least = [times for row in counted if (times := row.times(peer)) is not None]
@@ -170,7 +175,7 @@ def main(
                 rows.append(row)
                 print(*row.cells(), sep="  ", file=sys.stderr, flush=True)  # noqa: T201
     show(sorted(rows, key=lambda row: row.task))
-    sys.exit(any(len(row.counts) > 1 for row in rows))
+    sys.exit(any(row.wrong for row in rows))
 
 
 def show(rows: Sequence[Row]) -> None:
@@ -187,8 +192,8 @@ def show(rows: Sequence[Row]) -> None:
     for line in summary(rows):
         console.print(line)
     for row in rows:
-        if len(row.counts) > 1:
-            console.print(f"FAULT: counts of {row.task} at length {row.length} differ")
+        if row.wrong:
+            console.print(f"FAULT: {row.task}, shortest {row.shortest}, has at length {row.length} plans: {row.counts}")
 
 
 if __name__ == "__main__":

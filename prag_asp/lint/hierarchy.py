@@ -9,11 +9,12 @@ import clingo
 
 from prag_asp.lint.directives import CHOICES, STATED
 from prag_asp.lint.origin import Origins, Place
-from prag_asp.lint.reaching.ever import CLOSED_EVER, EVER
+from prag_asp.lint.reaching.ever import EVER
 from prag_asp.program.composition import find_cycle
 from prag_asp.program.facts import Facts, rows
 from prag_asp.program.names import ambiguity, shared_names
 from prag_asp.program.problem import Problem
+from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 from prag_asp.program.syntax import Statement
 from prag_asp.wording import did_you_mean
 
@@ -123,7 +124,7 @@ def choice_problems(control: clingo.Control, statements: Sequence[Statement], or
     if ever and not any(each.node.head.ast_type in CHOICES for each in statements if each.own and each.is_rule):
         asking = [each for each in statements if each.own and any(atom.signature == EVER for atom in each.body)]
         told = f"{min(ever)} depends on actions that ask for it, and that by `not`; say without `not` what may be true"
-        yield asking[0].problem(f"{told}: {' '.join(CLOSED_EVER)}")
+        yield asking[0].problem(f"{told}: {EVER_AT_START} {EVER_BY_ACTIONS}")
         return
     for name, arity in sorted(STATED):
         uncertain = [each.symbol for each in control.symbolic_atoms.by_signature(name, arity) if not each.is_fact]

@@ -11,10 +11,9 @@ from prag_asp.pddl.layout import filled, heading, statement, wrapped
 from prag_asp.pddl.model import OBJECT, DomainFile, ProblemFile
 from prag_asp.pddl.names import TERMS, clingo_names
 from prag_asp.pddl.places import Line, Place
+from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 
 CLOSED = '#include "rules/closed_world.lp".'
-AT_START, BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true)."
-"""What may ever be true: fluents may follow from actions, which ask for it, so it reads nothing by its opposite."""
 
 
 class Translation:
@@ -43,9 +42,9 @@ class Translation:
             return [CLOSED]
         rules = ["#defined ever/1."]
         if any(each.predicate in self.fluents() for each in self._problem.initial):
-            rules.append(AT_START)
+            rules.append(EVER_AT_START)
         if any(effect.literal.positive for each in self._domain.actions for effect in each.effects):
-            rules.append(BY_ACTIONS)
+            rules.append(EVER_BY_ACTIONS)
         return [CLOSED, "", "% What may be true at some time, so that no action is made that never occurs", *rules]
 
     def lines(self, title: str) -> list[str]:

@@ -27,6 +27,9 @@ ONE_VALUE = "one_value.lp"
 REACHABLE = "reachable.lp"
 """The encoding that the linter alone reads: it tells of actions, and of no plan."""
 
+EVER_AT_START, EVER_BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true)."
+"""What ``rules/ever.lp`` says of a closed world where no action leaves anything unknown, without a `not`."""
+
 ADDED = Path("<added by the library>")
 """Where the facts would be that the library adds to a program; there is no such file."""
 

@@ -20,8 +20,6 @@ from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import AtomNode, Statement
 
 EVER = ("ever", 1)
-CLOSED_EVER = ("ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true).")
-"""What may ever be true of a closed world, where no action leaves anything unknown."""
 
 MISSING = "actions that ask for it would be missing"
 
