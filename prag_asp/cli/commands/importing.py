@@ -9,7 +9,7 @@ import click
 
 from prag_asp.cli import complete
 from prag_asp.cli.terminal import tell_line
-from prag_asp.errors import DomainError
+from prag_asp.errors import DomainError, OutputError
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def import_(domain: str, problem: str, cost_factor: str | None, output: str) -> 
 
     folder = Path(output)
     if folder.exists():
-        raise DomainError(f"{folder}: exists already; choose another name, or remove it first")
+        raise OutputError(f"{folder}: exists already; choose another name, or remove it first")
     found = read(domain, problem)
     title = f'title = "{found.name}"\ndescription = "Imported from PDDL."\n'
     table = "" if cost_factor is None else f"\n{_weights(found, cost_factor)}"

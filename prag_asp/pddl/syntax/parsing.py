@@ -97,6 +97,10 @@ def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each
         return f"the {kind} ends before it is whole; write all that it needs"
     if words[0] in SECTIONS:
         return f"{words[0]} is not expected here; close what stands before it, and write it as a section of its own"
+    if text.rfind("(:requirements", 0, at) > text.rfind(")", 0, at):
+        return f"{words[0]}: no requirement of this name is known; correct it, or leave it out"
+    if re.match(r"-\d", words[0]):
+        return f"{words[0]}: a number below 0 cannot be imported; costs are 0 or more"
     if words[0] == "(" and text[:at].rstrip().endswith("-"):
         return "a type above another, or of an object, is one name; declare c - a c - b for (either a b)"
     if re.match(r"[\d_]|[^\W\d_a-z]", words[0]):
