@@ -8,8 +8,8 @@ from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Voca
 from prag_asp.pddl.formula import Formula, Junction, Literal, Quantified, Variable, conjuncts, demanded, negated
 from prag_asp.pddl.layout import statement
 from prag_asp.pddl.model import OBJECT, DomainFile, Effect, ProblemFile, Schema
-from prag_asp.pddl.places import Line
-from prag_asp.pddl.rivals import Rivals, is_conditional, told_apart
+from prag_asp.pddl.places import Line, Place
+from prag_asp.pddl.rivals import Rivals, differences, is_overruled, is_plain
 from prag_asp.pddl.size import large_actions
 
 TRUTH = {True: "true", False: "false"}
@@ -29,6 +29,8 @@ class Behaviour:
         self._actions = actions
         self._rules = rules
         self._bodies = Bodies(words, rules)
+        self._in_steps: dict[bool, Place] = {}
+        """Whether rules of a step add, and whether they delete: where the first comes from that does."""
 
     @property
     def looks_ahead(self) -> bool:
@@ -119,16 +121,16 @@ class Behaviour:
                 if self.looks_ahead and effect.literal.positive:
                     rest += self._rules.placed(self._ever_made(term, effect))
                 continue
-            unlike = told_apart(self._words, effect, rivals)
-            if unlike is None:
+            if is_overruled(effect, rivals):
                 continue
-            if not (effect.variables or is_conditional(effect) or unlike):
+            if is_plain(effect) and not rivals:
                 plain[effect.literal.positive].append(self._words.atom(effect.literal))
                 continue
             atom, value = self._words.atom(effect.literal), TRUTH[effect.literal.positive]
             body = [f"action({term})", *map(self._words.belongs, effect.variables)]
-            body += self._bodies.body(effect.condition, BASE)
-            body += [each if each != "" else f"not postcondition({term},{atom},true)" for each in unlike]
+            body += [*self._bodies.body(effect.condition, BASE), *differences(self._words, effect, rivals)]
+            if not all(map(is_plain, rivals)):
+                body.append(f"not postcondition({term},{atom},true)")
             if NEVER not in body:
                 rest.append(Line(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
         self._rules.comes_from("domain", min((each.literal.line for each in action.effects), default=action.line))
@@ -146,31 +148,28 @@ class Behaviour:
     def _step_effect(self, term: str, effect: Effect) -> None:
         head = f"{'adds' if effect.literal.positive else 'deletes'}({self._words.atom(effect.literal)},t)"
         body = [f"occurs({term},t)", *map(self._words.belongs, effect.variables)]
-        self._rules.add(STEP, head, [*body, *self._bodies.body(effect.condition, STEP)])
+        body += self._bodies.body(effect.condition, STEP)
+        if NEVER not in body:
+            self._in_steps.setdefault(effect.literal.positive, self._rules.at)
+            self._rules.add(STEP, head, body)
 
     def finish_effects(self) -> None:
         """Add what conditional effects come to: what is added and deleted at once is added."""
-        rules = self._rules.parts[STEP]
-        self._rules.at = next((each.place for each in rules if isinstance(each, Line)), self._rules.at)
-        adds, deletes = (any(rule.startswith(word) for rule in rules) for word in ("adds(", "deletes("))
-        if deletes:
+        if False in self._in_steps:
+            self._rules.at = self._in_steps[False]
             self._rules.add(STEP, "adds(F,t)", ["occurs(A,t)", "postcondition(A,F,true)"])
             self._rules.add(STEP, "changed(F,t)", ["deletes(F,t)", "not adds(F,t)"])
             self._rules.add(STEP, "holds(F,false,t)", ["deletes(F,t)", "not adds(F,t)"])
-        if adds:
+        if True in self._in_steps:
+            self._rules.at = self._in_steps[True]
             self._rules.add(STEP, "changed(F,t)", ["adds(F,t)"])
             self._rules.add(STEP, "holds(F,true,t)", ["adds(F,t)"])
 
     def derive(self, part: str) -> None:
         """Add the rules of derived predicates that a part reads, for the state that it reads."""
-        read: set[str] = set()
-        while True:
-            text = "\n".join(self._rules.parts[part])
-            names = {each: f"{self._bodies.derived(each, part)}(" for each in self._words.derived}
-            new = {each for each, name in names.items() if name in text} - read
-            if not new:
-                return
-            read |= new
+        done: set[str] = set()
+        while new := self._bodies.read[part] - done:
+            done |= new
             for rule in self._domain.derived:
                 if rule.predicate in new:
                     self._rules.comes_from("domain", rule.line)
@@ -182,35 +181,24 @@ class Behaviour:
 
     def goal(self) -> list[str]:
         """Return the facts of the goal; what is no value of a fluent becomes rules of the last state."""
-        parts = list(conjuncts(self._goal))
-        fluents = set(self._words.predicates) - self._words.static - self._words.derived
-        plain = [part for part in parts if isinstance(part, Literal) and part.predicate in fluents]
-        opposite = [part for part in plain if any(_is_opposite(part, other) for other in plain)]
-        signs = {
-            (found[2].predicate, found[2].positive) for part in parts if (found := self._guarded(part)) is not None
-        }
+        parts = [(part, self._guarded(part)) for part in conjuncts(self._goal)]
+        fixed = self._words.static | self._words.derived
+        plain = {part for part, _ in parts if isinstance(part, Literal) and part.predicate not in fixed}
+        asked = {(each.predicate, each.terms, each.positive) for each in plain}
+        opposite = {each for each in plain if (each.predicate, each.terms, not each.positive) in asked}
+        certain = plain - opposite
+        signs = {(found[2].predicate, found[2].positive) for _, found in parts if found}
         facts = []
-        for part in parts:
+        for part, found in parts:
             self._rules.comes_from("problem", part.line)
-            if isinstance(part, Literal) and part in plain and part not in opposite:
+            if isinstance(part, Literal) and part in certain:
                 facts.append(Line(f"goal({self._words.atom(part)}, {TRUTH[part.positive]}).", self._rules.at))
-                continue
-            simple = self._guarded(part)
-            if (
-                part not in opposite
-                and simple is not None
-                and (simple[2].predicate, not simple[2].positive) not in signs
-            ):
-                variables, guard, literal = simple
+            elif found and part not in opposite and (found[2].predicate, not found[2].positive) not in signs:
+                variables, guard, literal = found
                 body = [*map(self._words.belongs, variables), *self._bodies.body(guard, BASE)]
                 fact = statement(f"goal({self._words.atom(literal)}, {TRUTH[literal.positive]})", body)
                 facts.append(Line(fact, self._rules.at))
-                continue
-            for body in self._bodies.bodies(negated(part), END):
-                self._rules.add(END, "", body)
+            else:
+                for body in self._bodies.bodies(negated(part), END):
+                    self._rules.add(END, "", body)
         return list(dict.fromkeys(facts))
-
-
-def _is_opposite(literal: Literal, other: Literal) -> bool:
-    same = (literal.predicate, literal.terms) == (other.predicate, other.terms)
-    return same and literal.positive != other.positive

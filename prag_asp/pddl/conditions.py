@@ -38,7 +38,7 @@ NEVER = "#false"
 class Rules:
     """The rules of each part of a program, in the order in which they are found; `at` is where new ones come from."""
 
-    parts: dict[str, list[str]] = field(default_factory=lambda: {BASE: [], STEP: [], END: []})
+    parts: dict[str, dict[str, None]] = field(default_factory=lambda: {BASE: {}, STEP: {}, END: {}})
     at: Place = field(default_factory=lambda: Place("domain", 1))
 
     def add(self, part: str, head: str, body: Iterable[str] = ()) -> None:
@@ -48,9 +48,7 @@ class Rules:
             if not head and not conditions:
                 conditions = ["#true"]
             line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
-            line = line.removeprefix(" ")
-            if line not in self.parts[part]:
-                self.parts[part].append(Line(line, self.at))
+            self.parts[part].setdefault(Line(line.removeprefix(" "), self.at))
 
     def comes_from(self, file: File, line: int) -> None:
         """Say where what follows comes from."""
@@ -105,6 +103,8 @@ class Bodies:
         self._rules = rules
         self._known: dict[tuple[str, Formula], str] = {}
         self._at_end: dict[str, str] = {}
+        self.read: dict[str, set[str]] = {STEP: set(), END: set()}
+        """The derived predicates that the rules of a part read."""
         self._names: set[str] = {*words.predicates.values(), *words.types.values()}
 
     def changes(self, formula: Formula) -> bool:
@@ -155,6 +155,7 @@ class Bodies:
     def _literal(self, literal: Literal, part: str) -> str:
         atom = self._words.atom(literal)
         if literal.predicate in self._words.derived:
+            self.read[part].add(literal.predicate)
             terms = [*map(self._words.term, literal.terms), "t"]
             atom = applied(self.derived(literal.predicate, part), terms)
         elif literal.predicate not in self._words.static:

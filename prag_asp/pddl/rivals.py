@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from prag_asp.pddl.conditions import Vocabulary
 from prag_asp.pddl.formula import Variable, conjuncts
 from prag_asp.pddl.model import DomainFile, Effect, ProblemFile
 
 
-def is_conditional(effect: Effect) -> bool:
-    """Tell whether an effect depends on anything."""
-    return next(conjuncts(effect.condition), None) is not None
+def is_plain(effect: Effect) -> bool:
+    """Tell whether an effect depends on nothing, and has no variables of its own."""
+    return not effect.variables and next(conjuncts(effect.condition), None) is None
 
 
 class Rivals:
@@ -46,25 +46,15 @@ class Rivals:
         return term.types if isinstance(term, Variable) else (self._objects[term],)
 
 
-def told_apart(words: Vocabulary, effect: Effect, rivals: Iterable[Effect]) -> list[str] | None:
-    """Return what keeps a deletion from what is added at once, None where it is always added.
+def is_overruled(effect: Effect, rivals: Iterable[Effect]) -> bool:
+    """Tell whether what an effect deletes is always added at once."""
+    return any(is_plain(each) and each.literal.terms == effect.literal.terms for each in rivals)
 
-    Terms differ; an empty text stands for what has to be looked up, for the rival has variables or conditions.
-    """
-    found = []
-    for rival in rivals:
-        pairs = [
-            (words.term(left), words.term(right))
-            for left, right in zip(effect.literal.terms, rival.literal.terms, strict=True)
-            if left != right
-        ]
-        if rival.variables or is_conditional(rival):
-            found.append("")
-        elif not pairs:
-            return None
-        elif len(pairs) == 1:
-            found.append(f"{pairs[0][0]} != {pairs[0][1]}")
-        else:
-            left, right = (",".join(side) for side in zip(*pairs, strict=True))
-            found.append(f"({left}) != ({right})")
-    return list(dict.fromkeys(found))
+
+def differences(words: Vocabulary, effect: Effect, rivals: Iterable[Effect]) -> Iterator[str]:
+    """Yield how the terms of a deletion differ from those of each plain effect that adds at once."""
+    for rival in filter(is_plain, rivals):
+        pairs = zip(effect.literal.terms, rival.literal.terms, strict=True)
+        unlike = [(words.term(left), words.term(right)) for left, right in pairs if left != right]
+        left, right = (",".join(side) for side in zip(*unlike, strict=True))
+        yield f"{left} != {right}" if len(unlike) == 1 else f"({left}) != ({right})"
