@@ -20,7 +20,7 @@ from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.origin import Origins
-from prag_asp.lint.reaching.ever import EVER, ever_problems
+from prag_asp.lint.reaching.ever import EVER, ever_problems, needless_problems
 from prag_asp.lint.reaching.reachability import (
     LEFT_OUT,
     find_reached,
@@ -106,6 +106,7 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     if encodings and relaxed and _can_leave_out(statements):
         reached = find_reached(grounder, left, statements, encodings)
         judge.take(ever_problems(grounder, left, statements, reached))
+        judge.take(needless_problems(grounder, left, statements))
         if reached is not None:
             unreached = find_unreached(reached, left)
             left = replace(left, unreached=unreached.actions, steady=steady_values(reached, left))

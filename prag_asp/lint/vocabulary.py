@@ -6,16 +6,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
+from prag_asp.lint.reaching.relaxed import PREFIX
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import HIERARCHY
 from prag_asp.program.syntax import AtomNode, Signature, Statement, spelled
 from prag_asp.wording import did_you_mean, is_misspelt, nearest
+
+LINTER = "the linter, which asks what may ever occur"
 
 BY_LIBRARY = {
     **dict.fromkeys([("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2)], "conditions and tasks"),
     **dict.fromkeys([("introduces_late", 2), ("successor", 2)], "conditions and tasks"),
     **dict.fromkeys([("joint_unit", 2), ("next_unit", 2), ("unit_named", 2), ("names_unit_late", 2)], "tasks"),
     ("left_out", 1): "the library, which leaves out what can never occur",
+    **dict.fromkeys([("may_occur", 1), ("may_hold", 2), ("may_stand", 2)], LINTER),
 }
 """What the library and its encodings for ``rules`` and ``conditions`` derive where they are asked for."""
 
@@ -72,8 +76,9 @@ def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         taken |= {atom.signature: owner for atom in each.heads if atom.signature not in free}
     for statement in statements:
         for atom in statement.heads if statement.own else ():
-            if atom.signature in taken:
-                text = f"{spelled(atom.signature)} belongs to {taken[atom.signature]}; choose another name"
+            whose = LINTER if atom.name.startswith(PREFIX) else taken.get(atom.signature)
+            if whose:
+                text = f"{spelled(atom.signature)} belongs to {whose}; choose another name"
                 yield statement.problem(text, atom.line)
 
 

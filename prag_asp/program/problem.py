@@ -11,6 +11,7 @@ from prag_asp.errors import DomainError, one_line
 from prag_asp.wording import plural
 
 WARNINGS: Mapping[str, str] = {
+    "asks-more": "an action that asks by `ever` for what it does not need: plans without it are missing",
     "empty-class": "a class that no entity belongs to",
     "never-holds": "an atom of a rule that nothing stated can be",
     "never-occurs": "an action or a composite that can never occur: it is left out",

@@ -176,3 +176,26 @@ def test_no_plan_is_missing_where_nothing_is_told(rules: set[str], stated: set[s
     assert [TaskSpace(asking, n).count(by="plan") for n in range(4)] == [
         TaskSpace(whole, n).count(by="plan") for n in range(4)
     ]
+
+
+@pytest.mark.parametrize(
+    ("more", "warned"),
+    [
+        ("", False),
+        ("action(dry(L)) :- is_a(L,lamp), ever(wet(L)). initially(wet(b),true).", True),
+        ("action(dry(L)) :- is_a(L,lamp), ever(wet(L)). % lint: allow asks-more\ninitially(wet(b),true).", False),
+        ("action((dry(L);wipe(L))) :- is_a(L,lamp), ever(wet(L)). initially(wet(b),true).", True),
+        ("action(dry(L)) :- is_a(L,lamp), ever(lit(L)), ever(wet(L)). initially(wet(a),true). "
+         "implies(wet(L),lit(L)) :- is_a(L,lamp). precondition(dry(L),wet(L),true) :- action(dry(L)).", False),
+        ("action(dry(L)) :- is_a(L,lamp), ever(lit(L)), ever(wet(L)). initially(wet(a),true). "
+         "implies(lit(L),wet(L)) :- is_a(L,lamp). precondition(dry(L),wet(L),true) :- action(dry(L)).", True),
+        ("action(dry(L)) :- is_a(L,lamp), ever(wet(L)). initially(wet(a),true). "
+         "precondition(dry(L),wet(L),false) :- action(dry(L)).", True),
+    ],
+)  # fmt: skip
+def test_an_action_that_asks_for_what_it_does_not_need_is_warned_of(more: str, *, warned: bool) -> None:
+    domain = load_domain(text=f'{LAMPS}#include "rules/ever.lp".\n{more}')
+    told = [each for each in domain.warnings if each.name == "asks-more"]
+    assert len(told) == warned
+    if told:
+        assert "is made only where" in told[0].text and "state precondition(" in told[0].text

@@ -59,7 +59,7 @@ WARNED = {
     "precondition(pick_2(R,O), empty(R), false) :- action(pick_2(R,O)).": "no entity, fluent or action has the name "
     "pick_2; did you mean pick? [never-holds]",
     "x. % lint: allow unusd, unused": "no warning is called unusd; did you mean unused? [no-effect]",
-    "x. % lint: allow": "this comment allows nothing; name a warning, such as empty-class [no-effect]",
+    "x. % lint: allow": "this comment allows nothing; name a warning, such as asks-more [no-effect]",
 }
 
 
@@ -217,6 +217,6 @@ def test_every_warning_that_the_linter_gives_has_a_name_of_the_list() -> None:
     lint = Path(prag_asp.lint.__file__).parent
     proofs = lint.parent / "physics" / "proofs"
     grammar = Path(prag_asp.grammar.__file__).parent / "problems.py"
-    files = [*lint.glob("*.py"), grammar, proofs / "grips.py", proofs / "reaching.py"]
+    files = [*lint.rglob("*.py"), grammar, proofs / "grips.py", proofs / "reaching.py"]
     text = "\n".join(path.read_text(encoding="utf-8") for path in files)
     assert {*re.findall(r'"([a-z]+(?:-[a-z]+)+)"', text), *re.findall(r'else "(un[a-z]+)"', text)} == set(WARNINGS)

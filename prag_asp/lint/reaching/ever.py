@@ -1,5 +1,7 @@
 """What may ever be true, as a domain says it with ``ever``: where it says too little, actions that ask are missing.
 
+So are those that ask for what they do not need.
+
 What may be true by relaxed reachability is stated, if it is asked for: then no step comes first at which an action
 occurs that is not made, for the steps before it are those of actions that are.
 """
@@ -7,19 +9,24 @@ occurs that is not made, for the steps before it are those of actions that are.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import chain
 
 import clingo
 from clingo.ast import ASTType
 
 from prag_asp.lint.occurrence import CHANGED
 from prag_asp.lint.reaching.reachability import Reached
-from prag_asp.lint.reaching.relaxed import Maker
+from prag_asp.lint.reaching.relaxed import PREFIX, Maker
 from prag_asp.program.facts import Facts, unsorted_rows
 from prag_asp.program.grounding import Grounder
+from prag_asp.program.invariants import entailed, invariant_graph
 from prag_asp.program.problem import Problem
-from prag_asp.program.syntax import AtomNode, Statement
+from prag_asp.program.syntax import AtomNode, Statement, plain_atom
 
-EVER = ("ever", 1)
+EVER, ACTION, PRECONDITION = ("ever", 1), ("action", 1), ("precondition", 3)
+
+ASKS = f"{PREFIX}be_asked"
+"""A predicate of N, A and F: by the N-th rule that asks, action A is made only where fluent F may be true."""
 
 MISSING = "actions that ask for it would be missing"
 
@@ -51,6 +58,54 @@ def ever_problems(
         if reader and true and fluent not in ever and fluent.name not in told_of:
             told_of.add(fluent.name)
             yield _problem(fluent, facts, reader, reached.setters if reached else {})
+
+
+def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield a warning for each rule for actions that asks by ``ever`` for what an action does not need to be true."""
+    asking = [each for each in statements if each.own and _makes_action(each) and any(_asked(each))]
+    stated = set(chain.from_iterable(map(_demanded, statements))) if asking else set()
+    rules = [
+        f"{ASKS}({number},{action},{fluent}) :- {', '.join(text for _, text in rule.literals)}."
+        for number, rule in enumerate(asking)
+        for action in rule.heads[0].arguments
+        for fluent in _asked(rule)
+        if (action, fluent) not in stated
+    ]
+    if not rules:
+        return
+    grounder.add(ASKS, rules)
+    grounder.ground([(ASKS, [])])
+    graph = invariant_graph(facts)
+    told_of: set[int] = set()
+    for number, action, fluent in unsorted_rows(grounder.control, ASKS, 3):
+        needed = entailed(((each, value == "true") for each, value in facts.preconditions.get(action, ())), graph)
+        if number.number not in told_of and (fluent, True) not in needed:
+            told_of.add(number.number)
+            told = f"{action} is made only where {fluent} may be true at some time, but does not need it"
+            advice = f"state precondition({action},{fluent},true), or leave ever({fluent}) out"
+            yield asking[number.number].problem(f"{told}, so plans may be missing; {advice}", name="asks-more")
+
+
+def _makes_action(rule: Statement) -> bool:
+    """Return whether a rule has nothing but an action in its head."""
+    return rule.is_rule and len(rule.heads) == 1 and rule.heads[0].signature == ACTION and not rule.conditions
+
+
+def _asked(rule: Statement) -> Iterator[str]:
+    """Yield what a rule asks for by ``ever``."""
+    for node, text in rule.literals:
+        atom = plain_atom(node, text)
+        if atom and not atom.negated and atom.signature == EVER:
+            yield atom.arguments[0]
+
+
+def _demanded(rule: Statement) -> Iterator[tuple[str, str]]:
+    """Yield an action with each fluent, as it is written, that a rule demands to be true of all its instances."""
+    for head in rule.heads if rule.own else ():
+        action, body = head.arguments[:1], [text for _, text in rule.literals]
+        if head.signature == PRECONDITION and head.arguments[2] == "true" and body == [f"action({action[0]})"]:
+            fluents = head.arguments[1]
+            yield from ((action[0], each) for each in (fluents[1:-1].split(";") if fluents[0] == "(" else [fluents]))
 
 
 def _name(atom: AtomNode, fluents: Collection[str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import clingo
@@ -30,6 +30,10 @@ STEP = 1_000_000_000
 FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
 """Where a predicate that carries something along is held to go on without end: after so many steps, or atoms, or where
 one of its atoms is made of so many symbols: a step may double them."""
+
+MOST_GROWING, FEW_AT_ONCE = 20_000, 2
+"""So many atoms, where each may be made of others; they are looked at after so many steps, which may double them."""
+
 CONTRACT = {("holds", 3), ("occurs", 2)}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
@@ -83,7 +87,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
         return _ground_step(program, facts, reads)
     except BoundReached as error:
         # No plan of some length needs to come so far: the engines that ground each step by itself find out.
-        return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, str(error)))
+        return _unbounded(str(error), reads)
 
 
 def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
@@ -95,22 +99,22 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
             return ground
         started = _start(program, reads)
     endless = _add_carried(seeds, program, reads)
-    for _ in range(_most_steps(program, reads)):
+    for _ in range(0 if endless else _bounds(program, reads).steps):
         ground = _ground_once(started, program, seeds, facts, reads)
         new = _unforeseen(ground, seeds, reads)
-        if not new or endless:
-            break
+        if not new:
+            return ground
         seeds |= dict.fromkeys(sorted(new))
         started = _start(program, reads)
-    else:
-        endless = _signature(min(new))
-    if not endless:
-        return ground
-    where = locate_head(program, endless)
-    told = (
-        f"{where}: {endless[0]}/{endless[1]} takes new values at every step without end; add a condition that ends it"
-    )
-    return replace(ground, obstacles=(*ground.obstacles, told))
+    name, arity = endless or _signature(min(new))
+    where = locate_head(program, (name, arity))
+    told = f"{where}: {name}/{arity} takes new values at every step without end; add a condition that ends it"
+    return _unbounded(told, reads)
+
+
+def _unbounded(told: str, reads: StepReads) -> GroundStep:
+    """Return a step of which nothing is known but that it may make ever more."""
+    return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, told))
 
 
 def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
@@ -125,23 +129,34 @@ def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[cling
     return made | (ground.initial - seeds.keys())
 
 
-def _most_steps(program: Program, reads: StepReads) -> int:
-    """Return after how many steps a predicate that still takes new values is held to take them without end.
+class _Bounds(NamedTuple):
+    """After how many steps or atoms what still takes new values is held to take them without end.
+
+    It is looked at after so many steps at once, or fewer.
+    """
+
+    steps: int = MOST_ATOMS
+    atoms: int = MOST_ATOMS
+    at_once: int = MOST_ATOMS
+
+
+def _bounds(program: Program, reads: StepReads) -> _Bounds:
+    """Return how far it is looked for the end of what steps carry along.
 
     A counter that is bounded ends at a number that the program names, or not far beyond.
     """
     if not guarded(program).endless_steps:
-        return MOST_ATOMS
+        return _Bounds()
     if reads.growing & reads.previous:
-        return FEW_STEPS
+        return _Bounds(FEW_STEPS, MOST_GROWING, FEW_AT_ONCE)
     numbers = (int(digits) for digits in re.findall(r"(?<!\d)\d{1,4}(?!\d)", program.text))
-    return FEW_STEPS + 2 * max(numbers, default=0)
+    return _Bounds(FEW_STEPS + 2 * max(numbers, default=0))
 
 
 def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
     """Add to `seeds` what steps may carry along; return a predicate that does not come to an end.
 
-    Steps are ground one after another, and looked at after 1, 2, 4, ... of them.
+    Steps are ground one after another, and looked at after 1, 2, 4, ... of them, within bounds.
     """
     carried = sorted(reads.previous - CONTRACT)
     if not carried:
@@ -150,10 +165,10 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
     grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
     _declare(grounder, seeds | dict.fromkeys(sorted(_initial(grounder, reads))), [])
-    most, steps, stated = _most_steps(program, reads), 0, len(atoms)
+    most, steps, stated = _bounds(program, reads), 0, len(atoms)
     sizes: dict[clingo.Symbol, int] = {}
     while True:
-        more = max(steps, 1)
+        more = min(max(steps, 1), most.at_once)
         grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
         steps += more
         last = clingo.Number(STEP + steps - 1)
@@ -166,7 +181,7 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
         if not new:
             return None
         seeds |= dict.fromkeys(sorted(new))
-        if steps > most or len(atoms) - stated > MOST_ATOMS:
+        if steps > most.steps or len(atoms) - stated > most.atoms:
             return _signature(min(new))
 
 
