@@ -13,7 +13,7 @@ from typing import NamedTuple
 import clingo
 
 from prag_asp.lint.composites import Complaint, grouped
-from prag_asp.lint.occurrence import STATE_PREDICATES, STEP, Occurrence, fluent_values, holding
+from prag_asp.lint.occurrence import STEP, Occurrence, fluent_values, holding, stated_of_steps
 from prag_asp.lint.origin import Origins
 from prag_asp.program.composition import Actions, composite_actions
 from prag_asp.program.facts import Assignment, Facts
@@ -50,8 +50,7 @@ def find_execution(
     """
     words = composite_actions(facts)
     broken = {composite for composite, word in words.items() if not occurrence.rejected.keys().isdisjoint(word)}
-    own = [each for each in statements if each.own and each.timed]
-    if any(atom.signature in STATE_PREDICATES for each in own for atom in each.heads):
+    if any(map(any, map(stated_of_steps, statements))):
         return Execution(frozenset(broken), {}, stuck=False)
     execution = _Execution(facts)
     whole = {composite: word for composite, word in words.items() if composite not in broken}

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import clingo
@@ -20,7 +21,7 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.invariants import FluentValue, Reasons, conflict, entailed, invariant_graph, spell
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import Program
-from prag_asp.program.syntax import Statement
+from prag_asp.program.syntax import Signature, Statement
 
 STEP = 1_000_000_000
 """A step that no domain speaks of."""
@@ -65,8 +66,8 @@ def find_occurrence(
 
     Own rules of a step may change the state: what they may change is not held to stay as it is.
     """
-    own = {atom.signature for each in statements if each.own and each.timed for atom in each.heads}
-    start = [] if own & STATE_PREDICATES else initial_values(control)
+    own = set(chain.from_iterable(map(stated_of_steps, statements)))
+    start = [] if own else initial_values(control)
     able: set[clingo.Symbol] = set()
     while True:
         found = _Search(facts, start, frames=CHANGED not in own, able=able).run()
@@ -74,6 +75,13 @@ def find_occurrence(
         if len(confirmed) == len(found.rejected):
             return found
         able |= found.rejected.keys() - confirmed
+
+
+def stated_of_steps(statement: Statement) -> Iterator[Signature]:
+    """Yield the predicates by which an own rule, of a step or of the base part, tells of states after the start."""
+    for atom in statement.heads if statement.own else ():
+        if atom.signature in STATE_PREDICATES and (statement.timed or atom.arguments[-1] != "0"):
+            yield atom.signature
 
 
 def occurrence_problems(found: Occurrence, facts: Facts, origins: Origins) -> Iterator[Problem]:

@@ -16,7 +16,7 @@ from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, variables
 
 READS = frozenset([("holds", 3), ("known", 3)])
-READ, UNSURE = "_read", "_unsure"
+READ, UNSURE, POOLED = "_read", "_unsure", "_Pooled"
 ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 
 
@@ -70,7 +70,9 @@ def _read_fluent(
     fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
     facts = " ".join(f"{UNSURE}({each})." for each in unsure)
     for name, restricting in ((part, conditions), (f"{part}_at_all", ())):
-        rule = f"{name}({fluent}) :- {'; '.join([f'{UNSURE}({fluent})', *restricting])}."
+        read = [f"{UNSURE}({fluent})"] if ";" not in fluent else [f"{UNSURE}({POOLED})", f"{POOLED} = {fluent}"]
+        head = fluent if ";" not in fluent else POOLED
+        rule = f"{name}({head}) :- {'; '.join([*read, *restricting])}."
         try:
             control.add(name, [], f"{facts}\n{rule}")
             control.ground([(name, [])])

@@ -170,14 +170,20 @@ class Behaviour:
         done: set[str] = set()
         while new := self._bodies.read[part] - done:
             done |= new
-            for rule in self._domain.derived:
-                if rule.predicate in new:
+            written: set[str] = set()
+            rules = [rule for rule in self._domain.derived if rule.predicate in new]
+            for rule in rules:
+                self._rules.comes_from("domain", rule.line)
+                terms = [*(variable.name for variable in rule.parameters), "t"]
+                head = applied(self._bodies.derived(rule.predicate, part), terms)
+                for body in self._bodies.bodies(rule.formula, part):
+                    if self._rules.add(part, head, [*map(self._words.belongs, rule.parameters), *body]):
+                        written.add(rule.predicate)
+            for rule in rules:
+                if rule.predicate not in written:
                     self._rules.comes_from("domain", rule.line)
-                    head = applied(
-                        self._bodies.derived(rule.predicate, part), [*(v.name for v in rule.parameters), "t"]
-                    )
-                    for body in self._bodies.bodies(rule.formula, part):
-                        self._rules.add(part, head, [*map(self._words.belongs, rule.parameters), *body])
+                    name = self._bodies.derived(rule.predicate, part)
+                    self._rules.add(part, f"#defined {name}/{len(rule.parameters) + 1}")
 
     def goal(self) -> list[str]:
         """Return the facts of the goal; what is no value of a fluent becomes rules of the last state."""

@@ -41,14 +41,16 @@ class Rules:
     parts: dict[str, dict[str, None]] = field(default_factory=lambda: {BASE: {}, STEP: {}, END: {}})
     at: Place = field(default_factory=lambda: Place("domain", 1))
 
-    def add(self, part: str, head: str, body: Iterable[str] = ()) -> None:
-        """Add a rule, unless its body never holds."""
+    def add(self, part: str, head: str, body: Iterable[str] = ()) -> bool:
+        """Add a rule, unless its body never holds; return whether it may."""
         conditions = list(dict.fromkeys(body))
-        if NEVER not in conditions:
-            if not head and not conditions:
-                conditions = ["#true"]
-            line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
-            self.parts[part].setdefault(Line(line.removeprefix(" "), self.at))
+        if NEVER in conditions:
+            return False
+        if not head and not conditions:
+            conditions = ["#true"]
+        line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
+        self.parts[part].setdefault(Line(line.removeprefix(" "), self.at))
+        return True
 
     def comes_from(self, file: File, line: int) -> None:
         """Say where what follows comes from."""
@@ -176,9 +178,7 @@ class Bodies:
         if (part, formula) not in self._known:
             name = self._take(f"{word}_{number}" for number in count(1))
             self._known[part, formula] = head = applied(name, terms)
-            before = len(self._rules.parts[part])
-            for body in self.bodies(formula, part):
-                self._rules.add(part, head, [*map(self._words.belongs, free), *body])
-            if len(self._rules.parts[part]) == before:
+            rules = ([*map(self._words.belongs, free), *body] for body in self.bodies(formula, part))
+            if not sum(self._rules.add(part, head, body) for body in rules):
                 self._rules.add(part, f"#defined {name}/{len(terms)}")
         return self._known[part, formula]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import NoReturn
 
 from prag_asp.errors import DomainError
-from prag_asp.pddl.formula import Formula, Literal, Variable, literals
+from prag_asp.pddl.formula import Formula, Literal, Variable, literals, universals
 from prag_asp.pddl.model import OBJECT, Cost, Derived, DomainFile, Effect, ProblemFile, Schema, Signature
 from prag_asp.pddl.scopes import Scope
 from prag_asp.pddl.syntax.nodes import Node, Word
@@ -240,11 +241,16 @@ class _DomainReader(_Reader):
         read: dict[str, list[Literal]] = {}
         for rule in derived:
             read.setdefault(rule.predicate, []).extend(literals(rule.formula))
-        for name, found in read.items():
-            for literal in found:
+        for rule in derived:
+            name = rule.predicate
+            for literal in literals(rule.formula):
                 if not literal.positive and name in _reached(literal.predicate, read):
                     told = f"{name} is derived from that {literal.predicate} is false, which depends on {name}"
                     self.refuse(literal.line, f"{told}; leave the negation out")
+            for literal in chain.from_iterable(map(literals, universals(rule.formula))):
+                if name in _reached(literal.predicate, read):
+                    told = f"{name} is derived from that {literal.predicate} holds for all, which depends on {name}"
+                    self.refuse(literal.line, f"{told}; leave the 'forall' out")
 
     def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
         """Refuse effects on predicates that rules derive."""

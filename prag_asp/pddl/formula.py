@@ -91,6 +91,17 @@ def literals(formula: Formula) -> Iterator[Literal]:
         yield from literals(formula.part)
 
 
+def universals(formula: Formula) -> Iterator[Quantified]:
+    """Yield the outermost parts of a formula that have to hold for all values of a variable."""
+    if isinstance(formula, Quantified) and formula.every:
+        yield formula
+    elif isinstance(formula, Quantified):
+        yield from universals(formula.part)
+    elif isinstance(formula, Junction):
+        for part in formula.parts:
+            yield from universals(part)
+
+
 def variables(formula: Formula) -> dict[Variable, None]:
     """Return the free variables of a formula, in the order in which they come first."""
     if isinstance(formula, Literal):

@@ -119,7 +119,8 @@ def test_rules_that_cannot_make_it_true_are_not_told(rules: str) -> None:
             "this rule may make lit(b) true",
         ),
         (
-            "occurs(read(L),t) :- occurs(touch(L),t-1), holds(lit(L),true,t-1).",
+            "occurs(read(L),t) :- occurs(touch(L),t-1), holds(lit(L),true,t-1). "
+            "holds(lit(L),true,t) :- occurs(touch(L),t). changed(lit(L),t) :- occurs(touch(L),t).",
             "ever does not say that lit(b) may be true, but it may be so at some step",
         ),
         (

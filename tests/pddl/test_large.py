@@ -222,6 +222,18 @@ def test_terms_whose_types_have_nothing_in_common_are_not_told_apart(tmp_path: P
     assert [space.at(n).count(by="plan") for n in range(4)] == counts
 
 
+def test_what_conditional_effects_alone_make_true_of_one_another_is_not_asked_of_an_author(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(size, "LARGE", 0)
+    domain = """(define (domain d) (:predicates (on ?x ?y) (wet) (dry))
+     (:action lift :parameters (?x ?y) :precondition (on ?x ?y)
+      :effect (and (when (dry) (and (wet) (not (dry)))) (when (wet) (and (dry) (not (wet)))))))"""
+    problem = "(define (problem e) (:domain d) (:objects a b) (:init (on a b)) (:goal (and)))"
+    (space,) = with_engines(load_domain(*written(tmp_path, domain, problem)), "automaton")
+    assert [space.at(n).count(by="plan") for n in range(4)] == [1, 1, 1, 1]
+
+
 def test_what_only_conditional_effects_make_true_may_ever_be_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -59,6 +59,10 @@ GOOD = DOMAIN.replace(" (:derived (r) (p k))\n", "")
          "domain.pddl:6: a second :functions; write all of it into one"),
         ("b - c)", "b - c (:constants l - a))", "domain.pddl:3: .*; look for a misspelt word, or a parenthesis"),
         (":effect", ":parameters", "domain.pddl:10: a second :parameters of this action; write all of it into one"),
+        ("(increase (total-cost) 1)", "(when (p k) (forall (?z - a) (p ?z)))",
+         r"domain.pddl:11: \(forall ...\) cannot stand here; write \(forall \(...\) \(when ...\)\)"),
+        ("(increase (total-cost) 1)", "(when (p k) (when (p k) (p ?x)))", r"domain.pddl:11: \(when ...\) cannot stand"),
+        ("(increase (total-cost) 1)", "(when () (p ?x))", r"domain.pddl:11: \(\) cannot stand here; write \(and\)"),
         (":effect", ":vars", "domain.pddl:10: ':vars' is not expected here; look for a misspelt word"),
         ("k - a", "k - (either a b)", "domain.pddl:4: a type above another, or of an object, is one name; declare c"),
         ("act\n", "1act\n", "domain.pddl:7: '1act' is no name here; begin it with a letter of a to z, then letters"),
@@ -195,6 +199,17 @@ def test_what_rules_derive_is_neither_set_nor_stated(tmp_path: Path) -> None:
         read(*written(tmp_path, domain, stated))
     with pytest.raises(DomainError, match=r"domain.pddl:11: r is derived, and no effect may set it; remove its rule"):
         read(*written(tmp_path, domain.replace("(not (p ?x))", "(r)"), PROBLEM))
+
+
+@pytest.mark.parametrize(
+    "rule", ["(forall (?x - a) (imply (p ?x) (r)))", "(not (exists (?x - a) (and (p ?x) (not (r)))))"]
+)
+def test_what_is_derived_from_that_it_holds_for_all_is_refused(rule: str, tmp_path: Path) -> None:
+    domain = DOMAIN.replace("(:derived (r) (p k))", f"(:derived (r) {rule})").replace(
+        "(q ?x ?y))\n (:f", "(q ?x ?y) (r))\n (:f"
+    )
+    with pytest.raises(DomainError, match=r"domain.pddl:7: r is derived from that r holds for all, which depends on r"):
+        read(*written(tmp_path, domain, PROBLEM))
 
 
 def test_what_is_derived_from_its_own_opposite_is_refused(tmp_path: Path) -> None:

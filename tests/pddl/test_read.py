@@ -137,3 +137,27 @@ def test_where_there_is_nothing_to_do_or_to_reach_counts_are_0_and_the_check_war
     counts = Search(domain, problem).count(2)
     for space in with_engines(loaded, "automaton", "clingo", "sat", "symbolic"):
         assert [space.at(n).count(by="plan") for n in range(3)] == counts
+
+
+NEVER_DERIVED = """(define (domain a) (:predicates (is-at ?x) (p ?x)) (:constants k l)
+ (:derived (is-at ?x) (and (p ?x) (= k l)))
+ (:action m :parameters (?x) :precondition (not (is-at ?x)) :effect (p ?x)))"""
+
+
+def test_what_no_rule_ever_derives_is_false(tmp_path: Path) -> None:
+    for goal in ("(p c)", "(not (is-at c))", "(is-at c)"):
+        problem = f"(define (problem q) (:domain a) (:objects c) (:init) (:goal {goal}))"
+        domain = load_domain(*written(tmp_path, NEVER_DERIVED, problem))
+        assert not {each.name for each in domain.warnings} - {"no-plan"}
+        counts = [TaskSpace(domain, n).count(by="plan") for n in range(4)]
+        assert counts == Search(NEVER_DERIVED, problem).count(3)
+
+
+def test_what_is_read_as_not_true_is_not_held_for_a_choice(tmp_path: Path) -> None:
+    domain = """(define (domain d) (:predicates (p) (q) (r))
+     (:action a :parameters () :effect (when (and (p) (not (q))) (r)))
+     (:action b :parameters () :effect (and (q) (not (p)))))"""
+    problem = "(define (problem x) (:domain d) (:init (p)) (:goal (r)))"
+    loaded = load_domain(*written(tmp_path, domain, problem))
+    counts = [TaskSpace(loaded, n, engine="automaton").count(by="plan") for n in range(4)]
+    assert counts == Search(domain, problem).count(3)

@@ -8,13 +8,13 @@ occurs that is not made, for the steps before it are those of actions that are.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from itertools import chain
 
 import clingo
 from clingo.ast import ASTType
 
-from prag_asp.lint.occurrence import CHANGED
+from prag_asp.lint.occurrence import CHANGED, STATE_PREDICATES
 from prag_asp.lint.reaching.reachability import Reached
 from prag_asp.lint.reaching.relaxed import PREFIX, Maker
 from prag_asp.program.facts import Facts, unsorted_rows
@@ -36,7 +36,7 @@ def ever_problems(
 ) -> Iterator[Problem]:
     """Yield the first fluent of each name that may be true at some time, is asked for by ``ever``, and is not stated.
 
-    Where it is not known what may be `reached`, everything may be.
+    Where it is not known what may be `reached`, that is what the start and actions say, and all that own rules set.
     """
     fluents = {fluent.name for fluent in facts.fluents}
     readers: dict[str, Statement] = {}
@@ -51,13 +51,23 @@ def ever_problems(
         yield next(iter(readers.values())).problem(told)
         return
     ever = {fluent for (fluent,) in unsorted_rows(grounder.control, *EVER)}
+    may_be_true = _unknown(facts, statements) if reached is None else lambda each: (each, "true") in reached.values
     told_of: set[str] = set()
     for fluent in facts.fluents:
         reader = readers.get(fluent.name) or readers.get("")
-        true = reached is None or (fluent, "true") in reached.values
-        if reader and true and fluent not in ever and fluent.name not in told_of:
+        if reader and may_be_true(fluent) and fluent not in ever and fluent.name not in told_of:
             told_of.add(fluent.name)
             yield _problem(fluent, facts, reader, reached.setters if reached else {})
+
+
+def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.Symbol], bool]:
+    """Return whether a fluent may be true, as the start, actions and the names that own rules set tell of it."""
+    false = {fluent for fluent, value in facts.initially if value == "false"}
+    made = {fluent for values in facts.postconditions.values() for fluent, value in values if value != "false"}
+    heads = [atom for each in statements if each.own for atom in each.heads if atom.signature in STATE_PREDICATES]
+    set_by_rules = {atom.arguments[0].partition("(")[0] for atom in heads if atom.arguments[1] != "false"}
+    any_name = not set_by_rules <= {fluent.name for fluent in facts.fluents}  # a variable, a pool or a constant
+    return lambda fluent: fluent not in false or fluent in made or any_name or fluent.name in set_by_rules
 
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:

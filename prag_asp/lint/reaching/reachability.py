@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import clingo
 
+from prag_asp.errors import DomainError
 from prag_asp.lint.occurrence import STATE_PREDICATES
 from prag_asp.lint.origin import Origins
-from prag_asp.lint.reaching.relaxed import HOLDS, OCCURS, Maker, Relaxed, makers_of
+from prag_asp.lint.reaching.relaxed import HOLDS, OCCURS, STRAY, Maker, Relaxed, makers_of
 from prag_asp.program.atoms import ground_atoms
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.grounding import Grounder
@@ -68,7 +69,8 @@ def find_reached(grounder: Grounder, facts: Facts, statements: Sequence[Statemen
     """Return what is reached of the fluents and actions of `facts`, None where that is not known.
 
     `grounder` holds the base part with the relaxed steps. None is known where rules other than the `encodings` read
-    what is left out, make actions occur, or make states elsewhere than in a step.
+    what is left out, make actions occur, make states elsewhere than in a step, or may give a value to what is no
+    fluent; nor where the start depends on choices.
     """
     others = [each for each in statements if each.path.parent != encodings]
     reads = any(atom.signature == LEFT_OUT for each in others for atom in each.body)
@@ -77,13 +79,17 @@ def find_reached(grounder: Grounder, facts: Facts, statements: Sequence[Statemen
     control = grounder.control
     if reads or elsewhere or any(atom.signature == OCCURS for each in steps for atom in each.heads):
         return None
-    if control.is_conflicting:
+    open_start = any(not is_fact for _, _, is_fact in ground_atoms(control, *HOLDS))
+    if control.is_conflicting or open_start:
         return None
     makers = makers_of(steps)
     grounder.state(clingo.Function("left_out", [term]) for term in facts.left_out)
     if makers:
         grounder.add("reachable", Relaxed(control, statements, steps).rules(makers))
-    grounder.ground([("reachable", [])])
+    try:
+        grounder.ground([("reachable", [])])
+    except DomainError:  # of operations on more than the domain itself has them on
+        return None
     solving = control.configuration.solve
     assert isinstance(solving, clingo.Configuration)
     solving.solve_limit = CONFLICTS
@@ -91,14 +97,16 @@ def find_reached(grounder: Grounder, facts: Facts, statements: Sequence[Statemen
         model = handle.model()
         if model is None:
             return None
-        occurring, holding, standing, setting = (
+        occurring, holding, standing, setting, straying = (
             [
                 arguments
                 for arguments, literal, is_fact in ground_atoms(control, *each)
                 if is_fact or model.is_true(literal)
             ]
-            for each in (("may_occur", 1), ("may_hold", 2), ("may_stand", 2), ("_may_set", 3))
+            for each in (("may_occur", 1), ("may_hold", 2), ("may_stand", 2), ("_may_set", 3), (STRAY, 0))
         )
+    if straying:
+        return None
     setters: dict[Value, Maker] = {}
     for number, fluent, value in sorted(setting, reverse=True):
         setters[fluent, str(value)] = makers[number.number]

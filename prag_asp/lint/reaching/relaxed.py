@@ -12,11 +12,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import clingo
-from clingo.ast import AST, ASTType
+from clingo.ast import AST, ASTType, ComparisonOperator
 
 from prag_asp.lint.occurrence import CHANGED, STATE_PREDICATES
 from prag_asp.program.atoms import ground_atoms
-from prag_asp.program.syntax import VARIABLE, AtomNode, Statement, names, plain_atom, variables
+from prag_asp.program.syntax import VARIABLE, AtomNode, Statement, atoms, names, plain_atom, variables
 
 OCCURS, HOLDS = ("occurs", 2), ("holds", 3)
 BOOLEAN = ("true", "false")
@@ -25,7 +25,17 @@ COMPUTED = re.compile(r'[-+*/\\&?^~|."]')
 """What stands in terms that bind no variable."""
 
 PREFIX = "_may_"
-"""What the names of own predicates of a step begin with where they are relaxed."""
+"""What the names of the linter's own predicates begin with."""
+
+RELAXED, STRAY = f"{PREFIX}own_", f"{PREFIX}stray"
+"""What the names of own predicates of a step begin with where they are relaxed; and what says that some rule may give a
+value to what is no fluent."""
+
+ADDED_LATER = frozenset(
+    [("name", 2), ("mentions", 3), ("successor", 2), ("joint_unit", 2), ("next_unit", 2), ("left_out", 1),
+     ("asked", 1), ("condition", 2), ("tested", 2)]
+)  # fmt: skip
+"""Predicates of the base part of which the library states more once a domain is checked."""
 
 
 class Maker(NamedTuple):
@@ -37,8 +47,13 @@ class Maker(NamedTuple):
 
 def makers_of(steps: Sequence[Statement]) -> list[Maker]:
     """Return the rules of a step that set fluents: not those that say of one that it changes, where others set it."""
-    found = (Maker(each, atom) for each in steps for atom in each.heads if atom.signature in STATE_PREDICATES)
+    found = (Maker(each, atom) for each in steps for atom in _derived(each) if atom.signature in STATE_PREDICATES)
     return [each for each in found if each.head.signature != CHANGED or not _is_set(each, steps)]
+
+
+def _derived(rule: Statement) -> Iterator[AtomNode]:
+    """Yield the atoms that a rule derives: with ``not`` before its head, it derives none."""
+    return (atom for atom in rule.heads if not atom.negated)
 
 
 def _is_set(changing: Maker, steps: Iterable[Statement]) -> bool:
@@ -59,7 +74,7 @@ def _setting(steps: Iterable[Statement], value: str) -> Iterator[tuple[str, Stat
     """Yield the rules that give a fluent a value whenever they fire, each after the term of the fluent."""
     for each in steps:
         if each.node.head.ast_type == ASTType.Literal:
-            for atom in each.heads:
+            for atom in _derived(each):
                 if atom.signature == HOLDS and atom.arguments[1] == value:
                     yield atom.arguments[0], each
 
@@ -87,8 +102,10 @@ class Relaxed:
         self._certain: dict[tuple[str, int], bool] = {}
         self._base = {atom.signature for each in rules if not each.timed for atom in each.heads}
         self._timed = {atom.signature for each in rules if each.timed for atom in each.heads}
-        self._void = _declared(statements, own=True) - _declared(statements, own=False) - self._base - self._timed
-        self._heads = [(atom, each) for each in steps for atom in each.heads if atom.signature not in STATE_PREDICATES]
+        self._void = _declared(statements) - ADDED_LATER - self._base - self._timed
+        heads = ((atom, each) for each in steps for atom in _derived(each))
+        self._heads = [(atom, each) for atom, each in heads if atom.signature not in STATE_PREDICATES]
+        self._reads_states = any(atom.signature in STATE_PREDICATES for each in steps for atom in each.body)
         self._written = {atom.signature for atom, _ in self._heads}
         left_out = {atom.signature for atom, rule in self._heads if self._grows(atom, rule)} or {("", 0)}
         while left_out:
@@ -100,13 +117,15 @@ class Relaxed:
         """Yield rules for what makers read, and for ``_may_set(N,F,V)``: the N-th of them may give F the value V."""
         read = self._read_by([each.rule for each in makers])
         for name, arity in sorted(read & self._base):
-            terms = [f"X{number}" for number in range(1, arity)]
-            yield f"{_applied(name, terms)} :- {name}({','.join([*terms, '_'])})."
+            found = ground_atoms(self._control, name, arity)
+            yield from dict.fromkeys(f"{_applied(name, [*map(str, arguments[:-1])])}." for arguments, _, _ in found)
         for atom, rule in self._heads:
             if atom.signature in read:
                 yield f"{_applied(atom.name, atom.arguments[:-1])} :- {', '.join(self._body(rule)) or '#true'}."
         for number, (rule, head) in enumerate(makers):
             yield self._setting(number, rule, head)
+            if self._reads_states and head.signature != CHANGED:
+                yield from self._straying(rule, head)
 
     def _read_by(self, rules: Iterable[Statement]) -> set[tuple[str, int]]:
         """Return the own predicates that rules depend on, of those that are written."""
@@ -139,17 +158,34 @@ class Relaxed:
             value = BOTH
         return f"_may_set({number},{term},{value}) :- {', '.join([f'fluent({term})', *body])}."
 
+    def _straying(self, rule: Statement, head: AtomNode) -> Iterator[str]:
+        """Yield rules for ``_may_stray``: a head gives a value to what is no fluent, or gives one that is no value."""
+        (term, value, _), body = head.arguments, self._body(rule)
+        bound = _variables(body)
+        tests = [(f"not fluent({term})", term)]
+        if value not in BOOLEAN:
+            tests.append((f"not opposite({value},_)", value))
+        for test, about in tests:
+            told = _is_plain([about], rule) and _variables([about]) <= bound
+            yield f"{STRAY} :- {', '.join([*body, *([test] if told else [])]) or '#true'}."
+
     def _body(self, rule: Statement) -> list[str]:
         """Return what has to be so for a rule to fire, as far as it can be said without time."""
-        read = [(plain, text) for node, text in rule.literals if (plain := plain_atom(node, text))]
+        read = [(plain, text) for node, text in rule.literals if (plain := _read_atom(node, text))]
         positive = [atom for atom, _ in read if not atom.negated]
         if len(rule.heads) == 1:
-            positive += rule.conditions
+            positive += (atom for atom in rule.conditions if not atom.negated)
         found = [text for atom in positive if self._is_plain(atom, rule) for text in self._said(atom)]
         bound = _variables(found)
         others = [text for atom, text in read if text == f"not {atom}" and self._is_fixed(atom)]
-        others += [text for node, text in rule.literals if _compares(node)]
-        return [*found, *(text for text in others if _is_plain([text], rule) and _variables([text]) <= bound)]
+        found += [text for text in others if _is_plain([text], rule) and _variables([text]) <= bound]
+        waiting = [(node, text) for node, text in rule.literals if _compares(node)]
+        waiting = [each for each in waiting if names([each[1]]).isdisjoint(rule.parameters)]
+        while said := [each for each in waiting if _open_variables(each[0], bound) <= bound]:
+            waiting = [each for each in waiting if each not in said]
+            found += [text for _, text in said]
+            bound |= _variables(text for _, text in said)
+        return found
 
     def _said(self, atom: AtomNode) -> Iterator[str]:
         if atom.signature == OCCURS:
@@ -166,7 +202,7 @@ class Relaxed:
     def _is_fixed(self, atom: AtomNode) -> bool:
         """Return whether the base part alone says of an atom whether it holds, and says it by facts."""
         signature = atom.signature
-        if signature not in self._base or signature in self._timed or atom.name.startswith("-"):
+        if signature not in self._base - ADDED_LATER or signature in self._timed or atom.name.startswith("-"):
             return False
         if signature not in self._certain:
             self._certain[signature] = all(is_fact for _, _, is_fact in ground_atoms(self._control, *signature))
@@ -177,9 +213,9 @@ class Relaxed:
         return _is_plain(atom.arguments[:-1] if atom.signature in self._timed else atom.arguments, rule)
 
 
-def _declared(statements: Iterable[Statement], *, own: bool) -> set[tuple[str, int]]:
+def _declared(statements: Iterable[Statement]) -> set[tuple[str, int]]:
     """Return the predicates that statements say may have no rule."""
-    found = (each.node for each in statements if each.own == own and each.kind == ASTType.Defined)
+    found = (each.node for each in statements if each.kind == ASTType.Defined)
     return {(node.name, node.arity) for node in found}
 
 
@@ -188,12 +224,32 @@ def _is_plain(texts: Collection[str], rule: Statement) -> bool:
     return names(texts).isdisjoint(rule.parameters) and not any(map(COMPUTED.search, texts))
 
 
+def _read_atom(literal: AST, text: str) -> AtomNode | None:
+    """Return the atom of a literal; what is not negated may have pools in its arguments, of which any may be so."""
+    plain = plain_atom(literal, text)
+    if plain or literal.ast_type != ASTType.Literal or literal.sign or literal.atom.ast_type != ASTType.SymbolicAtom:
+        return plain
+    found = list(atoms(literal, text))
+    return found[0] if len(found) == 1 else None
+
+
 def _compares(literal: AST) -> bool:
     return literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.Comparison
 
 
+def _open_variables(comparison: AST, bound: Collection[str]) -> set[str]:
+    """Return the variables of a comparison that it does not bind itself: ``X = Y+1`` binds X where Y is bound."""
+    first, guards = comparison.atom.term, comparison.atom.guards
+    sides = [str(each) for each in (first, *(guard.term for guard in guards))]
+    if not comparison.sign and len(guards) == 1 and guards[0].comparison == ComparisonOperator.Equal:
+        for variable, other in (sides, sides[::-1]):
+            if VARIABLE.fullmatch(variable) and _variables([other]) <= set(bound):
+                return set()
+    return _variables(sides)
+
+
 def _applied(name: str, terms: Collection[str]) -> str:
-    name = f"{PREFIX}{name.replace('-', 'not_')}"
+    name = f"{RELAXED}{name.replace('-', 'not_')}"
     return f"{name}({','.join(terms)})" if terms else name
 
 

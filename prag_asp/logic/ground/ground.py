@@ -126,7 +126,27 @@ def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
 def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[clingo.Symbol]:
     """Return what the start or a step makes that the next step reads, but that was not left open before it."""
     made = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
+    if made:
+        unsupported = _unsupported(ground, seeds)
+        made = {symbol for symbol in made if ground.now[symbol] not in unsupported}
     return made | (ground.initial - seeds.keys())
+
+
+def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
+    """Return the atoms that no rule derives, whatever the step before was.
+
+    Where ``not p(X,t-1)`` is all that is said of an atom, clingo knows it nevertheless, and carries it on.
+    """
+    waiting = [rule for part in ground.rules.values() for rule in part]
+    derived = {head for rule in waiting for head in rule.heads}
+    absent = {atom for symbol, atom in ground.before.items() if symbol not in seeds} - derived
+    missing = derived | absent
+    while True:
+        firing = [rule for rule in waiting if rule.weights or missing.isdisjoint(rule.body)]
+        if not firing:
+            return missing
+        waiting = [rule for rule in waiting if not rule.weights and not missing.isdisjoint(rule.body)]
+        missing.difference_update(head for rule in firing for head in rule.heads)
 
 
 class _Bounds(NamedTuple):
@@ -344,6 +364,8 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
     for name, arity in sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)}):
         for arguments, literal, is_fact in ground_atoms(grounder.control, name, arity):
             symbol, (*others, time) = clingo.Function(name, arguments), arguments
+            if not (literal or is_fact):  # it is read by `not` alone
+                continue
             if time == START:
                 initial.add(clingo.Function(name, others))
                 if not is_fact:

@@ -32,7 +32,7 @@ def whole_program(domain: Domain) -> Program:
 def weighing_program(domain: Domain, program: Program, weighed: Sequence[str]) -> Program:
     """Return the program of a domain with the rules that tell what weights depend on, and the facts `weighed`."""
     whole = Program((*program.sources, *_rules(domain, "weights")))
-    told = weighed if _read(program, MENTIONS) else [*weighed, *_mentioned(domain.facts)]
+    told = weighed if _read(program, MENTIONS) else [*weighed, *_mentioned(domain.facts, domain.facts.actions)]
     return with_facts(whole, told)
 
 
@@ -92,15 +92,22 @@ def action_name(action: clingo.Symbol) -> str:
 
 
 def _added_facts(facts: Facts, program: Program) -> list[str]:
-    """Return what the library adds, but for what no file of the program reads: actions can be thousands."""
+    """Return what the library adds, but for what no file of the program reads: actions can be thousands.
+
+    The author's own files may read it of actions that never occur as well.
+    """
+    own = [source.text for source, own in owned(program) if own]
     named = facts.actions if _read(program, NAME) else facts.tried
+    named = facts.declared_actions if any(map(NAME.search, own)) else named
     added = [f"left_out({term})." for term in (*facts.left_out, *facts.unreached)]
     added += [f"name({action},{action_name(action)})." for action in named]
-    return [*added, *_mentioned(facts)] if _read(program, MENTIONS) else added
+    if any(map(MENTIONS.search, own)):
+        return [*added, *_mentioned(facts, facts.declared_actions)]
+    return [*added, *_mentioned(facts, facts.actions)] if _read(program, MENTIONS) else added
 
 
-def _mentioned(facts: Facts) -> Iterator[str]:
-    for action in facts.actions:
+def _mentioned(facts: Facts, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
+    for action in actions:
         for position, entity in enumerate(mentioned_entities(action, facts.entities), 1):
             yield f"mentions({action},{position},{entity})."
 

@@ -32,6 +32,8 @@ COMMENT = re.compile(r";[^\n]*")
 BEGIN = re.compile(r"\s*\(\s*define\s*\(\s*(\w+)")
 WORDS = re.compile(r"([:?]?[\w-]+|\S|)\s*([:?]?[\w-]*)")
 
+NESTED = re.compile(r"\(\s*(when|forall)\s*\(?\Z")
+
 SECTIONS = frozenset([*ORDER["domain"], *ORDER["problem"], ":derived", ":action"])
 
 UNSUPPORTED = {
@@ -91,6 +93,13 @@ def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each
     for word in (*words, *(around.groups() if around else ())):
         if word in UNSUPPORTED:
             return f"{word}: {UNSUPPORTED[word]} cannot be imported; leave them out"
+    nested = NESTED.search(text, 0, at + len(words[0]))
+    if nested:
+        return (
+            f"({nested[1]} ...) cannot stand here; write (forall (...) (when ...)), with all conditions in one 'when'"
+        )
+    if words[0] == ")" and text[:at].rstrip().endswith("("):
+        return "() cannot stand here; write (and) for what always holds, or changes nothing"
     if words[0] == ")":
         return f"')' comes too early, for the {kind} lacks what belongs here; write it, or look for a ')' too many"
     if not words[0]:
