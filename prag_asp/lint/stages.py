@@ -38,7 +38,7 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, parse_table, settings_of
-from prag_asp.program.sources import HIERARCHY, Program, Source, encodings_folder, owned
+from prag_asp.program.sources import HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
@@ -101,10 +101,13 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
     _check_facts(judge, grounder, facts, statements, origins)
-    left = _check_steps(judge, plain, grounder, facts, statements, origins)
+    added = added_encodings(program)
+    told = [replace(each, own=True) if each.path in added else each for each in statements]
+    left = _check_steps(judge, plain, grounder, facts, told, origins)
+    judge.take(open_world_problems(grounder, left, statements))
     judge.take([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
     if encodings and relaxed and _can_leave_out(statements):
-        reached = find_reached(grounder, left, statements, encodings)
+        reached = find_reached(grounder, left, told, encodings)
         judge.take(ever_problems(grounder, left, statements, reached))
         judge.take(needless_problems(grounder, left, statements))
         if reached is not None:
@@ -197,9 +200,7 @@ def _check_steps(
         execution = find_execution(plain, facts, occurrence, statements)
         judge.take(execution_problems(execution, facts, origins))
         left_out |= execution.never
-    left = without(facts, left_out) if _can_leave_out(statements) else facts
-    judge.take(open_world_problems(grounder, left, statements))
-    return left
+    return without(facts, left_out) if _can_leave_out(statements) else facts
 
 
 def _can_leave_out(statements: Sequence[Statement]) -> bool:

@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 
 from prag_asp.errors import DomainError
+from prag_asp.program.paths import data_folder
 from prag_asp.program.tokens import blanked
 from prag_asp.reading import LARGEST_TEXT, STANDARD_INPUT, is_inside, read_bytes
 
@@ -220,6 +221,15 @@ def owned(program: Program) -> list[tuple[Source, bool]]:
         (source, source.path.parent not in (encodings, encodings / "rules", encodings / "conditions"))
         for source in program.sources
     ]
+
+
+def added_encodings(program: Program) -> frozenset[Path]:
+    """Return the files of the encodings of a program that have no like among those shipped."""
+    encodings, shipped = encodings_folder(program), data_folder("encodings")
+    if encodings is None or encodings.resolve() == shipped.resolve():
+        return frozenset()
+    files = (source.path for source, own in owned(program) if not own)
+    return frozenset(path for path in files if not (shipped / path.relative_to(encodings)).is_file())
 
 
 def encodings_folder(program: Program) -> Path | None:

@@ -5,9 +5,13 @@ The counts are those of all answer sets of the shipped encodings, unrolled, wher
 
 from __future__ import annotations
 
+from pathlib import Path
+from shutil import copytree
+
 import pytest
 
 from prag_asp import DomainError, TaskSpace, load_domain
+from prag_asp.program.paths import data_folder
 
 START = "fluent(f;g). initially((f;g),false). action(a;b). precondition(b,f,true). "
 
@@ -131,3 +135,14 @@ def test_whether_a_value_is_false_by_not_or_by_its_opposite_is_the_same() -> Non
         space = TaskSpace(domain, 3, engine="automaton")
         counts.append(space.count("plan"))
     assert counts[0] == counts[1] > 0
+
+
+def test_rules_that_are_added_to_the_encodings_are_rules_over_time_as_well(tmp_path: Path) -> None:
+    folder = tmp_path / "encodings"
+    copytree(data_folder("encodings"), folder)
+    text = START + "also(a,f). #defined also/2."
+    assert TaskSpace(load_domain(text=text, encodings=folder), 2).count("plan") == 1
+    (folder / "also.lp").write_text(
+        "#program step(t).\nholds(F,true,t) :- occurs(A,t), also(A,F). changed(F,t) :- occurs(A,t), also(A,F).\n"
+    )
+    assert [TaskSpace(load_domain(text=text, encodings=folder), n).count("plan") for n in (1, 2, 3)] == [1, 2, 4]

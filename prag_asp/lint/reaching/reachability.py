@@ -72,7 +72,7 @@ def find_reached(grounder: Grounder, facts: Facts, statements: Sequence[Statemen
     what is left out, make actions occur, make states elsewhere than in a step, or may give a value to what is no
     fluent; nor where the start depends on choices.
     """
-    others = [each for each in statements if each.path.parent != encodings]
+    others = [each for each in statements if each.own or each.path.parent != encodings]
     reads = any(atom.signature == LEFT_OUT for each in others for atom in each.body)
     steps = [each for each in others if each.is_rule and each.part == "step"]
     elsewhere = any(_makes_elsewhere(each) for each in others if each.part != "step")
