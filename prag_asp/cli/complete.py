@@ -175,7 +175,7 @@ def _domain(context: click.Context) -> Domain:
 
 
 def _names_of(found: Iterable[Any]) -> list[str]:
-    from prag_asp.logic.ground.program import action_name
+    from prag_asp.program.names import action_name
 
     return sorted(set(map(action_name, found)))
 

@@ -35,10 +35,11 @@ from prag_asp.processes.stage import stage
 from prag_asp.program.allowed import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.program.facts import Facts, read_facts, rows, without
 from prag_asp.program.grounding import Grounder
+from prag_asp.program.names import MENTIONS, NAME, mention_facts, name_fact
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, parse_table, settings_of
-from prag_asp.program.sources import HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
+from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
@@ -92,7 +93,7 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     judge.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
     judge.take([*directive_problems(statements), *size_problems(statements)])
     judge.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
-    plain = _one_free_step(program, sources)
+    plain = _described(_one_free_step(program, sources), statements)
     encodings = encodings_folder(program)
     relaxed = relaxed_sources(encodings) if encodings else ()
     grounder = Grounder(Program((*plain.sources, *relaxed)))
@@ -147,7 +148,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
         if each.path in paths and not _states_invariant(each)
     )
     raise_problems([*directive_problems(statements), *vocabulary_problems(statements)])
-    grounder = Grounder(_one_free_step(program, sources))
+    grounder = Grounder(_described(_one_free_step(program, sources), statements))
     grounder.ground([("base", [])])
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
@@ -220,6 +221,19 @@ def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Pr
             if source.path.name != HIERARCHY or own
         )
     )
+
+
+def _described(program: Program, statements: Sequence[Statement]) -> Program:
+    """Return a program with what the library states of its actions, where own rules read that before any step."""
+    read = {atom.name for each in statements if each.own and not each.timed for atom in each.body}
+    if not any(map(NAME.fullmatch, read)) and not any(map(MENTIONS.fullmatch, read)):
+        return program
+    grounder = Grounder(program)
+    grounder.ground([("base", [])])
+    actions = [action for (action,) in rows(grounder.control, "action", 1)]
+    entities = {entity for entity, _ in rows(grounder.control, "entity", 2)}
+    told = [*map(name_fact, actions), *mention_facts(actions, entities)]
+    return Program((*program.sources, Source(ADDED, " ".join(told))))
 
 
 def _violations(origins: Origins) -> Iterator[Problem]:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
+
+import clingo
 
 from prag_asp.errors import QueryError
 from prag_asp.program.facts import Facts
 from prag_asp.wording import unknown
+
+NAME, MENTIONS = re.compile(r"\bname\b"), re.compile(r"\bmentions\b")
+"""What finds what the library states of actions: their names, and the entities that they name."""
 
 
 def named(facts: Facts) -> Mapping[str, set[str]]:
@@ -51,3 +57,29 @@ def refuse_ambiguous(name: str, facts: Facts) -> None:
     told = ambiguity(name, facts)
     if told:
         raise QueryError(told)
+
+
+def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
+    """Yield the entities that a term names, from the left, as often as it names them."""
+    if action in entities:
+        yield action
+    elif action.type == clingo.SymbolType.Function:
+        for argument in action.arguments:
+            yield from mentioned_entities(argument, entities)
+
+
+def action_name(action: clingo.Symbol) -> str:
+    """Return the name of an action: its functor, or the whole term where it has none."""
+    return action.name if action.type == clingo.SymbolType.Function and action.name else str(action)
+
+
+def name_fact(action: clingo.Symbol) -> str:
+    """Return the fact that tells programs what an action is called."""
+    return f"name({action},{action_name(action)})."
+
+
+def mention_facts(actions: Iterable[clingo.Symbol], entities: Collection[clingo.Symbol]) -> Iterator[str]:
+    """Yield the facts that tell programs which entities actions name."""
+    for action in actions:
+        for position, entity in enumerate(mentioned_entities(action, entities), 1):
+            yield f"mentions({action},{position},{entity})."

@@ -20,9 +20,9 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.domain.needed import Needed, named_in
 from prag_asp.errors import LimitReached
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.processes.stage import stage
+from prag_asp.program.names import action_name
 from prag_asp.space.automaton.automaton import count_words
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.merged import count_merged

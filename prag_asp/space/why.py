@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from prag_asp.errors import QueryError
 from prag_asp.logic.formula.liftable import Line
 from prag_asp.logic.formula.why import Lines, Occurring, has_plan
-from prag_asp.logic.ground.program import action_name, whole_program
+from prag_asp.logic.ground.program import whole_program
+from prag_asp.program.names import action_name
 from prag_asp.program.sources import Program
 from prag_asp.space.conditions.clauses import Clause
 from prag_asp.space.conditions.condition import Condition

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from prag_asp.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.symmetry.symmetries import Symmetries
+from prag_asp.program.names import action_name
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import LEVELS, Engine, Level
 from prag_asp.space.engines.prefix import parse_prefix

@@ -80,6 +80,51 @@ CASES = {
         "changed(p(1),t) :- obj(X), holds(p(X+1),true,t-1), not holds(p(X),true,t-1).",
         [2, 4, 8],
     ),
+    "a counter without an end": (
+        "fluent(f). initially(f,false). action(a;b). precondition(b,f,true). cnt(0,0).\n#program step(t).\n"
+        "cnt(M,t) :- cnt(N,t-1), M=N+1. holds(f,true,t) :- cnt(2,t). changed(f,t) :- cnt(2,t).",
+        [1, 1, 2],
+    ),
+    "a predicate that depends on names": (
+        START + "known_b :- name(b,_).\n#program step(t).\n"
+        "holds(f,true,t) :- occurs(a,t), known_b. changed(f,t) :- occurs(a,t), known_b.",
+        [1, 2, 4],
+    ),
+    "an effect that depends on names": (
+        "class(k). entity(e,k). fluent(f(E)) :- entity(E,k). initially(f(e),false). action(a(e);b(e)). "
+        "precondition(b(E),f(E),true) :- entity(E,k). postcondition(A,f(E),true) :- mentions(A,1,E), name(A,a).",
+        [1, 2, 4],
+    ),
+    "a start that depends on what actions name": (
+        "class(k). entity(e,k). fluent(f(e)). fluent(g). initially(f(E),true) :- mentions(_,_,E). "
+        'action(a(e);b(e)). precondition(b(e),f(e),true).\n#include "rules/closed_world.lp".',
+        [2, 4, 8],
+    ),
+    "a start with a value of its own": (
+        START + "fluent(level). holds(level,high,0).\n#program step(t).\n"
+        "holds(f,true,t) :- holds(level,high,t-1), occurs(a,t). changed(f,t) :- holds(level,high,t-1), occurs(a,t).",
+        [1, 2, 4],
+    ),
+    "a change of what is no fluent": (
+        START + "\n#program step(t).\nchanged(ghost,t) :- occurs(a,t). "
+        "holds(f,true,t) :- changed(ghost,t). changed(f,t) :- changed(ghost,t).",
+        [1, 2, 4],
+    ),
+    "a predicate that is strongly negated from the start": (
+        START + "-u(f,0).\n#program step(t).\n-u(X,t) :- -u(X,t-1). "
+        "holds(F,true,t) :- -u(F,t-1), occurs(a,t). changed(F,t) :- -u(F,t-1), occurs(a,t).",
+        [1, 2, 4],
+    ),
+    "a pool in the condition of a head": (
+        START + "mark(1).\n#program step(t).\n"
+        "{ holds(f,true,t) : mark(1;2) } :- occurs(a,t). changed(f,t) :- occurs(a,t), holds(f,true,t).",
+        [1, 2, 4],
+    ),
+    "another element under a condition": (
+        START + "v(9).\n#program step(t).\n{ holds(f,true,t); 1=1 : w(t) } :- occurs(a,t). "
+        "changed(f,t) :- occurs(a,t), holds(f,true,t). w(t) :- occurs(b,t).",
+        [1, 2, 4],
+    ),
     "an action that follows another": (
         '#include "rules/closed_world.lp".\n#include "rules/ever.lp".\nfluent(lit(1..3)). initially(lit(1),true). '
         "action(go(X)) :- ever(lit(X)). action(rest). precondition(go(X),lit(X),true) :- action(go(X)).\n"
@@ -146,3 +191,35 @@ def test_rules_that_are_added_to_the_encodings_are_rules_over_time_as_well(tmp_p
         "#program step(t).\nholds(F,true,t) :- occurs(A,t), also(A,F). changed(F,t) :- occurs(A,t), also(A,F).\n"
     )
     assert [TaskSpace(load_domain(text=text, encodings=folder), n).count("plan") for n in (1, 2, 3)] == [1, 2, 4]
+
+
+LAMP = "fluent(f). initially(f,false). action(a;b). "
+NUMBERED = {
+    LAMP + "slot(1..2).\n#program step(t).\n:- occurs(a,t), not slot(t).": [1, 2, 4, 4],
+    LAMP + "late(2).\n#program step(t).\n:- occurs(a,t), late(t).": [1, 2, 2, 4],
+    LAMP + "allowed(a,1). allowed(b,2..9).\n#program step(t).\n:- occurs(A,t), not allowed(A,t).": [1, 1, 1, 1],
+    LAMP + "busy(T) :- T=2..3.\n#program step(t).\n:- occurs(a,t), busy(t-1).": [1, 2, 4, 4],
+    LAMP + "even(0;2).\n#program check(t).\n:- not even(t).": [1, 0, 4, 0],
+    LAMP + "first(0).\n#program step(t).\n:- occurs(a,t), not first(t-1).": [1, 2, 2, 2],
+    START + "u(1,2).\n#program step(t).\nholds(f,true,t) :- u(1,t). changed(f,t) :- u(1,t).": [1, 1, 1, 2],
+    "fluent(q). initially(q,false). action(a). goal(q,false).\n#program step(t).\nholds(q,true,t). changed(q,t).": [
+        1,
+        0,
+        0,
+        0,
+    ],
+    "fluent(q). initially(q,false). action(a).\n#program step(t).\nu(t).\n#program check(t).\n:- u(t).": [1, 0, 0, 0],
+    "fluent(q). initially(q,false). action(a).\n#program step(t).\nu(t).\n#program check(t).\n:- not u(t).": [
+        0,
+        1,
+        1,
+        1,
+    ],
+}
+
+
+@pytest.mark.parametrize("text", NUMBERED)
+def test_what_is_stated_of_a_step_by_its_number_is_read_by_every_engine(text: str) -> None:
+    domain = load_domain(text=text)
+    for engine in ("auto", "clingo", "sat"):
+        assert [TaskSpace(domain, n, engine=engine).count("plan") for n in range(4)] == NUMBERED[text], engine

@@ -16,7 +16,7 @@ from clingo.ast import AST, ASTType, ComparisonOperator
 
 from prag_asp.lint.occurrence import CHANGED, STATE_PREDICATES
 from prag_asp.program.atoms import ground_atoms
-from prag_asp.program.syntax import VARIABLE, AtomNode, Statement, atoms, names, plain_atom, variables
+from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, Statement, atoms, names, plain_atom, variables
 
 OCCURS, HOLDS = ("occurs", 2), ("holds", 3)
 BOOLEAN = ("true", "false")
@@ -33,7 +33,7 @@ value to what is no fluent."""
 
 ADDED_LATER = frozenset(
     [("name", 2), ("mentions", 3), ("successor", 2), ("joint_unit", 2), ("next_unit", 2), ("left_out", 1),
-     ("asked", 1), ("condition", 2), ("tested", 2)]
+     ("asked", 1), ("condition", 2), ("tested", 2), ("impossible", 2)]
 )  # fmt: skip
 """Predicates of the base part of which the library states more once a domain is checked."""
 
@@ -102,12 +102,18 @@ class Relaxed:
         self._certain: dict[tuple[str, int], bool] = {}
         self._base = {atom.signature for each in rules if not each.timed for atom in each.heads}
         self._timed = {atom.signature for each in rules if each.timed for atom in each.heads}
-        self._void = _declared(statements) - ADDED_LATER - self._base - self._timed
+        self._later = _following(ADDED_LATER, [each for each in rules if not each.timed])
+        self._void = _declared(statements) - self._later - self._base - self._timed
         heads = ((atom, each) for each in steps for atom in _derived(each))
         self._heads = [(atom, each) for atom, each in heads if atom.signature not in STATE_PREDICATES]
-        self._reads_states = any(atom.signature in STATE_PREDICATES for each in steps for atom in each.body)
+        read = {atom.signature for each in steps for atom in each.body}
+        changing = ((each, atom) for each in steps for atom in _derived(each) if atom.signature == CHANGED)
+        self._changing = list(changing) if CHANGED in read else []
+        self._reads_states = not read.isdisjoint(STATE_PREDICATES)
         self._written = {atom.signature for atom, _ in self._heads}
-        left_out = {atom.signature for atom, rule in self._heads if self._grows(atom, rule)} or {("", 0)}
+        unlike = self._later | {each for each in self._base if each[0].startswith("-")}
+        left_out = {each for atom, rule in self._heads if (each := atom.signature) in unlike or self._grows(atom, rule)}
+        left_out = left_out or {("", 0)}
         while left_out:
             self._written -= left_out
             self._heads = [each for each in self._heads if each[0].signature in self._written]
@@ -126,6 +132,8 @@ class Relaxed:
             yield self._setting(number, rule, head)
             if self._reads_states and head.signature != CHANGED:
                 yield from self._straying(rule, head)
+        for rule, head in self._changing:
+            yield from self._straying(rule, head)
 
     def _read_by(self, rules: Iterable[Statement]) -> set[tuple[str, int]]:
         """Return the own predicates that rules depend on, of those that are written."""
@@ -139,7 +147,9 @@ class Relaxed:
 
     def _grows(self, head: AtomNode, rule: Statement) -> bool:
         """Return whether a rule may make larger terms of what it depends on, without end once time does not end it."""
-        larger = any("(" in term and variables(term) for term in head.arguments[:-1])
+        read = (atom for node, text in rule.literals if (atom := _read_atom(node, text)) and not atom.negated)
+        counted = not _variables(head.arguments[:-1]) <= _variables(map(str, read))
+        larger = counted or any("(" in term and variables(term) for term in head.arguments[:-1])
         return larger and head.signature in self._read_by([rule])
 
     def _is_bound(self, head: AtomNode, rule: Statement) -> bool:
@@ -160,10 +170,10 @@ class Relaxed:
 
     def _straying(self, rule: Statement, head: AtomNode) -> Iterator[str]:
         """Yield rules for ``_may_stray``: a head gives a value to what is no fluent, or gives one that is no value."""
-        (term, value, _), body = head.arguments, self._body(rule)
+        term, value, body = head.arguments[0], head.arguments[1], self._body(rule)
         bound = _variables(body)
         tests = [(f"not fluent({term})", term)]
-        if value not in BOOLEAN:
+        if head.signature != CHANGED and value not in BOOLEAN:
             tests.append((f"not opposite({value},_)", value))
         for test, about in tests:
             told = _is_plain([about], rule) and _variables([about]) <= bound
@@ -173,8 +183,7 @@ class Relaxed:
         """Return what has to be so for a rule to fire, as far as it can be said without time."""
         read = [(plain, text) for node, text in rule.literals if (plain := _read_atom(node, text))]
         positive = [atom for atom, _ in read if not atom.negated]
-        if len(rule.heads) == 1:
-            positive += (atom for atom in rule.conditions if not atom.negated)
+        positive += (atom for atom in _own_conditions(rule.node.head) if not atom.negated)
         found = [text for atom in positive if self._is_plain(atom, rule) for text in self._said(atom)]
         bound = _variables(found)
         others = [text for atom, text in read if text == f"not {atom}" and self._is_fixed(atom)]
@@ -202,7 +211,7 @@ class Relaxed:
     def _is_fixed(self, atom: AtomNode) -> bool:
         """Return whether the base part alone says of an atom whether it holds, and says it by facts."""
         signature = atom.signature
-        if signature not in self._base - ADDED_LATER or signature in self._timed or atom.name.startswith("-"):
+        if signature not in self._base - self._later or signature in self._timed or atom.name.startswith("-"):
             return False
         if signature not in self._certain:
             self._certain[signature] = all(is_fact for _, _, is_fact in ground_atoms(self._control, *signature))
@@ -211,6 +220,17 @@ class Relaxed:
     def _is_plain(self, atom: AtomNode, rule: Statement) -> bool:
         """Return whether all but the time of an atom is written without time, and computes nothing."""
         return _is_plain(atom.arguments[:-1] if atom.signature in self._timed else atom.arguments, rule)
+
+
+def _following(predicates: Iterable[Signature], rules: Sequence[Statement]) -> frozenset[Signature]:
+    """Return predicates with all that rules derive from them, or from what they derive."""
+    found = set(predicates)
+    while True:
+        reading = (each for each in rules if not found.isdisjoint(atom.signature for atom in each.body))
+        new = {atom.signature for each in reading for atom in each.heads} - found
+        if not new:
+            return frozenset(found)
+        found |= new
 
 
 def _declared(statements: Iterable[Statement]) -> set[tuple[str, int]]:
@@ -231,6 +251,17 @@ def _read_atom(literal: AST, text: str) -> AtomNode | None:
         return plain
     found = list(atoms(literal, text))
     return found[0] if len(found) == 1 else None
+
+
+def _own_conditions(head: AST) -> Iterator[AtomNode]:
+    """Yield the atoms under which a head derives anything: those of its only element, if it has one alone."""
+    elements: Sequence[AST] = getattr(head, "elements", ())
+    if len(elements) == 1:
+        element = elements[0].condition if head.ast_type == ASTType.HeadAggregate else elements[0]
+        for literal in element.condition:
+            atom = _read_atom(literal, str(literal))
+            if atom:
+                yield atom
 
 
 def _compares(literal: AST) -> bool:

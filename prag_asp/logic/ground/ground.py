@@ -371,6 +371,8 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
                 if not is_fact:
                     obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
                 continue
+            if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
+                obstacles.append(f"{name}/{arity} may be so after every step, but not at the start")
             names[literal] = symbol
             if time in found:
                 found[time][clingo.Function(name, others)] = literal

@@ -10,6 +10,7 @@ import clingo
 
 from prag_asp.domain.load import Domain
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import MENTIONS, NAME, mention_facts, name_fact
 from prag_asp.program.sources import ADDED, CONTRACT, Program, Source, owned, read_sources
 from prag_asp.program.tokens import blanked
 
@@ -19,7 +20,6 @@ DEPENDING = re.compile(
 )
 """Predicates that depend on how invariants are stated, and those of `closed_invariants.lp` alone."""
 
-NAME, MENTIONS = re.compile(r"\bname\b"), re.compile(r"\bmentions\b")
 DESCRIBING = (CONTRACT, "skeleton.lp")
 """The encodings that describe what the library adds, and name the actions that occur."""
 
@@ -32,7 +32,8 @@ def whole_program(domain: Domain) -> Program:
 def weighing_program(domain: Domain, program: Program, weighed: Sequence[str]) -> Program:
     """Return the program of a domain with the rules that tell what weights depend on, and the facts `weighed`."""
     whole = Program((*program.sources, *_rules(domain, "weights")))
-    told = weighed if _read(program, MENTIONS) else [*weighed, *_mentioned(domain.facts, domain.facts.actions)]
+    facts = domain.facts
+    told = weighed if _read(program, MENTIONS) else [*weighed, *mention_facts(facts.actions, facts.entities)]
     return with_facts(whole, told)
 
 
@@ -77,20 +78,6 @@ def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
     return tuple(rule for rule in rules if rule.path.resolve() not in known)
 
 
-def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
-    """Yield the entities that a term names, from the left, as often as it names them."""
-    if action in entities:
-        yield action
-    elif action.type == clingo.SymbolType.Function:
-        for argument in action.arguments:
-            yield from mentioned_entities(argument, entities)
-
-
-def action_name(action: clingo.Symbol) -> str:
-    """Return the name of an action: its functor, or the whole term where it has none."""
-    return action.name if action.type == clingo.SymbolType.Function and action.name else str(action)
-
-
 def _added_facts(facts: Facts, program: Program) -> list[str]:
     """Return what the library adds, but for what no file of the program reads: actions can be thousands.
 
@@ -100,16 +87,10 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
     named = facts.actions if _read(program, NAME) else facts.tried
     named = facts.declared_actions if any(map(NAME.search, own)) else named
     added = [f"left_out({term})." for term in (*facts.left_out, *facts.unreached)]
-    added += [f"name({action},{action_name(action)})." for action in named]
+    added += map(name_fact, named)
     if any(map(MENTIONS.search, own)):
-        return [*added, *_mentioned(facts, facts.declared_actions)]
-    return [*added, *_mentioned(facts, facts.actions)] if _read(program, MENTIONS) else added
-
-
-def _mentioned(facts: Facts, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
-    for action in actions:
-        for position, entity in enumerate(mentioned_entities(action, facts.entities), 1):
-            yield f"mentions({action},{position},{entity})."
+        return [*added, *mention_facts(facts.declared_actions, facts.entities)]
+    return [*added, *mention_facts(facts.actions, facts.entities)] if _read(program, MENTIONS) else added
 
 
 def _read(program: Program, predicate: re.Pattern[str]) -> bool:

@@ -7,7 +7,7 @@ one before. That cannot be seen in the ground program of a single step, so it is
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 
@@ -17,7 +17,7 @@ from clingo.ast import AST, ASTType
 from prag_asp.logic.ground.growth import growing_heads
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program, owned
-from prag_asp.program.syntax import STRING, AtomNode, Signature, Statement, atoms, children_of, plain_atom
+from prag_asp.program.syntax import STRING, AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
 
 START = "0"
 """How the time of the start is written."""
@@ -70,13 +70,15 @@ _times = cache(_Times)
 class StepReads:
     """What the rules of a step read of the step before, and why they are no function of it, if they are none.
 
-    `timed` are the predicates that carry a time; `growing` those of them that may take new values without end.
+    `timed` are the predicates that carry a time; `growing` those of them that may take new values without end; `last`
+    those that the check after the last step reads.
     """
 
     timed: frozenset[Signature]
     previous: frozenset[Signature]
     obstacles: tuple[str, ...]
     growing: frozenset[Signature]
+    last: frozenset[Signature]
 
 
 @dataclass(frozen=True)
@@ -121,17 +123,42 @@ def read_step(program: Program) -> StepReads:
     timed = {("occurs", 2), ("holds", 3)}
     for rule in rules["step"]:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.times.now}
+    obstacles = [*_numbered(rules, timed)]
     rules["base"] = [rule for rule in rules["base"] if _may_carry_time(rule, timed)]
     previous: set[Signature] = set()
-    obstacles = []
     for name in PARTS:
         for rule in rules[name]:
             obstacle = _obstacle(rule, name, timed, previous)
             if obstacle:
-                obstacles.append(f"{rule.statement.path}:{rule.statement.line}: {obstacle}")
+                obstacles.append(f"{_place(rule)} {obstacle}")
     stepping = (rule.statement for rule in rules["step"])
     growing = {head for each in stepping for head in growing_heads(each.heads, each.literals, timed)}
-    return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing))
+    last = {atom.signature for rule in rules["check"] for atom in rule.atoms() if _time_of(atom) == rule.times.now}
+    return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing), frozenset(last))
+
+
+def _numbered(rules: Mapping[str, Sequence[_Rule]], timed: Collection[Signature]) -> Iterator[str]:
+    """Yield why what is read of a step depends on its number: the base part states it, or the last check."""
+    last = {atom.signature for rule in rules["check"] for atom in rule.heads if _time_of(atom) == rule.times.now}
+    at, before = set(last), set[Signature]()
+    for name in ("step", "check"):
+        for rule in rules[name]:
+            for atom in rule.atoms():
+                time = _time_of(atom)
+                if time == rule.times.now and atom.signature not in timed:
+                    at.add(atom.signature)
+                    if name == "step" and atom.signature in last:
+                        yield f"{_place(rule)} {spelled(atom.signature)} is read in a step, and made after the last one"
+                elif time == rule.times.before:
+                    before.add(atom.signature)
+    for rule in rules["base"]:
+        for atom in rule.heads:
+            if atom.signature in at or (atom.signature in before and _time_of(atom) != START):
+                yield f"{_place(rule)} {spelled(atom.signature)} is stated by the number of a step"
+
+
+def _place(rule: _Rule) -> str:
+    return f"{rule.statement.path}:{rule.statement.line}:"
 
 
 def _may_carry_time(rule: _Rule, timed: Collection[Signature]) -> bool:

@@ -29,13 +29,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.ground.program import mentioned_entities
 from prag_asp.logic.step.packed import WORD, Rows, mask_of
 from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.colours import Bits, Colours, are_twins, coloured, find_bits
 from prag_asp.logic.symmetry.patterns import NOBODY, Patterns, read_patterns
 from prag_asp.logic.symmetry.symmetries import Symmetries, Unit
 from prag_asp.logic.symmetry.twins import Twins
+from prag_asp.program.names import mentioned_entities
 
 Orders = NDArray[np.int64]
 """Entities in a new order: place j of row i is taken by entity ``orders[i, j]``; shape (rows, entities)."""

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground import GroundStep
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.symmetry.atoms import START, Atoms, SpelledRule
 from prag_asp.logic.symmetry.entailment import Consequences
 from prag_asp.logic.symmetry.joint import Conflict, joint_groups
@@ -29,6 +28,7 @@ from prag_asp.logic.symmetry.kinds import refined
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import action_name
 
 
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:

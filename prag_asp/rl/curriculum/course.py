@@ -10,9 +10,8 @@ from itertools import islice
 from typing import Any, NamedTuple, Protocol
 
 from prag_asp.atom import Atom
-from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import shared_names
+from prag_asp.program.names import action_name, mentioned_entities, shared_names
 from prag_asp.rl.curriculum.pool import Offer, Pool, Word
 
 State = dict[str, Any]

@@ -10,9 +10,8 @@ from typing import ClassVar, Protocol
 import clingo
 
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import no_action
+from prag_asp.program.names import action_name, mentioned_entities, no_action
 from prag_asp.space.conditions.formula import parse_conjunction, parse_formula
 from prag_asp.space.conditions.patterns import ANY, Pattern, class_members
 from prag_asp.space.conditions.regular import Recogniser, parse_expression, recogniser

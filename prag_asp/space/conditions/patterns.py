@@ -9,9 +9,8 @@ import clingo
 
 from prag_asp.atom import atom_of, parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import no_action, refuse_ambiguous
+from prag_asp.program.names import action_name, no_action, refuse_ambiguous
 from prag_asp.wording import unknown
 
 ANY = "_"

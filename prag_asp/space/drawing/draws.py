@@ -11,9 +11,9 @@ import numpy as np
 
 from prag_asp.bits import Bits
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name
 from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import action_name
 from prag_asp.space.drawing.drawers import OVER, ByWalk, ByWeight, Drawer, Over, OverGoals, OverSkeletons
 from prag_asp.space.engines.protocol import Draw, Engine, Level
 from prag_asp.space.weighing.weights import Weighed, Weights

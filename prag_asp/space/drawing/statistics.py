@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.processes.stage import stage
 from prag_asp.program.facts import Facts
+from prag_asp.program.names import action_name, mentioned_entities
 from prag_asp.space.automaton.automaton import Automaton, Completions, avoiding, positive
 from prag_asp.space.drawing.draws import weighed_words
 from prag_asp.space.engines.protocol import Engine, Level

@@ -10,11 +10,11 @@ from math import lcm
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.output.kept import cache_folder
 from prag_asp.processes.stage import stage
+from prag_asp.program.names import action_name
 from prag_asp.space.automaton.automaton import NO_PATHS, Ranking, accepts, count_words, words
 from prag_asp.space.automaton.bounded import count_within
 from prag_asp.space.automaton.recurrence import count_by_recurrence

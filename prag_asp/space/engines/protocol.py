@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import clingo
 
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
+from prag_asp.program.names import action_name
 from prag_asp.space.limits import Limits
 
 if TYPE_CHECKING:

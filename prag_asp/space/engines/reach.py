@@ -14,12 +14,12 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.processes.stage import stage
+from prag_asp.program.names import action_name, mentioned_entities
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.explore import Explored, Extent, Watch, explore
 from prag_asp.space.automaton.skeletons import skeleton_automaton

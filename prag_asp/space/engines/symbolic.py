@@ -8,10 +8,10 @@ from fractions import Fraction
 from math import lcm, prod
 
 from prag_asp.errors import LimitReached
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.stage import stage
+from prag_asp.program.names import action_name
 from prag_asp.space.automaton.automaton import NO_PATHS, Completions
 from prag_asp.space.automaton.beam import count_along
 from prag_asp.space.automaton.layers import LayeredWords, Layers

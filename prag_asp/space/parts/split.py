@@ -9,9 +9,8 @@ from itertools import accumulate, pairwise
 import clingo
 
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import refuse_ambiguous
+from prag_asp.program.names import action_name, mentioned_entities, refuse_ambiguous
 from prag_asp.space.weighing.weights import Number, parse_number
 
 

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 import clingo
 
 from prag_asp.errors import QueryError
-from prag_asp.logic.ground.program import mentioned_entities
 from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.logic.symmetry.symmetries import Symmetries
+from prag_asp.program.names import mentioned_entities
 
 
 def canonical_names(plan: Iterable[clingo.Symbol], symmetries: Symmetries) -> dict[clingo.Symbol, clingo.Symbol]:

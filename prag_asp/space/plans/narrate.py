@@ -13,11 +13,11 @@ import numpy as np
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.errors import EngineError
-from prag_asp.logic.ground.program import mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.logic.step.hindsight import TRUE, UNKNOWN, Hindsight
 from prag_asp.logic.step.plan_states import PlanStates, SolvedPlanStates
 from prag_asp.program.facts import Assignment
+from prag_asp.program.names import mentioned_entities
 from prag_asp.task import FrozenDict, Task
 
 BATCH = 2048

@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
 from prag_asp.integers import shortened
-from prag_asp.logic.ground.program import action_name, mentioned_entities
 from prag_asp.logic.model import Model
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import refuse_ambiguous, shared_names
+from prag_asp.program.names import action_name, mentioned_entities, refuse_ambiguous, shared_names
 from prag_asp.program.settings import MAX_EXPONENT
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word
 from prag_asp.space.automaton.walks import Choice

@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 from prag_asp import LimitReached, Limits, QueryError, TaskSpace
 from prag_asp.bits import SeededBits
-from prag_asp.logic.ground.program import action_name
 from prag_asp.logic.model import Model
 from prag_asp.logic.step import independent
 from prag_asp.logic.step.independent import independent_parts
+from prag_asp.program.names import action_name
 from prag_asp.space.automaton import explore as exploring
 from prag_asp.space.automaton.shuffled import ShuffledWords
 from prag_asp.space.drawing.draws import drawn_words, make_drawer
