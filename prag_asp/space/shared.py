@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from prag_asp.errors import QueryError
 from prag_asp.logic.model import Model
 from prag_asp.processes.stage import Note
-from prag_asp.space.engines import Engine, Level, select
+from prag_asp.space.engines import AUTO, Engine, Level, select
 from prag_asp.space.engines.no_words import NoWords
 from prag_asp.space.engines.protocol import Letters, Progress
 from prag_asp.space.limits import Limits
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from prag_asp.space.plans.readings import Hierarchy
     from prag_asp.space.weighing.weights import Weights
     from prag_asp.task import Task
+
+
+BY_ONE_STEP, CLINGO = (AUTO, "automaton", "symbolic"), "clingo"
+"""The engines that know one step for all, and one that knows each."""
 
 
 @dataclass
@@ -36,7 +40,7 @@ class Shared:
     progress: Progress | None
     limits: Limits
     fewest_actions: int = 0
-    _engines: dict[Level, Engine] = field(default_factory=dict)
+    _engines: dict[tuple[Level, str], Engine] = field(default_factory=dict)
     _counts: dict[tuple[Level, int, Letters], int] = field(default_factory=dict)
     _drawer: tuple[tuple[Any, ...], Drawer] | None = None
 
@@ -44,10 +48,18 @@ class Shared:
         """Return the engine of a level, for a length."""
         if length < self.fewest_actions:
             return NoWords(self.model, by)
-        if by not in self._engines:
+        name = CLINGO if length == 0 and self._judged_after_steps_alone else self.engine
+        if (by, name) not in self._engines:
             self._tell_all_ground()
-            self._engines[by] = select(self.engine, self.model, by, self.progress, self.limits)
-        return self._engines[by]
+            self._engines[by, name] = select(name, self.model, by, self.progress, self.limits)
+        return self._engines[by, name]
+
+    @cached_property
+    def _judged_after_steps_alone(self) -> bool:
+        """Whether the engine would judge a plan without actions as if there had been a step."""
+        if self.engine not in BY_ONE_STEP or self.model.obstacles:
+            return False
+        return self.model.ground.after_steps_alone
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int:
         """Return the number of words, and keep it."""

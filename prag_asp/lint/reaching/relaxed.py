@@ -107,7 +107,7 @@ class Relaxed:
         heads = ((atom, each) for each in steps for atom in _derived(each))
         self._heads = [(atom, each) for atom, each in heads if atom.signature not in STATE_PREDICATES]
         read = {atom.signature for each in steps for atom in each.body}
-        changing = ((each, atom) for each in steps for atom in _derived(each) if atom.signature == CHANGED)
+        changing = (Maker(each, atom) for each in steps for atom in _derived(each) if atom.signature == CHANGED)
         self._changing = list(changing) if CHANGED in read else []
         self._reads_states = not read.isdisjoint(STATE_PREDICATES)
         self._written = {atom.signature for atom, _ in self._heads}
@@ -120,8 +120,8 @@ class Relaxed:
             left_out = {atom.signature for atom, rule in self._heads if not self._is_bound(atom, rule)}
 
     def rules(self, makers: Sequence[Maker]) -> Iterator[str]:
-        """Yield rules for what makers read, and for ``_may_set(N,F,V)``: the N-th of them may give F the value V."""
-        read = self._read_by([each.rule for each in makers])
+        """Yield rules for ``_may_set(N,F,V)``: the N-th maker may give F the value V; and for `STRAY`."""
+        read = self._read_by(each.rule for each in (*makers, *self._changing))
         for name, arity in sorted(read & self._base):
             found = ground_atoms(self._control, name, arity)
             yield from dict.fromkeys(f"{_applied(name, [*map(str, arguments[:-1])])}." for arguments, _, _ in found)

@@ -62,7 +62,8 @@ class GroundStep:
 
     `names` holds the symbol of every named atom; `before`, `now` and `ending` the atoms of step t-1 and of step t by
     their symbol without its time. `initial` are the timed symbols that hold at the start, without their time;
-    `obstacles` says why the step is not a function of the state and the action, where it is not.
+    `obstacles` says why the step is not a function of the state and the action, where it is not. What judges a plan is
+    right `after_steps_alone` where every step makes something so that the start does not: clingo takes it for granted.
     """
 
     rules: Mapping[str, tuple[Rule, ...]]
@@ -72,6 +73,7 @@ class GroundStep:
     initial: frozenset[clingo.Symbol]
     consistent: bool
     obstacles: tuple[str, ...]
+    after_steps_alone: bool = False
 
 
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
@@ -361,6 +363,7 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
     names: dict[int, clingo.Symbol] = {}
     found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
+    always: list[clingo.Symbol] = []
     for name, arity in sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)}):
         for arguments, literal, is_fact in ground_atoms(grounder.control, name, arity):
             symbol, (*others, time) = clingo.Function(name, arguments), arguments
@@ -372,7 +375,7 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
                     obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
                 continue
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
-                obstacles.append(f"{name}/{arity} may be so after every step, but not at the start")
+                always.append(clingo.Function(name, others))
             names[literal] = symbol
             if time in found:
                 found[time][clingo.Function(name, others)] = literal
@@ -382,5 +385,5 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
         {part: tuple(rules) for part, rules in recorder.rules.items()},
         names, found[BEFORE], found[NOW], frozenset(initial),
         consistent=not any(not rule.heads for rule in recorder.rules.get("base", [])),
-        obstacles=tuple(dict.fromkeys(obstacles)),
+        obstacles=tuple(dict.fromkeys(obstacles)), after_steps_alone=any(each not in initial for each in always),
     )  # fmt: skip
