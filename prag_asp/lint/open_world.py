@@ -70,8 +70,9 @@ def _read_fluent(
     fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
     facts = " ".join(f"{UNSURE}({each})." for each in unsure)
     for name, restricting in ((part, conditions), (f"{part}_at_all", ())):
-        read = [f"{UNSURE}({fluent})"] if ";" not in fluent else [f"{UNSURE}({POOLED})", f"{POOLED} = {fluent}"]
-        head = fluent if ";" not in fluent else POOLED
+        several = ";" in fluent or ".." in fluent
+        read = [f"{UNSURE}({POOLED})", f"{POOLED} = {fluent}"] if several else [f"{UNSURE}({fluent})"]
+        head = POOLED if several else fluent
         rule = f"{name}({head}) :- {'; '.join([*read, *restricting])}."
         try:
             control.add(name, [], f"{facts}\n{rule}")

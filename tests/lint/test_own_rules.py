@@ -125,6 +125,11 @@ CASES = {
         "changed(f,t) :- occurs(a,t), holds(f,true,t). w(t) :- occurs(b,t).",
         [1, 2, 4],
     ),
+    "a change to what the invariants infer": (
+        START + "postcondition(a,g,true). implies(g,f).\n#program step(t).\n"
+        "changed(F,t) :- holds(F,true,t), holds(F,false,t-1).",
+        [1, 2, 4],
+    ),
     "an action that follows another": (
         '#include "rules/closed_world.lp".\n#include "rules/ever.lp".\nfluent(lit(1..3)). initially(lit(1),true). '
         "action(go(X)) :- ever(lit(X)). action(rest). precondition(go(X),lit(X),true) :- action(go(X)).\n"
@@ -164,6 +169,11 @@ def test_a_pool_of_fluents_is_read_one_by_one() -> None:
     )
     with pytest.raises(DomainError, match="this rule of a step reads h, which is unknown at the start"):
         load_domain(text=text)
+    with pytest.raises(DomainError, match=r"this rule of a step reads p\(2\), which is unknown at the start"):
+        load_domain(
+            text=text.replace("(g;h),true,t-1", "p(1..2),true,t-1")
+            + " #program base. fluent(p(1..2)). initially(p(1),true)."
+        )
     domain = load_domain(text=f"initially(h,true). {text}")
     assert TaskSpace(domain, 2).count("plan") == 2
 

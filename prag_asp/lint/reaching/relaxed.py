@@ -107,8 +107,9 @@ class Relaxed:
         heads = ((atom, each) for each in steps for atom in _derived(each))
         self._heads = [(atom, each) for atom, each in heads if atom.signature not in STATE_PREDICATES]
         read = {atom.signature for each in steps for atom in each.body}
-        changing = (Maker(each, atom) for each in steps for atom in _derived(each) if atom.signature == CHANGED)
-        self._changing = list(changing) if CHANGED in read else []
+        changing = [Maker(each, atom) for each in steps for atom in _derived(each) if atom.signature == CHANGED]
+        self._changing = changing if CHANGED in read else []
+        self._infers = bool(changing)
         self._reads_states = not read.isdisjoint(STATE_PREDICATES)
         self._written = {atom.signature for atom, _ in self._heads}
         unlike = self._later | {each for each in self._base if each[0].startswith("-")}
@@ -128,6 +129,8 @@ class Relaxed:
         for atom, rule in self._heads:
             if atom.signature in read:
                 yield f"{_applied(atom.name, atom.arguments[:-1])} :- {', '.join(self._body(rule)) or '#true'}."
+        if self._infers:  # what is said to change may become what the invariants infer
+            yield "may_hold(G,W) :- may_hold(F,V), propagates(F,V,G,W)."
         for number, (rule, head) in enumerate(makers):
             yield self._setting(number, rule, head)
             if self._reads_states and head.signature != CHANGED:
