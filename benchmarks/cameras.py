@@ -24,7 +24,7 @@ from prag_asp.physics.filming.film import moment_of
 from prag_asp.physics.filming.studio import matrices, open_studio
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.cameras import Camera
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 PICTURES = 8
 """Pictures of a block, evenly over the recording."""

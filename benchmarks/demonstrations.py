@@ -20,8 +20,8 @@ from rich.table import Table
 
 from prag_asp import Scene, TaskSpace, load_domain, load_scene
 from prag_asp.physics import Budget, open_validator
-from prag_asp.physics.demonstration.perform import open_performer
-from prag_asp.physics.facts import PhysicalTask, physical_task
+from prag_asp.physics.demonstration.performance import open_performer
+from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.world.simulator import open_simulator
 
 ACCEPTED = Budget(tier="transit")

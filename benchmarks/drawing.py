@@ -14,8 +14,8 @@ from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset.jsonl import Record, write_line
-from prag_asp.logic.ground.ground import unrolled
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.program.grounding import Grounder
 
 DOMAIN = load_domain(Path(__file__).parent / "transport")

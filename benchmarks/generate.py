@@ -24,7 +24,7 @@ from prag_asp import Dataset, TaskSpaces, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import validate_tasks
-from prag_asp.space.ordered import Division, ordered_parts, tell
+from prag_asp.space.without_replacement import Division, ordered_parts, tell
 
 LENGTHS = range(3, 7)
 MEASURE = """

@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from prag_asp import Domain, PragError, Task, TaskSpace, load_domain, shipped_domains
 from prag_asp.dataset import Instructions, Teller, teller_of
 from prag_asp.dataset.language import start_of
-from prag_asp.grammar.read import languages
+from prag_asp.grammar.reader import languages
 
 ROOT = Path(__file__).parents[1]
 LENGTHS = (3, 4, 5, 6)

@@ -27,7 +27,7 @@ from rich.table import Table
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import TIERS, Budget, Verdict, open_validator
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 LIMIT = 20.0
 STATM = Path("/proc/self/statm")

@@ -25,7 +25,7 @@ from rich.table import Table
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.domain.load import load_scene
 from prag_asp.physics import CAUSES, Budget, Verdict, validate_tasks
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 PAPER = 78.3
 """The percentage of 10,000 sequences of 3 to 6 actions that passed in "PRAG: Procedural Action Generator"."""

@@ -12,9 +12,9 @@ from typing import Any
 from peers_process import lengths_up_to, limit_processor_time, tell, timed
 
 from prag_asp import Domain, TaskSpace, load_domain
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.model import Model
-from prag_asp.space.engines.formula import word_formula
+from prag_asp.space.engines.word_formula import word_formula
 
 ENUMERATORS = {"clingo": "clingo", "python-sat": "sat"}
 """Tools that find the words one by one, with the engine that does it."""

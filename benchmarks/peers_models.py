@@ -22,7 +22,7 @@ from peers_process import limit_processor_time, processor_seconds, tell, timed
 from prag_asp import answer_sets
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import count_models
-from prag_asp.models.formula import model_formula
+from prag_asp.models.answer_set_formula import model_formula
 
 GRID = "v(1..n,1..m). e((X,Y),(X+1,Y)) :- v(X,Y), v(X+1,Y). e((X,Y),(X,Y+1)) :- v(X,Y), v(X,Y+1). "
 INDEPENDENT = GRID + "{ in(A) } :- v(X,Y), A = (X,Y). :- e(A,B), in(A), in(B)."

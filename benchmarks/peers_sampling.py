@@ -12,11 +12,11 @@ import clingo
 from peers_process import limit_processor_time, processor_seconds, tell
 
 from prag_asp import Domain, TaskSpace, load_domain
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.ground.ground import unrolled
-from prag_asp.logic.model import Model
+from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.program.grounding import Grounder
-from prag_asp.space.engines.formula import word_formula
+from prag_asp.space.engines.word_formula import word_formula
 
 REPORT = 5.0
 """Seconds between two results, so that a tool that is stopped has told one."""

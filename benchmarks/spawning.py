@@ -39,14 +39,14 @@ from spawning_ways import (
     wanted_scene,
 )
 
-from prag_asp.physics.facts import PhysicalTask
-from prag_asp.physics.pictures.render import picture
+from prag_asp.physics.pictures.rendering import picture
 from prag_asp.physics.search.attempt import Search
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 
 HERE = Path(__file__).parent
 

@@ -9,14 +9,14 @@ import numpy as np
 
 from prag_asp import Task
 from prag_asp.atom import Atom
-from prag_asp.physics.facts import Fact, PhysicalTask, physical_task
 from prag_asp.physics.predicates import PREDICATES, Volume
 from prag_asp.physics.search.attempt import Failure, Search
-from prag_asp.physics.search.start import draw_start
+from prag_asp.physics.search.initial_state import draw_start
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, physical_task
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.scene.geometry import Pose, extents, yaw_quaternion
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 
 DIRECTIONS = ("left_of", "right_of", "in_front_of", "behind")
 SHAPES = {

@@ -26,7 +26,7 @@ from rich.table import Table
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import validate_tasks
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 
 class Run(NamedTuple):

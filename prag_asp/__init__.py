@@ -34,17 +34,17 @@ if TYPE_CHECKING:
         SceneError,
     )
     from prag_asp.logic.formula.approximate import Estimate
-    from prag_asp.logic.formula.explain import Explanation
+    from prag_asp.logic.formula.explanation import Explanation
     from prag_asp.models.answer_sets import AnswerSets, answer_sets
-    from prag_asp.processes.bounding import bounded
+    from prag_asp.processes.bounded_call import bounded
     from prag_asp.program.paths import shipped_domains
-    from prag_asp.scene.model import Scene
+    from prag_asp.scene.scene import Scene
     from prag_asp.space.conditions.condition import Condition
-    from prag_asp.space.explain import explain
+    from prag_asp.space.emptiness import Reasons, fewest_changes, why_empty
+    from prag_asp.space.explanation import explain
     from prag_asp.space.limits import Limits
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
-    from prag_asp.space.why import Reasons, fewest_changes, why_empty
     from prag_asp.task import Task
 
 __all__ = [
@@ -85,19 +85,19 @@ _HOMES = {
     "prag_asp.atom": ("Atom", "parse_atom"),
     "prag_asp.dataset.store.dataset": ("Dataset",),
     "prag_asp.models.answer_sets": ("AnswerSets", "answer_sets"),
-    "prag_asp.processes.bounding": ("bounded",),
+    "prag_asp.processes.bounded_call": ("bounded",),
     "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
     "prag_asp.domain.scaffold": ("write_new_domain",),
     "prag_asp.errors": (
         "DomainError", "EngineError", "LimitReached", "OutputError", "PragError", "QueryError", "SceneError",
     ),
     "prag_asp.logic.formula.approximate": ("Estimate",),
-    "prag_asp.logic.formula.explain": ("Explanation",),
+    "prag_asp.logic.formula.explanation": ("Explanation",),
     "prag_asp.program.paths": ("shipped_domains",),
-    "prag_asp.scene.model": ("Scene",),
+    "prag_asp.scene.scene": ("Scene",),
     "prag_asp.space.conditions.condition": ("Condition",),
-    "prag_asp.space.explain": ("explain",),
-    "prag_asp.space.why": ("Reasons", "fewest_changes", "why_empty"),
+    "prag_asp.space.explanation": ("explain",),
+    "prag_asp.space.emptiness": ("Reasons", "fewest_changes", "why_empty"),
     "prag_asp.space.limits": ("Limits",),
     "prag_asp.task": ("Task",),
     "prag_asp.space.task_space": ("TaskSpace",),

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 
 import pytest
 
-from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import GANAK
-from prag_asp.processes.children import Children
+from prag_asp.processes.workers import Children
 
 CountModels = Callable[..., int]
 
@@ -35,5 +35,5 @@ def one_process() -> Iterator[CountModels]:
 def counting_by(count_models: CountModels) -> Iterator[None]:
     """Have the engine sharp count by a function."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("prag_asp.space.engines.sharp.count_models", count_models)
+        patch.setattr("prag_asp.space.engines.sharp_engine.count_models", count_models)
         yield

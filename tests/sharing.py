@@ -16,13 +16,13 @@ from prag_asp.dataset.pages import strips
 from prag_asp.domain import load
 from prag_asp.lint import check
 from prag_asp.lint.stages import Checked
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source
 from prag_asp.space import word_space
-from prag_asp.space.engines.protocol import Progress
+from prag_asp.space.engine_registry import Shared
+from prag_asp.space.engines.engine import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.shared import Shared
 
 KEPT = 8
 """How many domains are kept: a data set has one, a file of tests few."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from copy import copy
 
 from prag_asp import Domain, TaskSpace
+from prag_asp.space.engine_registry import Shared
 from prag_asp.space.limits import UNLIMITED
-from prag_asp.space.shared import Shared
 
 
 def with_engine(space: TaskSpace, engine: str) -> TaskSpace:

@@ -23,24 +23,24 @@ from prag_asp.cli.registry import COMMANDS
 PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
-    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "fields", "reading"]
-) | {"arrays", "bits"}
+    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "fields"]
+) | {"safe_reading", "array_archive", "random_bits"}
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
 
 ROOMS: Mapping[str, frozenset[str]] = {
-    "": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "versions", "bounding"},
+    "": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "versions", "bounded_call"},
     "errors": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
     "processes": frozenset(["errors"]),
     "missing": frozenset(["errors"]),
-    "reading": frozenset(),
-    "arrays": frozenset(),
-    "bits": frozenset(),
+    "safe_reading": frozenset(),
+    "array_archive": frozenset(),
+    "random_bits": frozenset(),
     "fields": frozenset(["errors"]),
-    "output": frozenset(["errors", "reading"]),
+    "output": frozenset(["errors", "safe_reading"]),
     "wording": frozenset(["errors"]),
     "integers": frozenset(),
     "atom": frozenset(["errors", "integers"]),
@@ -68,22 +68,23 @@ ROOMS: Mapping[str, frozenset[str]] = {
 
 FLOORS: Mapping[str, tuple[str, ...]] = {
     "scene": (
-        "vocabulary", "boxes", "cameras", "colours", "forms", "kinds", "model", "geometry", "footprint", "furniture",
-        "solids", "variation", "robots", "read", "load",
+        "predicate_names", "boxes", "cameras", "colours", "forms", "shape_kinds", "scene", "geometry",
+        "footprint", "furniture", "solids", "variation", "robots", "read", "scene_loader",
     ),
-    "logic": ("ground", "step", "diagram", "symmetry", "model", "formula"),
+    "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
-        "limits", "automaton", "weighing", "plans", "parts", "conditions", "engines", "needed", "explain", "drawing",
-        "shared", "word_space", "task_space", "task_spaces", "ordered", "why",
+        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduction",
+        "explanation", "sampling", "engine_registry", "word_space", "task_space", "task_spaces",
+        "without_replacement", "emptiness",
     ),
     "physics": (
-        "bullet", "required", "lent", "robot", "written", "witness", "situation", "predicates", "facts", "world",
-        "proofs", "search", "motion", "checks", "demonstration", "filming", "pictures", "verdict",
-        "cascade", "validator", "worker", "checker", "pool", "passing",
+        "bullet", "required", "temporary_files", "robot", "witness_json", "witness", "situation", "predicates",
+        "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
+        "pictures", "verdict", "tier_cascade", "validator", "worker", "checker", "pool", "tier_pool",
     ),
     "rl": (
-        "control", "arena", "goals", "rewards", "asking", "fading", "sealing", "observing", "viewing", "curriculum",
-        "tasks", "environment", "scripted", "running",
+        "control", "arena", "goals", "rewards", "environment_options", "reward_annealing", "state_checksum",
+        "observations", "camera_views", "curriculum", "tasks", "environment", "scripted_agent", "skill_chains",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""
@@ -248,12 +249,12 @@ def test_no_modules_import_each_other_around() -> None:
     ("module", "line"),
     [
         ("program/facts.py", "from prag_asp.domain.load import Domain"),
-        ("logic/ground/program.py", "from prag_asp.logic.model import Model"),
+        ("logic/ground/program.py", "from prag_asp.logic.domain_logic import Model"),
         ("physics/situation.py", "from prag_asp.physics.search.attempt import Search"),
-        ("space/plans/narrate.py", "import prag_asp.physics.verdict"),
+        ("space/plans/task_builder.py", "import prag_asp.physics.verdict"),
         ("physics/validator.py", "from prag_asp.space.task_space import TaskSpace"),
-        ("dataset/filtering.py", "from prag_asp.cli.options import Checking"),
-        ("scene/load.py", "def late():\n    from prag_asp.lint import check"),
+        ("dataset/physics_filter.py", "from prag_asp.cli.options import Checking"),
+        ("scene/scene_loader.py", "def late():\n    from prag_asp.lint import check"),
         ("space/task_space.py", "from prag_asp import physics"),
         ("space/task_space.py", "from prag_asp import dataset as given"),
         ("space/task_space.py", "import prag_asp"),
@@ -262,7 +263,10 @@ def test_no_modules_import_each_other_around() -> None:
         ("program/facts.py", "from prag_asp import lint"),
         ("physics/search/attempt.py", "from prag_asp.physics import validate_tasks"),
         ("physics/search/attempt.py", "from prag_asp import physics"),
-        ("logic/ground/ground.py", "import importlib\nSPACE = importlib.import_module('prag_asp.space.task_space')"),
+        (
+            "logic/ground/ground_step.py",
+            "import importlib\nSPACE = importlib.import_module('prag_asp.space.task_space')",
+        ),
         ("dataset/__init__.py", "from prag_asp.cli.options import Checking"),
         ("physics/__init__.py", "from prag_asp.space.task_space import TaskSpace"),
         ("__init__.py", "from prag_asp.cli import cli"),
@@ -293,24 +297,24 @@ def test_a_heavy_package_in_counting_is_found(tmp_path: Path) -> None:
 def test_counting_loads_only_those_of_our_own_modules_that_count() -> None:
     loaded = loaded_by("count", "prag", "--length", "3", "--by", "skeleton", "--no-cache")
     space = {name.removeprefix("prag_asp.space.") for name in loaded if name.startswith("prag_asp.space.")}
-    assert {"task_space", "engines.automaton"} <= space
-    assert not {name.partition(".")[0] for name in space} & {"drawing", "parts"}
+    assert {"task_space", "engines.automaton_engine"} <= space
+    assert not {name.partition(".")[0] for name in space} & {"sampling", "parts"}
     assert not space & {
-        "automaton.merged", "engines.stored", "weighing.temperature", "conditions.clauses", "plans.narrate",
-        "plans.readings",
+        "automaton.merged_states", "engines.stored_automata", "weights.temperature", "conditions.clause_kinds",
+        "plans.task_builder", "plans.readings",
     }  # fmt: skip
-    assert "prag_asp.logic.symmetry.merging" not in loaded
+    assert "prag_asp.logic.symmetry.canonical_states" not in loaded
     assert not {name for name in loaded if name.startswith(("prag_asp.physics", "prag_asp.dataset"))}
 
 
 def test_a_count_that_was_kept_loads_no_code_for_merged_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
-    monkeypatch.setattr("prag_asp.space.engines.automaton.WORTH_KEEPING", -1.0)
+    monkeypatch.setattr("prag_asp.space.engines.automaton_engine.WORTH_KEEPING", -1.0)
     TaskSpace(load_domain("tabletop"), 5).count("plan")
     assert list(tmp_path.iterdir())
     loaded = loaded_by("count", "tabletop", "--length", "5", "--by", "plan")
-    assert "prag_asp.space.engines.stored" in loaded
-    assert not loaded & {"prag_asp.space.automaton.merged", "prag_asp.logic.symmetry.patterns"}
+    assert "prag_asp.space.engines.stored_automata" in loaded
+    assert not loaded & {"prag_asp.space.automaton.merged_states", "prag_asp.logic.symmetry.term_patterns"}
 
 
 def test_counting_where_there_is_no_scene_loads_nothing_that_reads_one() -> None:

@@ -28,7 +28,7 @@ from stable_baselines3 import SAC
 from starts import HELD_OUT, TRAINING, moved, shown, witnessed
 
 from prag_asp.rl import Layout, Oracle, Rate, TaskEnv, run
-from prag_asp.rl.running import Policy
+from prag_asp.rl.skill_chains import Policy
 
 DOMAIN, LEARNED = "prag", ("approach", "grasp")
 WEIGHTS = {"approach": 6, "withdraw": 6, "grasp": 6, "drop": 6}

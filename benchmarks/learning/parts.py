@@ -30,7 +30,7 @@ from stable_baselines3 import SAC
 from starts import HELD_OUT, TRAINING, FromStarts, Start, require_apart, wholly
 
 from prag_asp.rl import Rate, run
-from prag_asp.rl.running import Policy
+from prag_asp.rl.skill_chains import Policy
 
 SKILLS = ("approach", "grasp")
 LEARNED_FROM = ("witnesses", "where the approach ends")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.errors import PicturesMissingError, QueryError
 from prag_asp.output import replace_file
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ def main() -> None:
         supervise()
         code = _command().main()
     except KeyboardInterrupt as asked:
-        from prag_asp.cli.ending import Terminated
+        from prag_asp.cli.exit_control import Terminated
         from prag_asp.cli.exits import Exit
 
         line, code = (
@@ -32,7 +32,7 @@ def main() -> None:
         )
         sys.stderr.write(f"{line}\n")
     except Exception as error:
-        from prag_asp.cli.ending import memory_refused, out_of_memory, write_line
+        from prag_asp.cli.exit_control import memory_refused, out_of_memory, write_line
         from prag_asp.cli.exits import Exit
 
         if not memory_refused(error):
@@ -47,7 +47,7 @@ def main() -> None:
 def _hear_nothing() -> None:
     """Ignore signals from here on; a command that has told all tells nothing of memory that is refused now."""
     try:
-        from prag_asp.cli.ending import deafen, done, ignore
+        from prag_asp.cli.exit_control import deafen, done, ignore
 
         done()
         ignore(signal.SIGINT)

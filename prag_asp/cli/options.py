@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli import complete, ending
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.words import one_length, one_or_more_lengths
+from prag_asp.cli import exit_control, shell_completion
+from prag_asp.cli.arguments import one_length, one_or_more_lengths
+from prag_asp.cli.domain_options import Asked
 from prag_asp.errors import QueryError
 from prag_asp.processes.machine import SHARE
 
@@ -27,7 +27,7 @@ def _limit_time(context: click.Context, parameter: click.Parameter, given: str |
     if given and not context.resilient_parsing:
         from prag_asp.space.limits import parse_time
 
-        ending.limit(seconds=parse_time(given))
+        exit_control.limit(seconds=parse_time(given))
 
 
 def _limit_memory(context: click.Context, parameter: click.Parameter, given: str | None) -> None:
@@ -38,7 +38,7 @@ def _limit_memory(context: click.Context, parameter: click.Parameter, given: str
         memory = parse_memory(given)
         if memory < LEAST_MEMORY:
             raise QueryError(f"--memory {given}: no command does with {memory:,} bytes; write 500MB or 4GB")
-        ending.limit(memory=memory)
+        exit_control.limit(memory=memory)
 
 
 LEAST_MEMORY = 10**7
@@ -60,15 +60,15 @@ PROGRAM = (
         help="Value for a #const of the domain, such as discs=4.",
     ),
     click.option(
-        "--settings", metavar="FILE", shell_complete=complete.files,
+        "--settings", metavar="FILE", shell_complete=shell_completion.files,
         help="File to read as domain.toml, in place of the folder's; a domain of files has none otherwise.",
     ),
     click.option(
-        "--rule", "rules", metavar="RULE", multiple=True, shell_complete=complete.rules,
+        "--rule", "rules", metavar="RULE", multiple=True, shell_complete=shell_completion.rules,
         help="Rule to add, such as no_undo or 'at_most(grasp,2)'.",
     ),
     click.option(
-        "--encodings", metavar="DIR", shell_complete=complete.files,
+        "--encodings", metavar="DIR", shell_complete=shell_completion.files,
         help="Folder of encodings to use in place of the shipped ones.",
     ),
     click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
@@ -79,16 +79,18 @@ PROGRAM = (
 )  # fmt: skip
 OF_FILE = (
     click.option(
-        "--domain", "names", metavar="DOMAIN", multiple=True, shell_complete=complete.domains,
+        "--domain", "names", metavar="DOMAIN", multiple=True, shell_complete=shell_completion.domains,
         help="Their domain; several times for several files.  [default: what they name]",
     ),
     *PROGRAM,
 )  # fmt: skip
-DOMAIN_ARGUMENT = click.argument("names", metavar="DOMAIN...", nargs=-1, required=True, shell_complete=complete.domains)
+DOMAIN_ARGUMENT = click.argument(
+    "names", metavar="DOMAIN...", nargs=-1, required=True, shell_complete=shell_completion.domains
+)
 DOMAIN = (DOMAIN_ARGUMENT, *PROGRAM)
 TRUST = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")
 WHERE = click.option(
-    "--where", metavar="CONDITION", multiple=True, shell_complete=complete.conditions,
+    "--where", metavar="CONDITION", multiple=True, shell_complete=shell_completion.conditions,
     help="Such as 'uses apple', 'has at least 2 grasp', 'loop-free'.",
 )  # fmt: skip
 LENGTH = click.option(
@@ -101,7 +103,7 @@ LENGTHS = click.option(
 ANSWERED = (
     WHERE,
     click.option(
-        "--engine", default="auto", show_default=True, metavar="ENGINE", shell_complete=complete.engines,
+        "--engine", default="auto", show_default=True, metavar="ENGINE", shell_complete=shell_completion.engines,
         help="auto, automaton, clingo, sat, sharp or symbolic.",
     ),
     click.option(
@@ -185,10 +187,13 @@ by_level = click.option(
     help="Plans; tasks, which are plans up to renaming of interchangeable entities; or sequences of action names.",
 )
 prefix = click.option(
-    "--prefix", metavar="A,B,...", shell_complete=complete.prefix, help="Begin with these actions, or names of actions."
+    "--prefix",
+    metavar="A,B,...",
+    shell_complete=shell_completion.prefix,
+    help="Begin with these actions, or names of actions.",
 )
 output = click.option(
-    "-o", "--output", metavar="FILE", shell_complete=complete.files,
+    "-o", "--output", metavar="FILE", shell_complete=shell_completion.files,
     help="Write to FILE in place of stdout, whole or not at all.",
 )  # fmt: skip
 seed = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same bytes.")
@@ -206,7 +211,7 @@ CHECKS = (
         "the arm has a free way from each waypoint to the next, also that the robot performs the task in simulation.",
     ),
     click.option(
-        "--demonstrate", metavar="DIR", shell_complete=complete.files,
+        "--demonstrate", metavar="DIR", shell_complete=shell_completion.files,
         help="Let the robot perform each task, and write recordings (.npz) into DIR, each whole.",
     ),
 )  # fmt: skip
@@ -294,7 +299,7 @@ def bundled(function: Function, name: str, kind: Any, options: Sequence[Callable
 
 WEIGHING = (
     click.option(
-        "--weight", "given", metavar="KEY=W", multiple=True, shell_complete=complete.names,
+        "--weight", "given", metavar="KEY=W", multiple=True, shell_complete=shell_completion.names,
         help="Such as grasp=2, 'grasp>move=0.5', apple=1/3.",
     ),
     click.option("--uniform", is_flag=True, help="Leave out the weights of domain.toml."),

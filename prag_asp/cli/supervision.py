@@ -20,8 +20,8 @@ import sys
 from threading import active_count
 from time import monotonic
 
-from prag_asp.cli import ending
-from prag_asp.cli.ending import Board
+from prag_asp.cli import exit_control
+from prag_asp.cli.exit_control import Board
 from prag_asp.cli.exits import Exit
 from prag_asp.processes.lifeline import hang_on, held_line
 from prag_asp.processes.machine import family_of, memory_of, usual_memory
@@ -66,10 +66,10 @@ def supervise() -> None:
         signal.pthread_sigmask(signal.SIG_SETMASK, usual)
         return
     if command:
-        ending.leave(_Supervisor(command, board, watched).code())
+        exit_control.leave(_Supervisor(command, board, watched).code())
     os.close(held)
     hang_on(hanging)
-    ending.begin(board)
+    exit_control.begin(board)
     signal.pthread_sigmask(signal.SIG_SETMASK, usual)
 
 
@@ -80,8 +80,8 @@ def _require_addresses() -> None:
     allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
     if allowed != resource.RLIM_INFINITY and allowed < LEAST_ADDRESSES:
         amounts = f"{allowed / 10**6:,.0f} MB of addresses (ulimit -v); allow {LEAST_ADDRESSES / 10**6:,.0f} MB"
-        ending.write_line(f"the system allows only {amounts} or more")
-        ending.leave(Exit.LIMIT)
+        exit_control.write_line(f"the system allows only {amounts} or more")
+        exit_control.leave(Exit.LIMIT)
 
 
 class _Supervisor:
@@ -134,12 +134,12 @@ class _Supervisor:
         taken = memory_of(family_of(self._command))
         now = monotonic()
         if taken > TOO_MUCH * most:
-            self._asked = self._asked or (now, Exit.LIMIT, ending.memory_reached(memory, self._board.stage()))
+            self._asked = self._asked or (now, Exit.LIMIT, exit_control.memory_reached(memory, self._board.stage()))
             self._waited = HEARD
         elif self._asked is None and taken > most:
-            self._ask(ending.memory_reached(memory, self._board.stage()))
+            self._ask(exit_control.memory_reached(memory, self._board.stage()))
         elif self._asked is None and seconds is not None and now - self._begun > seconds + grace(seconds):
-            self._ask(ending.time_reached(seconds, self._board.stage(), taken))
+            self._ask(exit_control.time_reached(seconds, self._board.stage(), taken))
 
     def _ask(self, line: str) -> None:
         self._asked = (monotonic(), Exit.LIMIT, line)
@@ -161,7 +161,7 @@ class _Supervisor:
         assert self._asked is not None
         _, code, line = self._asked
         if not self._board.said:
-            ending.write_line(line)
+            exit_control.write_line(line)
         return code
 
     def _code_of(self, ended: int) -> int:
@@ -171,7 +171,7 @@ class _Supervisor:
         that it cannot hand on, it ends the process with the code of an answer, which this is not.
         """
         if ended > 0 and not self._board.done and self._asked is None:
-            ending.write_line(ending.gave_up(self._board.stage()))
+            exit_control.write_line(exit_control.gave_up(self._board.stage()))
             return Exit.LIMIT
         if ended >= 0:
             return ended
@@ -179,13 +179,13 @@ class _Supervisor:
             return self._as_asked()
         if -ended in (signal.SIGINT, signal.SIGTERM):
             interrupted = -ended == signal.SIGINT
-            ending.write_line("interrupted" if interrupted else "terminated")
+            exit_control.write_line("interrupted" if interrupted else "terminated")
             return Exit.INTERRUPTED if interrupted else Exit.TERMINATED
         try:
             name = signal.Signals(-ended).name
         except ValueError:
             name = f"signal {-ended}"
-        ending.write_line(ending.crashed(name, self._board.stage()))
+        exit_control.write_line(exit_control.crashed(name, self._board.stage()))
         return Exit.LIMIT
 
 

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 
 import click
 
-from prag_asp.cli import ending
-from prag_asp.cli.ending import ASKED, NO_MEMORY, Struck, Terminated
+from prag_asp.cli import exit_control
+from prag_asp.cli.exit_control import ASKED, NO_MEMORY, Struck, Terminated
 from prag_asp.cli.exits import Exit, exit_of
 from prag_asp.errors import LimitReached, PragError, one_line, plain
-from prag_asp.processes.stage import Note, hear, note, so_far
+from prag_asp.processes.progress_events import Note, hear, note, so_far
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -72,7 +72,7 @@ class Command(click.Group):
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
         gc.set_threshold(*COLLECT)
-        ending.begin()
+        exit_control.begin()
         try:
             with _insisting():
                 return super().main(*args, **{**kwargs, "standalone_mode": False}) or 0
@@ -86,7 +86,7 @@ class Command(click.Group):
         except Exception as error:
             if _interruption(error) is not None:
                 return _end(error)
-            if not ending.memory_refused(error):
+            if not exit_control.memory_refused(error):
                 raise
             return _end(MemoryError())
 
@@ -102,15 +102,15 @@ def _insisting() -> Iterator[None]:
     def again(dropped: sys.UnraisableHookArgs) -> None:
         number = next((each for each, kind in ASKED.items() if type(dropped.exc_value) is kind), None)
         if number is None:
-            torn = ending.asked_for() is not None  # it comes of what was left half-way
+            torn = exit_control.asked_for() is not None  # it comes of what was left half-way
             if not torn and not isinstance(dropped.exc_value, NO_MEMORY):
                 usual(dropped)
             return
-        if ending.supervised():
-            ending.answer_again()
+        if exit_control.supervised():
+            exit_control.answer_again()
         elif number == signal.SIGTERM:
             signal.signal(signal.SIGTERM, _terminate)
-        start_new_thread(ending.send_later, (number,))
+        start_new_thread(exit_control.send_later, (number,))
 
     sys.unraisablehook = again
     try:
@@ -124,9 +124,9 @@ def _end(error: BaseException) -> int:
     if isinstance(error, BrokenPipeError):
         sys.stdout = None  # nothing more can be flushed into it
         return Exit.OUTPUT
-    ending.deafen()
+    exit_control.deafen()
     code = _tell_end(error)
-    ending.said()
+    exit_control.said()
     return code
 
 
@@ -135,11 +135,11 @@ def _tell_end(error: BaseException) -> int:
     interruption = _interruption(error)
     if interruption is not None:
         return _end_asked(interruption)
-    if ending.caused_by_memory(error) and not isinstance(error, LimitReached):
-        tell_line(ending.out_of_memory())
+    if exit_control.caused_by_memory(error) and not isinstance(error, LimitReached):
+        tell_line(exit_control.out_of_memory())
         return Exit.LIMIT
     if isinstance(error, RecursionError):
-        tell_line(ending.too_deep())
+        tell_line(exit_control.too_deep())
         return Exit.BAD_INPUT
     if isinstance(error, OSError):
         tell_line(f"{error.filename or 'stdout'}: {error.strerror or error}")
@@ -154,13 +154,13 @@ def _interruption(error: BaseException) -> type[BaseException] | None:
     """Return what interrupted the command, be it that an error of foreign code or of Python wraps it, or None."""
     for each in (error.__cause__, error):
         if each is not None and isinstance(each, (*ASKED.values(), click.Abort)):
-            return ending.asked_for() or type(each)
-    return ending.asked_for()
+            return exit_control.asked_for() or type(each)
+    return exit_control.asked_for()
 
 
 def _end_asked(kind: type[BaseException]) -> Exit:
     """Say that the command ends since it was asked to, and return its exit code."""
-    told = {Terminated: ("terminated", Exit.TERMINATED), Struck: (ending.struck(), Exit.LIMIT)}
+    told = {Terminated: ("terminated", Exit.TERMINATED), Struck: (exit_control.struck(), Exit.LIMIT)}
     line, code = told.get(kind, ("interrupted", Exit.INTERRUPTED))
     click.echo(line, err=True)
     return code

@@ -14,24 +14,24 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.filtering import feasible
     from prag_asp.dataset.formats.exporting import export
-    from prag_asp.dataset.generating import generate
+    from prag_asp.dataset.generation import generate
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
+    from prag_asp.dataset.language.instruction_reader import Reading, read_instruction
+    from prag_asp.dataset.language.instruction_writer import Instructions, Teller, teller_of
     from prag_asp.dataset.language.plain import instruction
-    from prag_asp.dataset.language.reader import Reading, read_instruction
-    from prag_asp.dataset.language.teller import Instructions, Teller, teller_of
-    from prag_asp.dataset.learning import Learned, learn
+    from prag_asp.dataset.learned_rules import Learned, learn
     from prag_asp.dataset.merging import merge
-    from prag_asp.dataset.rechecking import Outcome, recheck
+    from prag_asp.dataset.pass_rates import Tally
+    from prag_asp.dataset.physics_filter import feasible
+    from prag_asp.dataset.revalidation import Outcome, recheck
     from prag_asp.dataset.store.entry import Entry
     from prag_asp.dataset.suites.counting import count_suite
-    from prag_asp.dataset.suites.making import generate_suite
-    from prag_asp.dataset.suites.reading import load_suite
-    from prag_asp.dataset.suites.suite import Suite
+    from prag_asp.dataset.suites.suite_builder import generate_suite
+    from prag_asp.dataset.suites.suite_reader import load_suite
+    from prag_asp.dataset.suites.suite_spec import Suite
     from prag_asp.dataset.suites.verifying import verify
-    from prag_asp.dataset.tally import Tally
-    from prag_asp.dataset.verifying.finding import Finding
+    from prag_asp.dataset.verification.finding import Finding
 
 __all__ = [
     "Entry",
@@ -63,24 +63,24 @@ __all__ = [
 ]
 
 _HOMES = {
-    "prag_asp.dataset.filtering": ("feasible",),
+    "prag_asp.dataset.physics_filter": ("feasible",),
     "prag_asp.dataset.formats.exporting": ("export",),
-    "prag_asp.dataset.generating": ("generate",),
+    "prag_asp.dataset.generation": ("generate",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
     "prag_asp.dataset.language.plain": ("instruction",),
-    "prag_asp.dataset.language.reader": ("Reading", "read_instruction"),
-    "prag_asp.dataset.language.teller": ("Instructions", "Teller", "teller_of"),
-    "prag_asp.dataset.learning": ("Learned", "learn"),
+    "prag_asp.dataset.language.instruction_reader": ("Reading", "read_instruction"),
+    "prag_asp.dataset.language.instruction_writer": ("Instructions", "Teller", "teller_of"),
+    "prag_asp.dataset.learned_rules": ("Learned", "learn"),
     "prag_asp.dataset.merging": ("merge",),
-    "prag_asp.dataset.rechecking": ("Outcome", "recheck"),
+    "prag_asp.dataset.revalidation": ("Outcome", "recheck"),
     "prag_asp.dataset.store.entry": ("Entry",),
     "prag_asp.dataset.suites.counting": ("count_suite",),
-    "prag_asp.dataset.suites.making": ("generate_suite",),
-    "prag_asp.dataset.suites.reading": ("load_suite",),
-    "prag_asp.dataset.suites.suite": ("Suite",),
+    "prag_asp.dataset.suites.suite_builder": ("generate_suite",),
+    "prag_asp.dataset.suites.suite_reader": ("load_suite",),
+    "prag_asp.dataset.suites.suite_spec": ("Suite",),
     "prag_asp.dataset.suites.verifying": ("verify",),
-    "prag_asp.dataset.tally": ("Tally",),
-    "prag_asp.dataset.verifying.finding": ("Finding",),
+    "prag_asp.dataset.pass_rates": ("Tally",),
+    "prag_asp.dataset.verification.finding": ("Finding",),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

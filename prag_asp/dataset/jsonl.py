@@ -14,7 +14,7 @@ import msgspec
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.fields import Number, decoded, read
-from prag_asp.reading import LONGEST_LINE, lines_of, open_text
+from prag_asp.safe_reading import LONGEST_LINE, lines_of, open_text
 from prag_asp.task import FrozenDict, Task
 
 

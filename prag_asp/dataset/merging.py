@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from prag_asp.dataset.making.places import place_of
+from prag_asp.dataset.dataset_spec import Wanted
+from prag_asp.dataset.making.executors import place_of
 from prag_asp.dataset.making.run import Progress, Run
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.wanted import Wanted
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
 from prag_asp.physics import Budget, Staging
-from prag_asp.reading import is_inside, read_bytes
-from prag_asp.space.drawing.deal import ALL, Deal
-from prag_asp.space.ordered import Division
+from prag_asp.safe_reading import is_inside, read_bytes
+from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
+from prag_asp.space.without_replacement import Division
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def merge(
         PragError: as `generate` does, for the draws that are looked at here.
     """
     require_pyarrow()
-    from prag_asp.dataset.making.jobs import Jobs
+    from prag_asp.dataset.making.part_merge import Jobs
 
     place = place_of(workers, on)
     found = _in_order([Dataset.open(part, trust=trust) for part in parts])

@@ -9,7 +9,7 @@ from prag_asp.physics.predicates import own_predicates
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
-    from prag_asp.scene.model import Scene
+    from prag_asp.scene.scene import Scene
 
 
 def scene_of(domain: Domain) -> Scene:

@@ -12,7 +12,7 @@ from typing import Any
 
 from prag_asp.domain.load import Domain
 from prag_asp.program.paths import PACKAGE
-from prag_asp.reading import is_inside, read_bytes
+from prag_asp.safe_reading import is_inside, read_bytes
 
 MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
 """How a URDF names a mesh."""

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import clingo
 
-from prag_asp.domain.given import parse_given
-from prag_asp.domain.needed import Needed, find_needed
+from prag_asp.domain.domain_source import parse_given
+from prag_asp.domain.reduction import Needed, find_needed
 from prag_asp.domain.rules import rule_sources
 from prag_asp.errors import DomainError, SceneError
 from prag_asp.lint import check, check_learned
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.facts import Facts, flattened
 from prag_asp.program.paths import data_folder
@@ -33,7 +33,7 @@ from prag_asp.program.sources import (
 )
 
 if TYPE_CHECKING:
-    from prag_asp.scene.model import Scene
+    from prag_asp.scene.scene import Scene
 
 LEARNED = "learned.lp"
 """The file of invariants that physics has proved; `prag-asp learn` writes it."""
@@ -167,7 +167,7 @@ def load_scene(domain: Domain) -> Scene:
             raise SceneError(f"{told} (--settings FILE), or draw with --no-physics")
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
     facts = domain.facts
-    from prag_asp.scene.load import parse_scene
+    from prag_asp.scene.scene_loader import parse_scene
 
     stage("reading the scene")
     folder, trust = domain.settings.path.parent, domain.trusted

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.grammar.read import Signature
+    from prag_asp.grammar.reader import Signature
     from prag_asp.grammar.template import Template
 
 Way = TypeVar("Way")

@@ -7,10 +7,10 @@ from itertools import combinations
 from typing import Any, NamedTuple
 
 from prag_asp.errors import QueryError
-from prag_asp.grammar.read import FIRST, PARTS, GrammarReader, Signature, languages, tables
+from prag_asp.grammar.completeness import form_problems, kind_problems
+from prag_asp.grammar.reader import FIRST, PARTS, GrammarReader, Signature, languages, tables
 from prag_asp.grammar.template import Template, agrees, parse_template
-from prag_asp.grammar.whole import form_problems, kind_problems
-from prag_asp.grammar.words import shipped_languages
+from prag_asp.grammar.word_table import shipped_languages
 from prag_asp.program.facts import Facts
 from prag_asp.program.settings import Settings, key_shown
 from prag_asp.wording import did_you_mean, listed

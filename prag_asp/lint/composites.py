@@ -8,7 +8,7 @@ from typing import NamedTuple
 import clingo
 
 from prag_asp.lint.effects import Findings
-from prag_asp.lint.origin import Origins, Place
+from prag_asp.lint.rule_origin import Origins, Place
 from prag_asp.program.composition import composite_sizes, find_cycle, inner_composites
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem

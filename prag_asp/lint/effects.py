@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import clingo
 from clingo.ast import ASTType
 
-from prag_asp.lint.origin import Origins, Place
 from prag_asp.lint.reaching.ever import EVER
+from prag_asp.lint.rule_origin import Origins, Place
 from prag_asp.program.facts import Assignment, Facts, rows, unsorted_rows
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement

@@ -14,7 +14,7 @@ import clingo
 
 from prag_asp.lint.composites import Complaint, grouped
 from prag_asp.lint.occurrence import STEP, Occurrence, fluent_values, holding, stated_of_steps
-from prag_asp.lint.origin import Origins
+from prag_asp.lint.rule_origin import Origins
 from prag_asp.program.composition import Actions, composite_actions
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.grounding import Grounder

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 import clingo
 
 from prag_asp.lint.directives import CHOICES, STATED
-from prag_asp.lint.origin import Origins, Place
 from prag_asp.lint.reaching.ever import EVER
+from prag_asp.lint.rule_origin import Origins, Place
 from prag_asp.program.composition import find_cycle
+from prag_asp.program.entity_names import ambiguity, shared_names
 from prag_asp.program.facts import Facts, rows
-from prag_asp.program.names import ambiguity, shared_names
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 from prag_asp.program.syntax import Statement

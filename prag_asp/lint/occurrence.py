@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import clingo
 
-from prag_asp.lint.origin import Origins, Place
+from prag_asp.lint.rule_origin import Origins, Place
 from prag_asp.program.facts import Assignment, Facts, rows
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.invariants import FluentValue, Reasons, conflict, entailed, invariant_graph, spell

@@ -11,15 +11,13 @@ from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
 from prag_asp.lint.composites import composite_problems
-from prag_asp.lint.demands import demand_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
 from prag_asp.lint.execution import execution_problems, find_execution
-from prag_asp.lint.growth import recursion_problems, size_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
+from prag_asp.lint.misspellings import vocabulary_problems
 from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
 from prag_asp.lint.open_world import open_world_problems
-from prag_asp.lint.origin import Origins
 from prag_asp.lint.reaching.ever import EVER, ever_problems, needless_problems
 from prag_asp.lint.reaching.reachability import (
     LEFT_OUT,
@@ -29,13 +27,15 @@ from prag_asp.lint.reaching.reachability import (
     steady_values,
     unreached_problems,
 )
-from prag_asp.lint.table import name_problems, table_problems
-from prag_asp.lint.vocabulary import vocabulary_problems
-from prag_asp.processes.stage import stage
-from prag_asp.program.allowed import Allowed, allowance_problems, allowed_names, not_allowed
+from prag_asp.lint.rule_origin import Origins
+from prag_asp.lint.settings_checks import name_problems, table_problems
+from prag_asp.lint.size_checks import recursion_problems, size_problems
+from prag_asp.lint.unsatisfiable_atoms import demand_problems
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.entity_names import MENTIONS, NAME, mention_facts, name_fact
 from prag_asp.program.facts import Facts, read_facts, rows, without
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.names import MENTIONS, NAME, mention_facts, name_fact
+from prag_asp.program.lint_comments import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, parse_table, settings_of

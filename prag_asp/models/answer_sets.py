@@ -13,19 +13,19 @@ import clingo
 
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
-from prag_asp.logic.formula.clauses import TRUE, Literal
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.counter import CountBeside, count_models, has_ganak
 from prag_asp.models import ENGINES
-from prag_asp.models.compiling import Progress, compile_formula, prepare
+from prag_asp.models.answer_set_formula import ModelFormula, model_formula
+from prag_asp.models.atom_weights import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights, unknown_weights
+from prag_asp.models.compiler import Progress, compile_formula, prepare
 from prag_asp.models.diagram import Weighed
-from prag_asp.models.enumerating import Enumeration
-from prag_asp.models.formula import ModelFormula, model_formula
-from prag_asp.models.ground import GroundModels, ground_models
-from prag_asp.models.listing import listed
-from prag_asp.models.reading import GivenProgram, read_program
+from prag_asp.models.enumeration import Enumeration
+from prag_asp.models.ground_program import GroundModels, ground_models
+from prag_asp.models.model_listing import listed
+from prag_asp.models.program_reader import GivenProgram, read_program
 from prag_asp.models.shifting import is_disjunctive, is_head_cycle_free
-from prag_asp.models.weighing import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights, unknown_weights
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
 

@@ -13,8 +13,8 @@ from functools import cached_property
 from math import prod
 from typing import NamedTuple
 
-from prag_asp.bits import WORD, SeededBits
-from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.clause_builder import Literal
+from prag_asp.random_bits import WORD, SeededBits
 
 MOST_WORDS = 2**18
 """Random words that are drawn at once."""

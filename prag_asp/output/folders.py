@@ -8,9 +8,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from prag_asp.errors import OutputError
-from prag_asp.output.files import told
-from prag_asp.output.part import SUFFIX, flush_folder
-from prag_asp.reading import is_inside
+from prag_asp.output.atomic_files import told
+from prag_asp.output.partial_file import SUFFIX, flush_folder
+from prag_asp.safe_reading import is_inside
 
 
 def make_folder(folder: str | Path) -> Path:

@@ -16,9 +16,9 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from prag_asp.output.files import behind, replace_file, told
-from prag_asp.output.part import Part
-from prag_asp.reading import read_bytes
+from prag_asp.output.atomic_files import behind, replace_file, told
+from prag_asp.output.partial_file import Part
+from prag_asp.safe_reading import read_bytes
 
 SUFFIX = ".run"
 VERSION = 1

@@ -6,8 +6,8 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
-from prag_asp.output.files import replace_file
-from prag_asp.reading import read_bytes
+from prag_asp.output.atomic_files import replace_file
+from prag_asp.safe_reading import read_bytes
 
 
 class Steps:

@@ -9,9 +9,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from prag_asp.errors import OutputError
-from prag_asp.output.files import behind, is_stream, told
+from prag_asp.output.atomic_files import behind, is_stream, told
 from prag_asp.output.folders import make_folder
-from prag_asp.output.part import SUFFIX, Part, flush_folder
+from prag_asp.output.partial_file import SUFFIX, Part, flush_folder
 
 
 @contextmanager

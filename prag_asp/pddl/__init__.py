@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
-    from prag_asp.pddl.reading import Imported, read
+    from prag_asp.pddl.task_reader import Imported, read
 
 __all__ = ["Imported", "read"]
 
-_HOMES = {"prag_asp.pddl.reading": ("Imported", "read")}
+_HOMES = {"prag_asp.pddl.task_reader": ("Imported", "read")}
 
 __getattr__ = names_from(__name__, _HOMES)
 

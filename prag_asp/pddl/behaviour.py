@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
-from prag_asp.pddl.formula import Formula, Junction, Literal, Quantified, Variable, conjuncts, demanded, negated
-from prag_asp.pddl.layout import statement
-from prag_asp.pddl.model import OBJECT, DomainFile, Effect, ProblemFile, Schema
-from prag_asp.pddl.places import Line, Place
+from prag_asp.pddl.definitions import OBJECT, DomainFile, Effect, ProblemFile, Schema
+from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, conjuncts, demanded, negated
+from prag_asp.pddl.line_map import Line, Place
+from prag_asp.pddl.program_text import statement
 from prag_asp.pddl.rivals import Rivals, differences, is_overruled, is_plain
 from prag_asp.pddl.size import large_actions
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import chain, count
 
-from prag_asp.pddl.formula import (
+from prag_asp.pddl.formulas import (
     Equality,
     Formula,
     Junction,
@@ -22,7 +22,7 @@ from prag_asp.pddl.formula import (
     negated,
     variables,
 )
-from prag_asp.pddl.places import File, Line, Place
+from prag_asp.pddl.line_map import File, Line, Place
 
 BASE, STEP, END = "base", "step(t)", "check(t)"
 """The parts of a program: what never changes, a step and the state before it, and the last state."""

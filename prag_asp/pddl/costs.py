@@ -8,8 +8,8 @@ from decimal import MAX_EMAX, MAX_PREC, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 
 from prag_asp.errors import DomainError, QueryError
-from prag_asp.pddl.formula import Variable
-from prag_asp.pddl.model import DomainFile, ProblemFile
+from prag_asp.pddl.definitions import DomainFile, ProblemFile
+from prag_asp.pddl.formulas import Variable
 
 DIGITS = 2000
 """Digits after the point that a weight may need."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from prag_asp.pddl.conditions import Vocabulary
-from prag_asp.pddl.formula import Variable, conjuncts
-from prag_asp.pddl.model import DomainFile, Effect, ProblemFile
+from prag_asp.pddl.definitions import DomainFile, Effect, ProblemFile
+from prag_asp.pddl.formulas import Variable, conjuncts
 
 
 def is_plain(effect: Effect) -> bool:

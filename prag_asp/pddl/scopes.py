@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import NoReturn
 
-from prag_asp.pddl.formula import Equality, Formula, Junction, Literal, Quantified, Variable
-from prag_asp.pddl.model import OBJECT, Signature
-from prag_asp.pddl.names import variable_name
+from prag_asp.pddl.clingo_names import variable_name
+from prag_asp.pddl.definitions import OBJECT, Signature
+from prag_asp.pddl.formulas import Equality, Formula, Junction, Literal, Quantified, Variable
 from prag_asp.pddl.syntax.nodes import Node, Word
 from prag_asp.wording import did_you_mean, plural
 

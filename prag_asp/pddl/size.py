@@ -8,8 +8,8 @@ from math import prod
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.pddl.formula import Equality, Literal, Variable, conjuncts, demanded, literals, variables
-from prag_asp.pddl.model import DomainFile, ProblemFile, Schema
+from prag_asp.pddl.definitions import DomainFile, ProblemFile, Schema
+from prag_asp.pddl.formulas import Equality, Literal, Variable, conjuncts, demanded, literals, variables
 
 MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
 """Fluents, and actions of one name, that a domain may have; a fluent takes 3 kB and 0.1 ms, an action more."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from prag_asp.pddl.behaviour import Behaviour
+from prag_asp.pddl.clingo_names import TERMS, clingo_names
 from prag_asp.pddl.conditions import BASE, END, STEP, Rules, Vocabulary, applied
-from prag_asp.pddl.formula import Formula, Junction, Literal, Quantified, Variable, literals
-from prag_asp.pddl.layout import filled, heading, statement, wrapped
-from prag_asp.pddl.model import OBJECT, DomainFile, ProblemFile
-from prag_asp.pddl.names import TERMS, clingo_names
-from prag_asp.pddl.places import Line, Place
+from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile
+from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, literals
+from prag_asp.pddl.line_map import Line, Place
+from prag_asp.pddl.program_text import filled, heading, statement, wrapped
 from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 
 CLOSED = '#include "rules/closed_world.lp".'

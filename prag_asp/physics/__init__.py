@@ -12,24 +12,24 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.errors import PhysicsMissingError, PicturesMissingError, WorkerError
-    from prag_asp.physics.cascade import open_cascade
-    from prag_asp.physics.checks.check import check_witness, open_witness_check
     from prag_asp.physics.checks.settling import open_settling, settle
-    from prag_asp.physics.demonstration.check import check_demonstration
+    from prag_asp.physics.checks.witness_check import check_witness, open_witness_check
     from prag_asp.physics.demonstration.demonstration import Demonstration
+    from prag_asp.physics.demonstration.demonstration_check import check_demonstration
     from prag_asp.physics.demonstration.footage import Film, Footage, Picture
-    from prag_asp.physics.demonstration.perform import demonstrate
-    from prag_asp.physics.facts import physical_task
-    from prag_asp.physics.filming.check import check_footage
+    from prag_asp.physics.demonstration.performance import demonstrate
+    from prag_asp.physics.filming.episode_options import Staging
     from prag_asp.physics.filming.film import film
-    from prag_asp.physics.filming.staging import Staging
+    from prag_asp.physics.filming.film_check import check_footage
     from prag_asp.physics.motion.transit import travel
-    from prag_asp.physics.pictures.render import animate, film_strip, still
+    from prag_asp.physics.pictures.rendering import animate, film_strip, still
     from prag_asp.physics.pool import validate_numbered, validate_tasks
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
     from prag_asp.physics.required import require_physics
     from prag_asp.physics.search.attempt import CAUSES
     from prag_asp.physics.situation import Situation
+    from prag_asp.physics.symbolic_facts import physical_task
+    from prag_asp.physics.tier_cascade import open_cascade
     from prag_asp.physics.validator import Validator, open_validator, validate_task
     from prag_asp.physics.verdict import TIERS, Budget, Verdict
     from prag_asp.physics.witness import Arm, Moment, Waypoint, Witness
@@ -86,20 +86,20 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.errors": ("PhysicsMissingError", "PicturesMissingError", "WorkerError"),
-    "prag_asp.physics.cascade": ("open_cascade",),
-    "prag_asp.physics.checks.check": ("check_witness", "open_witness_check"),
+    "prag_asp.physics.tier_cascade": ("open_cascade",),
+    "prag_asp.physics.checks.witness_check": ("check_witness", "open_witness_check"),
     "prag_asp.physics.checks.settling": ("open_settling", "settle"),
-    "prag_asp.physics.demonstration.check": ("check_demonstration",),
+    "prag_asp.physics.demonstration.demonstration_check": ("check_demonstration",),
     "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
     "prag_asp.physics.demonstration.footage": ("Film", "Footage", "Picture"),
-    "prag_asp.physics.demonstration.perform": ("demonstrate",),
-    "prag_asp.physics.facts": ("physical_task",),
+    "prag_asp.physics.demonstration.performance": ("demonstrate",),
+    "prag_asp.physics.symbolic_facts": ("physical_task",),
     "prag_asp.physics.required": ("require_physics",),
-    "prag_asp.physics.filming.check": ("check_footage",),
+    "prag_asp.physics.filming.film_check": ("check_footage",),
     "prag_asp.physics.filming.film": ("film",),
-    "prag_asp.physics.filming.staging": ("Staging",),
+    "prag_asp.physics.filming.episode_options": ("Staging",),
     "prag_asp.physics.motion.transit": ("travel",),
-    "prag_asp.physics.pictures.render": ("animate", "film_strip", "still"),
+    "prag_asp.physics.pictures.rendering": ("animate", "film_strip", "still"),
     "prag_asp.physics.pool": ("validate_numbered", "validate_tasks"),
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),
     "prag_asp.physics.situation": ("Situation",),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from prag_asp.physics.cascade import Passage, open_cascade
+from prag_asp.physics.tier_cascade import Passage, open_cascade
 
 
 def answers(messages: Iterator[Any]) -> Iterator[list[Passage]]:

@@ -14,12 +14,12 @@ from itertools import islice
 from typing import Any
 
 from prag_asp.errors import QueryError, WorkerError
-from prag_asp.physics.filming.staging import Staging
+from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.validator import open_validator
 from prag_asp.physics.verdict import Budget, Verdict
-from prag_asp.processes.children import Child, Children, Ended, answered
-from prag_asp.processes.stage import stage
-from prag_asp.scene.model import Scene
+from prag_asp.processes.progress_events import stage
+from prag_asp.processes.workers import Child, Children, Ended, answered
+from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 CHUNK = 4

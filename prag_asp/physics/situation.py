@@ -13,8 +13,8 @@ from prag_asp.physics.witness import Arm
 from prag_asp.scene.boxes import Corners, Vector, box_of, corners_of
 from prag_asp.scene.furniture import bounds, cavity_pose, part_pose
 from prag_asp.scene.geometry import Pose, extents, finite, raised, yaw_quaternion
-from prag_asp.scene.model import Scene, Shape
 from prag_asp.scene.robots import Robot, robot_of
+from prag_asp.scene.scene import Scene, Shape
 
 TABLE_THICKNESS = 0.04
 

@@ -13,22 +13,22 @@ from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
 from prag_asp.physics.checks.settling import Settling, open_settling
 from prag_asp.physics.demonstration.demonstration import Demonstration
-from prag_asp.physics.demonstration.perform import Performer, open_performer
-from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
+from prag_asp.physics.demonstration.performance import Performer, open_performer
+from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.filming.film import film
-from prag_asp.physics.filming.staging import Staging
 from prag_asp.physics.motion.transit import with_transit
 from prag_asp.physics.proofs.prover import Prover
-from prag_asp.physics.search.actions import advance
+from prag_asp.physics.search.action_effects import advance
 from prag_asp.physics.search.attempt import CAUSES, NO_PATH, Exhausted, Failure, Fault, Search, Snapshot
 from prag_asp.physics.search.foresight import foresee
+from prag_asp.physics.search.initial_state import draw_start
 from prag_asp.physics.search.spans import foresee_spans
-from prag_asp.physics.search.start import draw_start
+from prag_asp.physics.symbolic_facts import Effect, PhysicalTask, physical_task
 from prag_asp.physics.verdict import Budget, Detail, Verdict
 from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.processes.stage import stage
-from prag_asp.scene.model import Scene, Size
+from prag_asp.processes.progress_events import stage
+from prag_asp.scene.scene import Scene, Size
 from prag_asp.task import Task
 
 LISTED = 8

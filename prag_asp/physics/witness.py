@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from prag_asp.physics.written import VERSION, ArmForm, PoseForm, witness_form
+from prag_asp.physics.witness_json import VERSION, ArmForm, PoseForm, witness_form
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Size
 from prag_asp.scene.robots import Joints
+from prag_asp.scene.scene import Size
 
 TRANSIT = "transit"
 """The name of waypoints between those where something happens."""

@@ -9,7 +9,7 @@ from typing import Any
 from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.validator import Validator, open_validator
 from prag_asp.physics.verdict import Verdict
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 
 def answers(messages: Iterator[Any]) -> Iterator[list[Verdict]]:

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
-    from prag_asp.planners.writing import Exported, write
+    from prag_asp.planners.pddl_writer import Exported, write
 
 __all__ = ["Exported", "write"]
 
-_HOMES = {"prag_asp.planners.writing": ("Exported", "write")}
+_HOMES = {"prag_asp.planners.pddl_writer": ("Exported", "write")}
 
 __getattr__ = names_from(__name__, _HOMES)
 

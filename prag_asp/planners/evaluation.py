@@ -18,7 +18,7 @@ from prag_asp.logic.step.normal import Body
 from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
-from prag_asp.planners.actions import CARRIED, NOT_TRUE, Proposition
+from prag_asp.planners.ground_action import CARRIED, NOT_TRUE, Proposition
 
 Read = Callable[[int], Node]
 After = Mapping[int, Node]

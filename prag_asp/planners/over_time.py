@@ -10,13 +10,13 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.errors import DomainError
 from prag_asp.logic.diagram.functions import FALSE, TRUE, Cube, Functions, Node, TooLarge
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.ground.program import with_facts
-from prag_asp.logic.model import Model
 from prag_asp.logic.step.transition import Transition
-from prag_asp.planners.actions import CARRIED, Case, Effect, Ground, GroundAction, Proposition, Value
 from prag_asp.planners.evaluation import After, StepFunctions, holds
-from prag_asp.planners.ground import rules_over_time
-from prag_asp.planners.implied import Implied
+from prag_asp.planners.ground_action import CARRIED, Case, Effect, Ground, GroundAction, Proposition, Value
+from prag_asp.planners.grounding import rules_over_time
+from prag_asp.planners.implied_values import Implied
 
 MOST_NODES = 1_000_000
 """Nodes of diagrams that are made at most."""

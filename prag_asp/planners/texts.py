@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from prag_asp.planners.lifting import Clause, Literal, Written
+from prag_asp.planners.lifted_actions import Clause, Literal, Written
 
 
 def positive(literal: Literal, opposites: Mapping[str, str]) -> Literal:

@@ -13,7 +13,7 @@ import clingo
 
 from prag_asp.atom import symbol_of
 from prag_asp.errors import DomainError
-from prag_asp.program.atoms import ground_atoms
+from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 import clingo
 
 from prag_asp.errors import DomainError
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
 from prag_asp.program.finite.checks import Checks
 from prag_asp.program.finite.guards import guarded
 from prag_asp.program.parse import require_memory

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from prag_asp.errors import DomainError, QueryError
-from prag_asp.reading import STANDARD_INPUT
+from prag_asp.safe_reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
 BY_LIBRARY = frozenset(["canonical_names", "joint_names", "closed_invariants", "weights"])

@@ -13,7 +13,7 @@ from pathlib import Path
 from prag_asp.errors import DomainError
 from prag_asp.program.paths import data_folder
 from prag_asp.program.tokens import blanked
-from prag_asp.reading import LARGEST_TEXT, STANDARD_INPUT, is_inside, read_bytes
+from prag_asp.safe_reading import LARGEST_TEXT, STANDARD_INPUT, is_inside, read_bytes
 
 KEYWORD = re.compile(r"#include\b")
 CONTRACT = "contract.lp"

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from prag_asp.rl.curriculum.adaptive import Adaptive
     from prag_asp.rl.curriculum.backwards import Backwards
     from prag_asp.rl.curriculum.bandit import Bandit
-    from prag_asp.rl.curriculum.lengths import Lengths
+    from prag_asp.rl.curriculum.growing_length import Lengths
     from prag_asp.rl.curriculum.novelty import Novelty
     from prag_asp.rl.environment import TaskEnv
-    from prag_asp.rl.observing import Layout
-    from prag_asp.rl.running import Rate, Run, Runs, run
-    from prag_asp.rl.scripted import Oracle, oracle
+    from prag_asp.rl.observations import Layout
+    from prag_asp.rl.scripted_agent import Oracle, oracle
+    from prag_asp.rl.skill_chains import Rate, Run, Runs, run
 
 __all__ = [
     "Adaptive", "Backwards", "Bandit", "Layout", "Lengths", "Novelty", "Oracle", "Rate", "Run", "Runs", "TaskEnv",
@@ -40,12 +40,12 @@ _HOMES = {
     "prag_asp.rl.curriculum.adaptive": ("Adaptive",),
     "prag_asp.rl.curriculum.backwards": ("Backwards",),
     "prag_asp.rl.curriculum.bandit": ("Bandit",),
-    "prag_asp.rl.curriculum.lengths": ("Lengths",),
+    "prag_asp.rl.curriculum.growing_length": ("Lengths",),
     "prag_asp.rl.curriculum.novelty": ("Novelty",),
     "prag_asp.rl.environment": ("TaskEnv",),
-    "prag_asp.rl.observing": ("Layout",),
-    "prag_asp.rl.running": ("Rate", "Run", "Runs", "run"),
-    "prag_asp.rl.scripted": ("Oracle", "oracle"),
+    "prag_asp.rl.observations": ("Layout",),
+    "prag_asp.rl.skill_chains": ("Rate", "Run", "Runs", "run"),
+    "prag_asp.rl.scripted_agent": ("Oracle", "oracle"),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

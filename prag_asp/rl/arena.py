@@ -15,8 +15,8 @@ from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP, Command, open_dynamics
 from prag_asp.rl.control import Control, commanded
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Joints, robot_of
+from prag_asp.scene.scene import Scene
 
 SUBSTEPS = 6
 """How many steps of the simulation an action lasts: an agent acts 20 times a second."""

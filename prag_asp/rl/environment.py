@@ -19,18 +19,18 @@ from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
-from prag_asp.rl.asking import Until, check_episodes, check_figures, moves_of, options_of
+from prag_asp.rl.camera_views import Image, Viewer
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.fading import Fading
+from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
 from prag_asp.rl.goals import PLACES
-from prag_asp.rl.observing import Layout, observe
+from prag_asp.rl.observations import Layout, observe
+from prag_asp.rl.reward_annealing import Fading
 from prag_asp.rl.rewards import Reward, earned, reached
-from prag_asp.rl.sealing import check_seal, sealed
-from prag_asp.rl.tasks.draws import Draws
-from prag_asp.rl.tasks.origin import Curricula, Origin
-from prag_asp.rl.tasks.sources import Finder
-from prag_asp.rl.viewing import Image, Viewer
-from prag_asp.space.parts.ranked import RankedTasks
+from prag_asp.rl.state_checksum import check_seal, sealed
+from prag_asp.rl.tasks.episode_starts import Draws
+from prag_asp.rl.tasks.source_options import Curricula, Origin
+from prag_asp.rl.tasks.task_sources import Finder
+from prag_asp.space.parts.ranked_tasks import RankedTasks
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from prag_asp.physics import physical_task
-from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.model import Scene
+from prag_asp.physics.symbolic_facts import Fact, facts
+from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 BROUGHT = 6

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from prag_asp.scene.forms import Outline, Point, rectangle
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
 
 Place = tuple[float, float, float]
 """x and y in metres, yaw in radians."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from prag_asp.scene.boxes import Box, Corners, Vector, around, box_between
 from prag_asp.scene.geometry import Pose, compose, yaw_quaternion
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
 
 GAP = 0.002
 """Between the moving part and the rest."""

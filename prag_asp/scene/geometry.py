@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Outline, Point
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
 
 Quaternion = tuple[float, float, float, float]
 

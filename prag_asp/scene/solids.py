@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.furniture import mechanism
-from prag_asp.scene.model import Scene, Shape, Solid
+from prag_asp.scene.scene import Scene, Shape, Solid
 
 
 def boxes(places: Iterable[tuple[Vector, Vector]]) -> tuple[Solid, ...]:

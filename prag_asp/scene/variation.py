@@ -18,7 +18,7 @@ from prag_asp.errors import QueryError
 from prag_asp.fields import Number, decoded, read
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.colours import from_lab, to_lab
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 KINDS = ("friction", "mass", "light", "camera", "colour")

@@ -17,8 +17,8 @@ from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import Draw, Level
 from prag_asp.space.engines.prefix import parse_plan
-from prag_asp.space.plans.canonical import canonical_names
-from prag_asp.space.weighing.weights import Number, Weights, parse_weights
+from prag_asp.space.plans.canonical_plan import canonical_names
+from prag_asp.space.weights.weights import Number, Weights, parse_weights
 from prag_asp.space.word_space import Prefix, WordSpace, checked_level
 from prag_asp.task import Task
 
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from prag_asp.space.drawing.drawers import Drawer, Over
-    from prag_asp.space.drawing.statistics import Statistics
-    from prag_asp.space.parts.ranked import RankedTasks
+    from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.plans.readings import Readings
-    from prag_asp.space.weighing.temperature import Temperature
+    from prag_asp.space.sampling.samplers import Drawer, Over
+    from prag_asp.space.sampling.statistics import Statistics
+    from prag_asp.space.weights.temperature import Temperature
 
 LISTED, LONGEST_LISTED = 500, 30
 """Skeletons up to which parts of whole skeletons are made of single ones, and their length."""
@@ -78,7 +78,7 @@ class TaskSpace(WordSpace):
         return self._ranked()[rank]
 
     def _ranked(self) -> RankedTasks:
-        from prag_asp.space.parts.ranked import Interval, RankedTasks
+        from prag_asp.space.parts.ranked_tasks import Interval, RankedTasks
 
         return RankedTasks(Interval(range(self.count())), self)
 
@@ -88,9 +88,9 @@ class TaskSpace(WordSpace):
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.parts.ranked import Interval, RankedTasks, Shuffled
+        from prag_asp.space.parts.ranked_tasks import Interval, RankedTasks, Shuffled
+        from prag_asp.space.parts.shares import divided, parse_shares
         from prag_asp.space.parts.shuffle import Shuffle
-        from prag_asp.space.parts.split import divided, parse_shares
 
         order = Shuffle(self.count(), seed)
         parts = divided(order.size, parse_shares(shares))
@@ -106,7 +106,7 @@ class TaskSpace(WordSpace):
             QueryError: the shares do not add up to 1.
         """
         from prag_asp.space.conditions.whole_skeletons import divide_skeletons
-        from prag_asp.space.parts.split import parse_shares
+        from prag_asp.space.parts.shares import parse_shares
 
         spaces: dict[Condition, TaskSpace] = {}
 
@@ -135,7 +135,7 @@ class TaskSpace(WordSpace):
         Raises:
             QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
         """
-        from prag_asp.space.parts.split import held_out
+        from prag_asp.space.parts.shares import held_out
 
         without, having = held_out(what, self.domain.facts, self.symmetries.orbits)
         return self._part(without), self._part(having)
@@ -176,13 +176,13 @@ class TaskSpace(WordSpace):
 
     def narrate_draws(self, draws: Iterable[Draw]) -> Iterator[Task]:
         """Yield the task of each of some draws, with the logarithm of its probability."""
-        from prag_asp.space.drawing.draws import log_probability
+        from prag_asp.space.sampling.draws import log_probability
 
         return self._shared.narrator.tasks((draw.word, log_probability(draw.probability)) for draw in draws)
 
     def tasks_of(self, draws: Sequence[Draw]) -> list[Task]:
         """Return the tasks of some draws, which are told together: that is faster than one by one."""
-        from prag_asp.space.drawing.draws import log_probability
+        from prag_asp.space.sampling.draws import log_probability
 
         return self._shared.narrator.told([(draw.word, log_probability(draw.probability)) for draw in draws])
 
@@ -242,8 +242,8 @@ class TaskSpace(WordSpace):
 
         Skeletons are drawn uniformly alone.
         """
-        from prag_asp.bits import SeededBits
-        from prag_asp.space.drawing.draws import drawn_words
+        from prag_asp.random_bits import SeededBits
+        from prag_asp.space.sampling.draws import drawn_words
 
         drawer = self.drawer(weights=weights, by=by, temperature=temperature, over=over)
         return drawn_words(drawer, self._engine(by), SeededBits(seed))
@@ -263,7 +263,7 @@ class TaskSpace(WordSpace):
 
         It holds places in `letters`. Draws are independent of each other, so portions may be made apart.
         """
-        from prag_asp.bits import SeededBits
+        from prag_asp.random_bits import SeededBits
 
         drawer = self.drawer(weights=weights, by=by, temperature=temperature, over=over)
         return drawer.draw(SeededBits(seed), first, _drawable(count), tell=False).letters
@@ -298,7 +298,7 @@ class TaskSpace(WordSpace):
         Raises:
             QueryError: one of them is no action's name, nor a pair of such.
         """
-        from prag_asp.space.drawing.statistics import weight_of_words_without
+        from prag_asp.space.sampling.statistics import weight_of_words_without
 
         facts = self.domain.facts
         return weight_of_words_without(self._engine(by), facts, by, self.length, self.weights(weights), what)
@@ -311,12 +311,12 @@ class TaskSpace(WordSpace):
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
-        from prag_asp.space.drawing.statistics import statistics_of
+        from prag_asp.space.sampling.statistics import statistics_of
 
         return statistics_of(self._engine(by), self.domain.facts, by, self.length, self._tempered(weights, temperature))
 
     def _tempered(self, weights: Mapping[str, Number] | None, temperature: Temperature) -> Weights:
-        from prag_asp.space.weighing.temperature import tempered
+        from prag_asp.space.weights.temperature import tempered
 
         return tempered(self.weights(weights), temperature)
 

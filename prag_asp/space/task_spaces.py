@@ -12,17 +12,17 @@ from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.engines import Draw, Level
-from prag_asp.space.engines.protocol import Progress
+from prag_asp.space.engines.engine import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weighing.weights import Number
+from prag_asp.space.weights.weights import Number
 from prag_asp.space.word_space import Prefix
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
-    from prag_asp.space.drawing.drawers import Over
-    from prag_asp.space.drawing.lengths import Portion
-    from prag_asp.space.weighing.temperature import Temperature
+    from prag_asp.space.sampling.lengths import Portion
+    from prag_asp.space.sampling.samplers import Over
+    from prag_asp.space.weights.temperature import Temperature
 
 
 class TaskSpaces:
@@ -183,7 +183,7 @@ class TaskSpaces:
         Raises:
             QueryError: there is nothing to draw, or it cannot be drawn so.
         """
-        from prag_asp.space.drawing.lengths import drawn_batches
+        from prag_asp.space.sampling.lengths import drawn_batches
 
         if over == "goals":
             raise QueryError("over goals, tasks of one length are drawn; give one, or draw over skeletons")
@@ -199,8 +199,8 @@ class TaskSpaces:
         self, weights: Mapping[str, Number] | None, by: Level, temperature: Temperature, over: Over | None
     ) -> list[Portion]:
         """Return what is drawn of each length, without those that weigh nothing."""
-        from prag_asp.space.drawing.drawers import OverSkeletons
-        from prag_asp.space.drawing.lengths import Portion
+        from prag_asp.space.sampling.lengths import Portion
+        from prag_asp.space.sampling.samplers import OverSkeletons
 
         portions = []
         for length in sorted(self.lengths, reverse=True):  # what is explored for the longest holds for all

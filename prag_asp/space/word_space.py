@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from prag_asp.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.symmetry.symmetries import Symmetries
-from prag_asp.program.names import action_name
+from prag_asp.program.entity_names import action_name
 from prag_asp.space.conditions.condition import Condition
+from prag_asp.space.engine_registry import Shared
 from prag_asp.space.engines import LEVELS, Engine, Level
+from prag_asp.space.engines.engine import Progress
 from prag_asp.space.engines.prefix import parse_prefix
-from prag_asp.space.engines.protocol import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.plans.canonical import canonical_prefix
-from prag_asp.space.shared import Shared
+from prag_asp.space.plans.canonical_plan import canonical_prefix
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -103,7 +103,7 @@ class WordSpace:
         for condition in conditions:
             space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
         if space.condition != self.condition:
-            from prag_asp.space.conditions.conditioned import conditioned
+            from prag_asp.space.conditions.conditioned_domain import conditioned
 
             shared = self._shared
             whole = part_of._shared.model if part_of else None
@@ -157,7 +157,7 @@ class WordSpace:
             LimitReached: it takes too long.
         """
         from prag_asp.logic.formula.approximate import Estimate, Tolerance
-        from prag_asp.space.engines.sharp import estimate_words
+        from prag_asp.space.engines.sharp_engine import estimate_words
 
         tolerance = Tolerance(epsilon, delta)
         level, first = checked_level(by), self._prefix(by, prefix)
@@ -190,7 +190,7 @@ class WordSpace:
             EngineError: the domain has no counterpart in clauses.
         """
         from prag_asp.logic.formula.cnf import dimacs
-        from prag_asp.space.engines.formula import word_formula
+        from prag_asp.space.engines.word_formula import word_formula
 
         formula = word_formula(self._shared.model, checked_level(by), self.length)
         return dimacs(formula.cnf, [f"the {by}s of {self.title}, by prag_asp"])

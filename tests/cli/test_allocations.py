@@ -23,7 +23,7 @@ UNTOLD = 0.1
 
 REFUSED = """
 import _testcapi, sys
-import prag_asp.space.task_space, prag_asp.space.drawing, prag_asp.cli.supervision, prag_asp.cli.asked
+import prag_asp.space.task_space, prag_asp.space.sampling, prag_asp.cli.supervision, prag_asp.cli.domain_options
 from prag_asp.cli import main
 
 allocation, sys.argv = int(sys.argv[1]), ["prag-asp", *sys.argv[2:]]

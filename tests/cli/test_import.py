@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.pddl.syntax import grammar
+from prag_asp.pddl.syntax import lark_grammar
 from tests.commands import run
 from tests.pddl.forward import Search
 
@@ -57,7 +57,7 @@ def test_what_cannot_be_imported_is_one_line(arguments: list[str], told: str, tm
 
 def test_without_the_package_it_is_said_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pddl.parser", None)
-    grammar.grammar.cache_clear()
+    lark_grammar.grammar.cache_clear()
     done = run("count", *FILES, "-n", "1", cwd=tmp_path)
     assert done.stderr == 'PDDL needs the package pddl; install it: pip install "prag_asp[pddl]"\n'
 

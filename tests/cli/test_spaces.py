@@ -92,7 +92,9 @@ def test_bad_questions_are_answered_by_one_line(arguments: list[str], told: str)
 def test_auto_says_in_one_line_why_it_takes_clingo_and_nothing_where_it_does_not(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("prag_asp.space.engines.auto.PATIENCE", 1e9)  # no counter beside clingo, be it ever so slow
+    monkeypatch.setattr(
+        "prag_asp.space.engines.auto_engine.PATIENCE", 1e9
+    )  # no counter beside clingo, be it ever so slow
     asked = ["count", "prag", "-n", "2..3", "--by", "plan", "--no-cache"]
     assert cli.main(asked) == 0
     assert capsys.readouterr().err == ""
@@ -143,10 +145,12 @@ def test_auto_says_in_one_line_why_it_takes_diagrams(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Twelve lamps, which go out of use together, on a machine that has memory for a few."""
-    monkeypatch.setattr("prag_asp.space.engines.auto.usual_memory", lambda: 4_000)
-    monkeypatch.setattr("prag_asp.space.engines.auto.Growth.hopeless", lambda self, extent, length: extent.depth > 3)
+    monkeypatch.setattr("prag_asp.space.engines.auto_engine.usual_memory", lambda: 4_000)
+    monkeypatch.setattr(
+        "prag_asp.space.engines.auto_engine.Growth.hopeless", lambda self, extent, length: extent.depth > 3
+    )
     for name in ("PATIENCE", "MORE_PATIENCE"):
-        monkeypatch.setattr(f"prag_asp.space.engines.reach.{name}", 100)
+        monkeypatch.setattr(f"prag_asp.space.engines.reachability.{name}", 100)
     (tmp_path / "domain.lp").write_text(
         "fluent((cut;lit(1..12))). initially(F,false) :- fluent(F). action((off;on(1..12))). "
         "precondition(A,cut,false) :- action(A). postcondition(off,cut,true). "

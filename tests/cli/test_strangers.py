@@ -150,7 +150,7 @@ def test_a_recording_that_grows_when_it_is_unpacked_is_refused(here: Path) -> No
 
 
 def test_a_line_of_tasks_without_an_end_is_told(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("prag_asp.reading", "prag_asp.dataset.jsonl"):
+    for module in ("prag_asp.safe_reading", "prag_asp.dataset.jsonl"):
         monkeypatch.setattr(f"{module}.LONGEST_LINE", 1000)
     assert "tasks.jsonl:1: not a task: the line is longer than" in one_line(run("validate", "tasks.jsonl", cwd=here))
 

@@ -30,7 +30,7 @@ PRODUCT = f"{LAMP} n(1..3000). m(X,Y,Z) :- n(X), n(Y), n(Z)."
 DEAF = """
 import ctypes, signal, sys, time
 from prag_asp.cli import terminal
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
 import prag_asp.cli.commands.domains as commands
 
 def work(*arguments):
@@ -307,7 +307,7 @@ def test_an_interruption_that_foreign_code_turns_into_an_error_of_its_own_is_an_
 
 def test_figures_are_told_where_foreign_code_turns_an_interruption_into_a_mistake() -> None:
     work = """
-    from prag_asp.cli.tally import tallied
+    from prag_asp.cli.summary import tallied
     from prag_asp.dataset import Tally
     from prag_asp.errors import DomainError
     tally = Tally()
@@ -324,10 +324,10 @@ def test_figures_are_told_where_foreign_code_turns_an_interruption_into_a_mistak
 def test_a_limit_that_strikes_while_a_command_is_ending_already_adds_no_line(raised: str) -> None:
     work = f"""
     import atexit
-    from prag_asp.cli import ending
+    from prag_asp.cli import exit_control
     from prag_asp.errors import LimitReached
     atexit.register(time.sleep, 2)
-    atexit.register(ending.limit, 0.3)
+    atexit.register(exit_control.limit, 0.3)
     raise {raised}"""
     code, said = ends(work)
     assert (code, said) == (3, "own line\n" if "own" in raised else "")
@@ -444,7 +444,7 @@ def _type(terminal: int, text: str, awaited: str) -> None:
 
 def test_every_command_has_the_limits_and_says_what_they_are_otherwise() -> None:
     from prag_asp.cli.registry import COMMANDS
-    from prag_asp.dataset.formats.protocol import FORMS
+    from prag_asp.dataset.formats.export_format import FORMS
     from tests.commands import ok
 
     forms = [("export", form) for form in ("dimacs", *FORMS)]

@@ -11,14 +11,15 @@ import pyarrow.parquet as pq
 import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, TaskSpace, TaskSpaces, load_domain
-from prag_asp.dataset import Teller, generate, instruction, looking, teller_of, verify
-from prag_asp.dataset.language.looks import BASIC, color_terms
-from prag_asp.dataset.looking import Draw, Found, Look, first_state
-from prag_asp.dataset.making.places import Processes
-from prag_asp.dataset.making.refusals import JOURNAL
+from prag_asp.dataset import Teller, generate, instruction, teller_of, validation_jobs, verify
+from prag_asp.dataset.language.appearance import BASIC, color_terms
+from prag_asp.dataset.making.executors import Processes
+from prag_asp.dataset.making.preconditions import JOURNAL
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.dataset.store import told, writing
+from prag_asp.dataset.store import instructions, shard_writer
+from prag_asp.dataset.validation_jobs import Draw, Found, Look, first_state
 from prag_asp.errors import NotFound
+from prag_asp.output import partial_file
 from prag_asp.physics import Budget, Staging, check_demonstration
 from tests.dataset.conftest import POOR
 from tests.output.faults import Disk, content, killed
@@ -108,7 +109,7 @@ def test_another_version_of_the_program_goes_on_and_is_noted(
     plain: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = plain(tmp_path / "grown", 6)
-    monkeypatch.setattr(writing, "versions", lambda: "prag_asp 9.9")
+    monkeypatch.setattr(shard_writer, "versions", lambda: "prag_asp 9.9")
     (part, _) = Dataset.open(plain(folder, 12)).manifest.parts
     whole, grown, *new = (set(shard.versions.split("; ")) for shard in part.shards)
     assert whole.isdisjoint({"prag_asp 9.9"}) and grown == whole | {"prag_asp 9.9"} and new == [{"prag_asp 9.9"}]
@@ -170,14 +171,14 @@ def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpaces, tmp_
         assert len(set(states)) == len(states) == entry.starts and numbers == [*range(entry.starts)]
     assert {entry.starts for entry in data.entries()} == {6}
     table = pq.read_table(tmp_path / "by_1" / "witnesses").to_pylist()
-    searches = [(row["index"] - data.entry(row["task"]).draw) // looking.START for row in table]
-    assert max(searches) > 5 and max(searches) < looking.TRIES * 6
+    searches = [(row["index"] - data.entry(row["task"]).draw) // validation_jobs.START for row in table]
+    assert max(searches) > 5 and max(searches) < validation_jobs.TRIES * 6
 
 
 def test_a_task_with_fewer_first_states_than_are_wanted_says_how_many_there_are(
     spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(looking, "first_state", lambda witness: "the same")
+    monkeypatch.setattr(validation_jobs, "first_state", lambda witness: "the same")
     data = generate(spaces.at(1), tmp_path / "data", tasks=1, seed=5, starts=3)
     assert [entry.starts for entry in data.entries()] == [1] and data.manifest.rows("witnesses") == 1
 
@@ -190,7 +191,7 @@ def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
 
     task = spaces.at(1)[0]
     monkeypatch.setattr(Teller, "instructions", unsure)
-    found = told.telling_of(spaces.domain, "en", 0)(task, {})
+    found = instructions.telling_of(spaces.domain, "en", 0)(task, {})
     assert found.whole == (("plain", instruction(task, spaces.domain.settings.language)),)
     assert found.subgoals == (found.whole[0][1],) and set(found.named) == set(task.entities)
 
@@ -324,9 +325,9 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numb
 def test_another_run_that_writes_the_same_folder_is_told(
     kitchen: TaskSpaces, numbers: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from prag_asp.output import Lines, part
+    from prag_asp.output import Lines
 
-    monkeypatch.setattr(part, "PATIENCE", 0.0)
+    monkeypatch.setattr(partial_file, "PATIENCE", 0.0)
     other = Lines(numbers / JOURNAL, "other")
     try:
         with pytest.raises(OutputError, match="another run is writing it"):

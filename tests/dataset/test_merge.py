@@ -12,8 +12,8 @@ import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, TaskSpaces, load_domain
 from prag_asp.dataset import generate, merge, verify
-from prag_asp.dataset.looking import Draw, Found, Look
-from prag_asp.dataset.making.places import Processes
+from prag_asp.dataset.making.executors import Processes
+from prag_asp.dataset.validation_jobs import Draw, Found, Look
 from prag_asp.errors import NotFound
 from tests.dataset.conftest import POOR
 from tests.output.faults import Disk, content, killed

@@ -19,9 +19,9 @@ from prag_asp import TaskSpace, load_domain
 from prag_asp.cli import cli
 from prag_asp.dataset import feasible, write_line
 from prag_asp.program.paths import shipped_domains
-from prag_asp.scene.kinds import KINDS
-from prag_asp.scene.read.table import SCENE_KEYS
-from prag_asp.scene.vocabulary import PREDICATE_ROLES
+from prag_asp.scene.predicate_names import PREDICATE_ROLES
+from prag_asp.scene.read.scene_reader import SCENE_KEYS
+from prag_asp.scene.shape_kinds import KINDS
 from tests.docs.pages import DOCS, ROOT
 from tests.docs.test_readme import generated
 

@@ -12,13 +12,13 @@ import pytest
 from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset.jsonl import Record, read_lines, write_line
 from prag_asp.errors import DomainError
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.formula.cnf import dimacs
-from prag_asp.logic.model import Model
 from prag_asp.program.constants import Constant
 from prag_asp.program.paths import shipped_domains
-from prag_asp.space.engines import LEVELS, automaton
-from prag_asp.space.engines.formula import word_formula
-from prag_asp.space.engines.stored import shelf_for
+from prag_asp.space.engines import LEVELS, automaton_engine
+from prag_asp.space.engines.stored_automata import shelf_for
+from prag_asp.space.engines.word_formula import word_formula
 
 HANOI = (shipped_domains()["hanoi"] / "domain.lp").read_text(encoding="utf-8")
 LAMPS = """
@@ -161,7 +161,7 @@ def test_tasks_carry_the_constants_they_were_made_with_and_lines_have_them_only_
 
 def test_what_is_kept_for_one_value_is_never_taken_for_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
-    monkeypatch.setattr(automaton, "WORTH_KEEPING", -1.0)
+    monkeypatch.setattr(automaton_engine, "WORTH_KEEPING", -1.0)
     for _ in range(2):
         counts = [TaskSpace(load_domain("hanoi", constants={"discs": discs}), 6).count() for discs in (1, 2, 3)]
         assert counts == sorted(set(counts))

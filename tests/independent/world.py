@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from prag_asp.scene.model import Scene
-from prag_asp.scene.vocabulary import PREDICATE_ROLES
+from prag_asp.scene.predicate_names import PREDICATE_ROLES
+from prag_asp.scene.scene import Scene
 from tests.independent.convex import Part, volume
 from tests.independent.frames import Array, Frame, moved, standing
 from tests.independent.furniture import MADE, Corners, Furniture

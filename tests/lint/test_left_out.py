@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Domain, DomainError, QueryError, TaskSpace, load_domain
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.program.paths import data_folder
 from prag_asp.space.plans.readings import Composite
 from tests.brute_force import Toy, term

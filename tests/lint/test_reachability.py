@@ -14,9 +14,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Domain, DomainError, TaskSpace, explain, fewest_changes, load_domain
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.program.paths import data_folder
-from prag_asp.space.engines.protocol import LEVELS, Level
+from prag_asp.space.engines.engine import LEVELS, Level
 from tests.brute_force import Action, Toy, term
 from tests.chance import examples
 from tests.space.test_tasks import Schema, orbit, schemas

@@ -8,18 +8,18 @@ from hypothesis import given, settings
 from prag_asp import load_domain
 from prag_asp.domain.load import Domain
 from prag_asp.errors import DomainError
-from prag_asp.logic.ground import ground
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.ground import ground_step
 from tests.brute_force import Toy
 from tests.chance import examples
 from tests.strategies import toys
 
 
-def step_of(domain: Domain, *, searched: bool) -> ground.GroundStep:
+def step_of(domain: Domain, *, searched: bool) -> ground_step.GroundStep:
     """Return the ground step, with what steps carry along searched for in any case, or only where there may be some."""
     with pytest.MonkeyPatch.context() as patch:
         if searched:
-            patch.setattr(ground, "_may_carry", lambda *_: True)
+            patch.setattr(ground_step, "_may_carry", lambda *_: True)
         return Model(domain).ground
 
 
@@ -45,7 +45,7 @@ def test_only_what_a_step_may_derive_is_searched_for(
     domain = load_domain(text=text)
     expected = step_of(domain, searched=True)
     calls = []
-    search = ground._add_carried
-    monkeypatch.setattr(ground, "_add_carried", lambda *given: calls.append(given) or search(*given))
+    search = ground_step._add_carried
+    monkeypatch.setattr(ground_step, "_add_carried", lambda *given: calls.append(given) or search(*given))
     assert Model(domain).ground == expected
     assert bool(calls) == searched

@@ -12,7 +12,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.formula.approximate import Tolerance, estimate_models
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import APPROXMC
-from prag_asp.processes.children import Child, Children
+from prag_asp.processes.workers import Child, Children
 from tests.chance import Chance
 from tests.commands import ok, run
 

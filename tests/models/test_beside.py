@@ -37,7 +37,7 @@ def test_where_clingo_would_never_end_a_counter_answers_and_that_is_said(monkeyp
 @pytest.mark.parametrize("fails", [False, True])
 def test_a_counter_that_fails_leaves_the_question_to_clingo(fails: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(BESIDE.format("space.engines.auto"), 0)
-    monkeypatch.setattr("prag_asp.space.engines.clingo.POLL", 0)
+    monkeypatch.setattr("prag_asp.space.engines.clingo_engine.POLL", 0)
 
     def fail(*_: object) -> None:
         raise EngineError("it cannot")
@@ -95,7 +95,7 @@ def test_an_error_in_who_is_told_of_a_counter_is_no_failure_of_the_counter() -> 
 @needs_ganak
 def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(BESIDE.format("models.answer_sets"), 0)
-    monkeypatch.setattr("prag_asp.models.compiling.LOOK", 1)
+    monkeypatch.setattr("prag_asp.models.compiler.LOOK", 1)
     waited: list[bool] = []
 
     def slow(self: counter.CountBeside) -> int | None:

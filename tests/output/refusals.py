@@ -26,7 +26,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NoReturn
 
 from prag_asp.cli.exits import Exit
-from prag_asp.space.engines import automaton
+from prag_asp.space.engines import automaton_engine
 from tests.fuzz.isolated import Limits, Ran, command, run, warm
 from tests.output.faults import content
 
@@ -80,7 +80,7 @@ def keeping(arguments: tuple[str, ...]) -> Callable[[], None]:
     """Return what runs a command that keeps what it has explored, however soon that was done."""
 
     def work() -> None:
-        automaton.WORTH_KEEPING = -1.0
+        automaton_engine.WORTH_KEEPING = -1.0
         begin()
 
     begin = command(arguments)
@@ -91,10 +91,12 @@ def divided(arguments: tuple[str, ...], pick: Pick, home: Path) -> Callable[[], 
     """Return what runs a command up to its first file, and from there with each allocation refused that is picked."""
 
     def work() -> None:
-        from prag_asp.cli import ending, supervision
+        from prag_asp.cli import exit_control, supervision
 
         begin, open_really, divides, tell = keeping(arguments), os.open, True, list[int]()
-        supervision.supervise = lambda: ending.begin(ending.Board())  # its process would not divide with the command
+        supervision.supervise = lambda: exit_control.begin(
+            exit_control.Board()
+        )  # its process would not divide with the command
 
         def opened(path: Any, flags: int, *more: Any, **others: Any) -> int:
             nonlocal divides

@@ -16,8 +16,8 @@ import pytest
 from PIL import Image
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.cli.asked import Asked
-from prag_asp.dataset import filtering
+from prag_asp.cli.domain_options import Asked
+from prag_asp.dataset import physics_filter
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.output import lines
 from prag_asp.physics import Budget, Verdict, validate_task
@@ -72,7 +72,7 @@ class Physics:
 @pytest.fixture
 def physics(feasible: Verdict, monkeypatch: pytest.MonkeyPatch) -> Physics:
     made = Physics(feasible)
-    monkeypatch.setattr(filtering, "validate_numbered", made)
+    monkeypatch.setattr(physics_filter, "validate_numbered", made)
     return made
 
 

@@ -66,7 +66,7 @@ def test_a_tree_that_is_not_ours_is_left_alone(tmp_path: Path) -> None:
 def test_a_second_run_waits_and_then_says_that_there_is_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("prag_asp.output.part.PATIENCE", 0.05)
+    monkeypatch.setattr("prag_asp.output.partial_file.PATIENCE", 0.05)
     with growing(tmp_path / "out", "mark.json", b"{}") as tree:
         (tree / "file").touch()
         with pytest.raises(OutputError, match="another run is writing it"):

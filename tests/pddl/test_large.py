@@ -12,7 +12,7 @@ from hypothesis.strategies import integers
 
 from prag_asp import DomainError, load_domain
 from prag_asp.pddl import read, size
-from prag_asp.pddl.files import read_files
+from prag_asp.pddl.file_reader import read_files
 from prag_asp.pddl.translate import Translation
 from tests.chance import examples
 from tests.pddl.forward import Search

@@ -6,7 +6,7 @@ import pytest
 
 from prag_asp.physics import Validator, open_validator
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 from tests.physics.random_tasks import shipped_scene
 from tests.sharing import logic_shared
 

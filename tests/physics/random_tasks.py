@@ -10,8 +10,8 @@ from typing import Any
 import clingo
 
 from prag_asp.atom import Atom
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.task import Task
 
 try:

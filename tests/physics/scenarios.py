@@ -7,7 +7,7 @@ from pathlib import Path
 
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.physics.witness import Moment
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
 from prag_asp.task import Task
 
 STUDIO = Path(__file__).parents[2] / "examples" / "own_predicates"

@@ -23,13 +23,13 @@ from prag_asp.physics import (
     validate_tasks,
 )
 from prag_asp.physics.robot.kinematics import inverse
-from prag_asp.physics.search.handling import opened
+from prag_asp.physics.search.furniture_handling import opened
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import arm_collision
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.furniture import mechanism
 from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
-from prag_asp.scene.load import parse_scene, scene_problems
+from prag_asp.scene.scene_loader import parse_scene, scene_problems
 from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import state, task
 

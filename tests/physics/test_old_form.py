@@ -11,10 +11,10 @@ import pytest
 
 from prag_asp import load_domain, load_scene
 from prag_asp.dataset.jsonl import Record, read_lines
-from prag_asp.dataset.origin import read_witness
+from prag_asp.dataset.task_origin import read_witness
 from prag_asp.errors import QueryError
 from prag_asp.physics import Demonstration, Witness, check_demonstration, check_witness
-from prag_asp.scene.model import Mount, Scene
+from prag_asp.scene.scene import Mount, Scene
 
 FOLDER = Path(__file__).parent / "old_form"
 FILES = ("one_robot", "two_robots")

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from prag_asp.physics import Budget, check_witness, validate_task
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.task import Task
 from tests.physics.scenarios import state, task
 

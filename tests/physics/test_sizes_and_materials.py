@@ -23,8 +23,8 @@ from prag_asp.physics import (
 )
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Material, Scene, Shape
+from prag_asp.scene.scene import Material, Scene, Shape
+from prag_asp.scene.scene_loader import parse_scene
 from tests.physics.random_tasks import Rules, random_tasks, scene_table
 from tests.physics.scenarios import stacking
 

@@ -17,17 +17,17 @@ from prag_asp.errors import SceneError
 from prag_asp.physics import Budget, Validator, Verdict, Witness, check_witness, open_validator, settle
 from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.checks.states import tool_in
-from prag_asp.physics.facts import physical_task
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.search.attempt import Snapshot
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import open_client, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Mount, Scene, Shape
 from prag_asp.scene.robots import robot_of
+from prag_asp.scene.scene import Mount, Scene, Shape
+from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 from tests.chance import examples

@@ -12,8 +12,8 @@ from prag_asp.physics import CAUSES, Budget, Verdict, Witness, check_witness, op
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose, compose, invert
-from prag_asp.scene.model import Shape
 from prag_asp.scene.robots import PANDA
+from prag_asp.scene.scene import Shape
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking, state, task
 

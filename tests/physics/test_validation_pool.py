@@ -15,7 +15,7 @@ import pytest
 from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.errors import PragError, QueryError, SceneError
 from prag_asp.physics import Budget, WorkerError, pool, validate_tasks
-from prag_asp.scene.model import Mount, Shape
+from prag_asp.scene.scene import Mount, Shape
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task
 from tests.processes import children, gone, interrupt, interruptible

@@ -7,7 +7,7 @@ import pytest
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Witness, open_validator
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 from tests.sharing import logic_shared
 
 Given = tuple[Task, Witness]

@@ -14,8 +14,8 @@ from prag_asp.physics.world.dynamics import Dynamics
 from prag_asp.rl.arena import Arena
 from prag_asp.rl.control import CONTROLS, FINGERS, SIZES, STRIDE, Control
 from prag_asp.scene.geometry import rotate
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import robot_of
+from prag_asp.scene.scene import Scene
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given
 

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Situation, Witness, physical_task
-from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.rl import TaskEnv, oracle
 from prag_asp.rl.goals import BROUGHT, PLACES, Subgoal, subgoals_of
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given
 

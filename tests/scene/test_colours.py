@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from prag_asp.scene.colours import apart, from_lab, more_colours, to_lab
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.read.looks import TOLD_APART
+from prag_asp.scene.read.materials import TOLD_APART
+from prag_asp.scene.scene_loader import parse_scene
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from prag_asp.scene.footprint import Footprint, apart
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
 
 SHAPES = (
     Shape("box", (0.2, 0.1, 0.05)),

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp.scene.geometry import extents
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
 from tests.chance import examples
 
 

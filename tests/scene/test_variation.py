@@ -9,8 +9,8 @@ import pytest
 from prag_asp.errors import QueryError
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.colours import apart
-from prag_asp.scene.load import parse_scene, scene_problems
-from prag_asp.scene.model import Material, Model, Ranges, Scene, Shape, Solid
+from prag_asp.scene.scene import Material, Model, Ranges, Scene, Shape, Solid
+from prag_asp.scene.scene_loader import parse_scene, scene_problems
 from prag_asp.scene.solids import weight
 from prag_asp.scene.variation import KINDS, USUAL_LIGHT, Variation, draw_variation, variation_of
 from tests.scene.read.test_scene_table import CLASSES, ENTITIES, FINE

@@ -10,7 +10,7 @@ import pytest
 from prag_asp import TaskSpace, load_domain
 from prag_asp.program.paths import shipped_domains
 from prag_asp.program.settings import read_table
-from prag_asp.space.engines.protocol import Level
+from prag_asp.space.engines.engine import Level
 from tests.known_counts import known_counts
 from tests.spaces import with_engine
 

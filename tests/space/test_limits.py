@@ -10,10 +10,10 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.errors import LimitReached
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.space import limits
-from prag_asp.space.automaton.bounded import count_within
-from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.automaton.bounded_count import count_within
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.limits import Limits, memory_in_use, parse_memory, parse_time
 from tests.domains import domain_of
 from tests.space.automaton.test_explore import LAMPS
@@ -102,7 +102,7 @@ def test_a_count_that_is_stopped_follows_its_path_to_the_end_however_long_that_i
 
 
 def test_a_long_count_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prag_asp.space.engines.automaton.count_by_recurrence", lambda *_: None)
+    monkeypatch.setattr("prag_asp.space.engines.automaton_engine.count_by_recurrence", lambda *_: None)
     told: list[str] = []
     space = TaskSpace(load_domain("hanoi"), 12_000, progress=told.append, limits=Limits(cached=False))
     reach = AutomatonEngine(Model(load_domain("hanoi")), "plan").explored(12_000)

@@ -9,7 +9,7 @@ import pytest
 
 from prag_asp import TaskSpace
 from prag_asp.space.engines import Engine, select
-from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from tests.chance import Chance
 from tests.domains import domain_of
 from tests.ganak import counting_by, one_process

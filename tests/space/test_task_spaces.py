@@ -13,7 +13,7 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace, TaskSpaces, load_domain
 from prag_asp.errors import LimitReached
-from prag_asp.space.engines.protocol import Level
+from prag_asp.space.engines.engine import Level
 from prag_asp.space.limits import Limits
 from tests.sharing import logic_shared
 from tests.space.drawing.test_sampling import DOMAIN, KINDS, expected_weight

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from tests.brute_force import Action, Toy, spelled
 from tests.chance import examples
 from tests.domains import domain_of

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.asked import Asked
+from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import say, tell_line
 from prag_asp.errors import DomainError
@@ -76,7 +76,7 @@ def _interchangeable(domain: Domain) -> Iterator[str]:
 
 def _tell_needed(domain: Domain) -> None:
     """Tell which entities are ground as needed, or why all of many are."""
-    from prag_asp.domain.needed import is_large
+    from prag_asp.domain.reduction import is_large
 
     if isinstance(domain.needed, str) and is_large(domain.facts):
         tell_line(f"all entities are ground, though many are alike: {domain.needed}")
@@ -95,7 +95,7 @@ def _require_proofs(domain: Domain) -> None:
         return
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import LEARNED
-    from prag_asp.physics.proofs.learning import unproved
+    from prag_asp.physics.proofs.learned_exclusions import unproved
 
     for fluents in islice(unproved(domain, scene_of(domain)), 1):
         told = f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"
@@ -114,7 +114,7 @@ def _of_scene(domain: Domain) -> Iterable[Problem]:
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
-    from prag_asp.program.allowed import allowed_names, not_allowed
+    from prag_asp.program.lint_comments import allowed_names, not_allowed
 
     scene = scene_of(domain)
     warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene))

@@ -8,7 +8,7 @@ import click
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
-from prag_asp.cli.asked import Asked
+from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import Approximation, asks
 from prag_asp.cli.terminal import progress, say, tell_line

@@ -9,12 +9,12 @@ import click
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.bundles.telling import Telling, tells
+from prag_asp.cli.bundles.task_format import Telling, tells
+from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import asks
-from prag_asp.cli.runs import run_of
+from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.terminal import progress
-from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError
 
 

@@ -9,21 +9,23 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.atom import parse_atom, split_actions
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.arguments import domain_and_others, one_length
+from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import say
-from prag_asp.cli.words import domain_and_others, one_length
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.logic.formula.explain import Explanation
+    from prag_asp.logic.formula.explanation import Explanation
     from prag_asp.space.task_space import TaskSpace
 
 
 @click.command()
-@click.argument("words", metavar="DOMAIN... ACTION...", nargs=-1, required=True, shell_complete=complete.actions)
+@click.argument(
+    "words", metavar="DOMAIN... ACTION...", nargs=-1, required=True, shell_complete=shell_completion.actions
+)
 @asks((*options.PROGRAM, options.WHERE))
 @click.option(
     "-n", "--length", "number", type=one_length, metavar="N",
@@ -70,7 +72,7 @@ def explain(
 
 def _explain_plan(asked: Asked, words: tuple[str, ...]) -> None:
     """Say why a sequence of actions is no plan."""
-    from prag_asp.space.explain import explain as explained
+    from prag_asp.space.explanation import explain as explained
 
     names, texts = domain_and_others(words)
     actions = [str(parse_atom(text)) for text in split_actions(*texts)]
@@ -88,7 +90,7 @@ def _explain_plan(asked: Asked, words: tuple[str, ...]) -> None:
 
 def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest: bool) -> Iterator[str]:
     """Yield why a space is empty, nothing where it is not."""
-    from prag_asp.space.why import why_empty
+    from prag_asp.space.emptiness import why_empty
 
     found = why_empty(space, action=action, step=step, smallest=smallest)
     if found is None:
@@ -106,7 +108,7 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
 
 def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator[str]:
     """Yield which lines, removed, leave a task in an empty space; nothing where it is not."""
-    from prag_asp.space.why import fewest_changes
+    from prag_asp.space.emptiness import fewest_changes
 
     found = fewest_changes(space, action=action, step=step)
     if found == ((),):

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.bundles.chosen import Chosen, names_tasks
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.bundles.task_selection import Chosen, names_tasks
+from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, say, whole_lines
-from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import OutputError
 from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import nearest
@@ -42,7 +42,7 @@ class Forms(click.Group):
         """Offer the forms, and domains for the usual one."""
         return [
             *super().shell_complete(ctx, incomplete),
-            *complete.domains(ctx, self.commands[USUAL].params[0], incomplete),
+            *shell_completion.domains(ctx, self.commands[USUAL].params[0], incomplete),
         ]
 
 
@@ -82,7 +82,7 @@ def dimacs(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
     help="No conditional effects and no disjunctions: a copy of an action for each case.",
 )
 @click.option(
-    "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files,
+    "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
     help="New folder, written whole or not at all: domain.pddl, problem.pddl, and plan.txt of a task; of several tasks "
     "domain_1.pddl, ..., numbered by rank or by their order in the file.",
 )  # fmt: skip
@@ -117,7 +117,7 @@ def _of_data(form: str, told: str, place: str) -> None:
     """Add the command of a form of data sets."""
 
     @export.command(form, help=told)
-    @click.argument("folder", metavar="DIR", shell_complete=complete.files)
+    @click.argument("folder", metavar="DIR", shell_complete=shell_completion.files)
     @click.option("--part", metavar="PART", help="One part of the data set, such as train.  [default: all]")
     @options.WHERE
     @click.option(
@@ -125,7 +125,7 @@ def _of_data(form: str, told: str, place: str) -> None:
         help="How much the instructions say.",
     )  # fmt: skip
     @click.option(
-        "-o", "--output", metavar=place, required=True, shell_complete=complete.files,
+        "-o", "--output", metavar=place, required=True, shell_complete=shell_completion.files,
         help="New folder, written whole or not at all." if place == "DIR" else "File, written whole or not at all.",
     )  # fmt: skip
     def command(*, folder: str, part: str | None, where: tuple[str, ...], level: str, output: str) -> None:

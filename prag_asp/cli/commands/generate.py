@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.bundles.films import Filming, films
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.bundles.camera_options import Filming, films
+from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.options import Checking, Weighing, asks
 from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
 from prag_asp.errors import NotFound, QueryError
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--skeletons", is_flag=True, help="No two parts of --split have a skeleton in common.")
 @click.option(
-    "--hold-out", "held", metavar="WHAT", shell_complete=complete.names,
+    "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
     help="Entity, class, action or pair that only the part test has; it gets a fifth, or what --split says.",
 )  # fmt: skip
 @click.option(
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 )
 @films
 @click.option(
-    "--language", default="en", show_default=True, metavar="LANGUAGE", shell_complete=complete.languages,
+    "--language", default="en", show_default=True, metavar="LANGUAGE", shell_complete=shell_completion.languages,
     help="Language of instructions: en, or one that the domain has words for, such as de.",
 )  # fmt: skip
 @click.option(
@@ -68,7 +68,12 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @options.ON
 @click.option(
-    "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files, help="Folder of the data set."
+    "-o",
+    "--output",
+    metavar="DIR",
+    required=True,
+    shell_complete=shell_completion.files,
+    help="Folder of the data set.",
 )
 def generate(
     *,
@@ -99,9 +104,9 @@ def generate(
     Each file is written whole; a run that was broken off goes on where it was when it is started again, to the same
     bytes.
     """
-    from prag_asp.dataset.generating import generate as make
+    from prag_asp.dataset.dataset_spec import SHARD
+    from prag_asp.dataset.generation import generate as make
     from prag_asp.dataset.scenes import scene_of
-    from prag_asp.dataset.wanted import SHARD
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import complete
+from prag_asp.cli import shell_completion
 from prag_asp.cli.terminal import tell_line
 from prag_asp.errors import DomainError, OutputError
 from prag_asp.wording import plural
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 
 @click.command("import")
-@click.argument("domain", metavar="DOMAIN.pddl", shell_complete=complete.files)
-@click.argument("problem", metavar="PROBLEM.pddl", shell_complete=complete.files)
+@click.argument("domain", metavar="DOMAIN.pddl", shell_complete=shell_completion.files)
+@click.argument("problem", metavar="PROBLEM.pddl", shell_complete=shell_completion.files)
 @click.option(
     "--cost-factor",
     metavar="W",
     help="Make costs weights: each unit multiplies the weight of an action by W, such as 1/2.",
 )
 @click.option(
-    "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files,
+    "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
     help="New folder of the domain, written whole or not at all.",
 )  # fmt: skip
 def import_(domain: str, problem: str, cost_factor: str | None, output: str) -> None:

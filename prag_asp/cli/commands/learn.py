@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.asked import Asked
+from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import Checking, asks
 from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress, say, tell_line
-from prag_asp.cli.writing import require_writable
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, replace_file
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.tally import Tally
+    from prag_asp.dataset.pass_rates import Tally
     from prag_asp.domain.load import Domain
-    from prag_asp.scene.model import Scene
+    from prag_asp.scene.scene import Scene
     from prag_asp.space.task_space import TaskSpace
 
 Row = tuple[str, ...]
@@ -109,8 +109,8 @@ def _tally(
     space: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking, tell: Callable[[str], None]
 ) -> Tally:
     """Return how many of some uniformly drawn tasks pass physics."""
-    from prag_asp.cli.tally import tally_line
-    from prag_asp.dataset.tally import Tally
+    from prag_asp.cli.summary import tally_line
+    from prag_asp.dataset.pass_rates import Tally
     from prag_asp.physics import validate_tasks
 
     tally = Tally()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import click
 
-from prag_asp.cli import complete, options
+from prag_asp.cli import options, shell_completion
 from prag_asp.cli.commands.generate import show, tell_what_is_there, warnings_as_lines
 from prag_asp.cli.terminal import progress, tell_line, whole_lines
 from prag_asp.errors import NotFound
 
 
 @click.command()
-@click.argument("parts", metavar="DIR...", nargs=-1, required=True, shell_complete=complete.files)
+@click.argument("parts", metavar="DIR...", nargs=-1, required=True, shell_complete=shell_completion.files)
 @options.TRUST
 @click.option(
     "--workers", type=options.whole(1, 4096), default=1, show_default=True,
@@ -20,7 +20,12 @@ from prag_asp.errors import NotFound
 @options.ON
 @options.MAX_DRAWS
 @click.option(
-    "-o", "--output", metavar="DIR", required=True, shell_complete=complete.files, help="Folder of the data set."
+    "-o",
+    "--output",
+    metavar="DIR",
+    required=True,
+    shell_complete=shell_completion.files,
+    help="Folder of the data set.",
 )
 def merge(
     *, parts: tuple[str, ...], trust: bool, workers: int, on: str | None, max_draws: int | None, output: str

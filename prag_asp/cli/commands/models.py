@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import given, parse_constant_options
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.domain_options import given, parse_constant_options
 from prag_asp.cli.options import Approximation, Function, bundled
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import QueryError
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from prag_asp.models.answer_sets import AnswerSet, AnswerSets
 
 ASKED = (
-    click.argument("files", metavar="FILE...", nargs=-1, required=True, shell_complete=complete.files),
+    click.argument("files", metavar="FILE...", nargs=-1, required=True, shell_complete=shell_completion.files),
     click.option(
         "-c", "--const", "constants", metavar="NAME=VALUE", multiple=True, help="Value of a constant, such as n=8."
     ),

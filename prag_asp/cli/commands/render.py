@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.arguments import pixels as pixels_of
+from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import asks
-from prag_asp.cli.runs import run_on_file
+from prag_asp.cli.run_fingerprint import run_on_file
 from prag_asp.cli.terminal import progress, say, whole_lines
-from prag_asp.cli.words import pixels as pixels_of
-from prag_asp.cli.writing import require_writable
-from prag_asp.dataset.origin import MEND, index_of, read_witness, told_with_place
+from prag_asp.dataset.task_origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
 from prag_asp.output import Steps, file_in, make_folder
-from prag_asp.processes.stage import stage
-from prag_asp.reading import lines_of, open_text, read_bytes
+from prag_asp.processes.progress_events import stage
+from prag_asp.safe_reading import lines_of, open_text, read_bytes
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.dataset.language import Teller
     from prag_asp.physics import Demonstration, Witness
-    from prag_asp.scene.model import Scene
+    from prag_asp.scene.scene import Scene
 
 SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350)}
 """Pixels of a frame for each form of picture."""
@@ -44,7 +44,7 @@ SMALLEST, LARGEST = 16, 4096
 
 
 @click.command()
-@click.argument("file", metavar="TASKS.jsonl", shell_complete=complete.files)
+@click.argument("file", metavar="TASKS.jsonl", shell_complete=shell_completion.files)
 @click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=options.whole(1))
 @asks((*options.OF_FILE, options.TRUST))
 @click.option(
@@ -60,12 +60,12 @@ SMALLEST, LARGEST = 16, 4096
 @click.option("--speed", type=float, default=2.0, show_default=True, help="How fast an animation plays.")
 @click.option("--columns", type=options.whole(1), default=6, show_default=True, help="Frames in a row of a strip.")
 @click.option(
-    "--recordings", metavar="DIR", shell_complete=complete.files,
+    "--recordings", metavar="DIR", shell_complete=shell_completion.files,
     help="Draw the demonstrations that --demonstrate DIR has written.",
 )  # fmt: skip
 @options.seed
 @click.option(
-    "-o", "--output", metavar="PATH", default="pictures", show_default=True, shell_complete=complete.files,
+    "-o", "--output", metavar="PATH", default="pictures", show_default=True, shell_complete=shell_completion.files,
     help="A file for one task, otherwise the folder for files named after the tasks' numbers.",
 )  # fmt: skip
 def render(

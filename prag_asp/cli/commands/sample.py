@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.bundles.films import Filming, films
-from prag_asp.cli.bundles.telling import Telling, tells
+from prag_asp.cli.bundles.camera_options import Filming, films
+from prag_asp.cli.bundles.task_format import Telling, tells
+from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import Checking, Weighing, asks
-from prag_asp.cli.runs import run_of
+from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.terminal import Tell, progress
-from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
 
@@ -70,7 +70,7 @@ def sample(
     off goes on where it was when it is started again.
     """
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.space.ordered import drawn_tasks
+    from prag_asp.space.without_replacement import drawn_tasks
 
     telling.check()
     require_writable(output)
@@ -138,10 +138,10 @@ def _feasible(
     Raises:
         NotFound: they are fewer than wanted.
     """
-    from prag_asp.cli.tally import tallied, tally_line
-    from prag_asp.dataset.filtering import draws_looked_at
-    from prag_asp.dataset.recordings import claim, remove_after
-    from prag_asp.dataset.tally import Tally
+    from prag_asp.cli.summary import tallied, tally_line
+    from prag_asp.dataset.episode_files import claim, remove_after
+    from prag_asp.dataset.pass_rates import Tally
+    from prag_asp.dataset.physics_filter import draws_looked_at
 
     tally, wanted, limit = Tally(), drawing.wanted, drawing.limit
     folder = checking.demonstrate
@@ -171,8 +171,8 @@ def _feasible(
 
 def _fits(state: Any, drawing: _Drawing, folder: str | None) -> bool:
     """Tell whether a broken run has come no further than this one is to, and has left its recordings."""
-    from prag_asp.dataset.recordings import recorded
-    from prag_asp.dataset.tally import Tally
+    from prag_asp.dataset.episode_files import recorded
+    from prag_asp.dataset.pass_rates import Tally
 
     tally = Tally()
     tally.go_on(state)

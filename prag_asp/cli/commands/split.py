@@ -11,25 +11,27 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.bundles.telling import Telling, tells
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.arguments import domain_and_others
+from prag_asp.cli.bundles.task_format import Telling, tells
+from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.line_output import writer
 from prag_asp.cli.options import asks
-from prag_asp.cli.runs import run_of
+from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.terminal import progress, say, tell_line
-from prag_asp.cli.words import domain_and_others
-from prag_asp.cli.writing import writer
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
 
 if TYPE_CHECKING:
-    from prag_asp.space.parts.ranked import RankedTasks
+    from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
 
 @click.command()
-@click.argument("words", metavar="DOMAIN... [NAME=SHARE]...", nargs=-1, required=True, shell_complete=complete.shares)
+@click.argument(
+    "words", metavar="DOMAIN... [NAME=SHARE]...", nargs=-1, required=True, shell_complete=shell_completion.shares
+)
 @asks((*options.PROGRAM, options.LENGTH, *options.ANSWERED))
 @click.option(
     "--skeletons",
@@ -37,14 +39,14 @@ if TYPE_CHECKING:
     help="No two parts have a skeleton in common; shares are within 2 points, or a warning says so.",
 )
 @click.option(
-    "--hold-out", "held", metavar="WHAT", shell_complete=complete.names,
+    "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
     help="Entity, class, action or pair that only the test part has.",
 )  # fmt: skip
 @click.option("--count", "wanted", type=options.whole(0), metavar="K", help="Write K different tasks a part.")
 @options.seed
 @tells
 @click.option(
-    "-o", "--output", metavar="DIR", shell_complete=complete.files,
+    "-o", "--output", metavar="DIR", shell_complete=shell_completion.files,
     help="Folder for one file a part; needed with --count.",
 )  # fmt: skip
 def split(

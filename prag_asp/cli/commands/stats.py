@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import Weighing, asks
 from prag_asp.cli.table import aligned
 from prag_asp.cli.terminal import progress
-from prag_asp.cli.writing import require_writable, writer
 
 if TYPE_CHECKING:
-    from prag_asp.space.drawing.statistics import Statistics
+    from prag_asp.space.sampling.statistics import Statistics
 
 DIGITS = 6
 """Decimal places of shares and expected numbers in text."""
@@ -39,7 +39,7 @@ WIDEST = 40
     help="Tables with decimals, or JSON with exact fractions.",
 )
 @click.option(
-    "--plot", metavar="FILE", shell_complete=complete.files,
+    "--plot", metavar="FILE", shell_complete=shell_completion.files,
     help="Draw counts per length up to N into FILE, a .html, .png, .svg or .pdf.",
 )  # fmt: skip
 @options.output

@@ -6,23 +6,27 @@ from typing import TYPE_CHECKING
 
 import click
 
-from prag_asp.cli import complete, ending, options
+from prag_asp.cli import exit_control, options, shell_completion
 from prag_asp.cli.commands.generate import warnings_as_lines
 from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
 from prag_asp.errors import NotFound, QueryError
 
 if TYPE_CHECKING:
     from prag_asp.dataset.suites.counting import Figures
-    from prag_asp.dataset.suites.suite import Suite
+    from prag_asp.dataset.suites.suite_spec import Suite
 
 
 @click.command()
-@click.argument("name", metavar="SUITE", shell_complete=complete.suites)
+@click.argument("name", metavar="SUITE", shell_complete=shell_completion.suites)
 @click.option(
     "--count", "counts", is_flag=True, help="Count its parts, what they share and what is held out; write nothing."
 )
 @click.option(
-    "-o", "--output", metavar="DIR", shell_complete=complete.files, help="Folder for one data set a part, and the card."
+    "-o",
+    "--output",
+    metavar="DIR",
+    shell_complete=shell_completion.files,
+    help="Folder for one data set a part, and the card.",
 )
 @click.option(
     "--at-most", "most", type=options.whole(1), metavar="K",
@@ -37,12 +41,12 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
     unless the file says so. A run that was broken off goes on where it was when it is started again.
     """
     from prag_asp.dataset.suites.counting import count_suite, refuse_leaks
-    from prag_asp.dataset.suites.reading import load_suite
+    from prag_asp.dataset.suites.suite_reader import load_suite
     from prag_asp.space.limits import Limits
 
     if counts == (output is not None):
         raise QueryError("give either --count, or --output DIR to write it")
-    seconds, memory, begun = ending.limits()
+    seconds, memory, begun = exit_control.limits()
     limits = Limits(memory, seconds, True, begun)
     with progress() as tell, whole_lines(), warnings_as_lines():
         found = load_suite(name, trust=trust)
@@ -52,7 +56,7 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
             _show(found, figures)
             refuse_leaks(found, figures)
             return
-        from prag_asp.dataset.suites.making import generate_suite
+        from prag_asp.dataset.suites.suite_builder import generate_suite
 
         try:
             made = generate_suite(found, output, workers=workers, limits=limits, progress=tell)

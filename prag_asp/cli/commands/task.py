@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.atom import split_actions
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.bundles.telling import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, Telling, tells_in
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.bundles.task_format import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, Telling, tells_in
+from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.options import asks
 from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import QueryError
@@ -31,7 +31,7 @@ FORM = click.option(
 @asks(options.SPACE)
 @click.option("--index", type=int, metavar="I", help="Rank of the task, from 0; a negative one counts from the end.")
 @click.option(
-    "--rank-of", "plan", metavar="'A B ...'", shell_complete=complete.plan,
+    "--rank-of", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
     help="Actions of a task, whose rank to find; blanks or commas separate them.",
 )  # fmt: skip
 @tells_in(FORM)

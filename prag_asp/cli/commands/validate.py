@@ -9,24 +9,24 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
-from prag_asp.cli import complete, options
-from prag_asp.cli.asked import Asked
-from prag_asp.cli.bundles.films import Filming, films
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.bundles.camera_options import Filming, films
+from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.exits import Exit
+from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.runs import domains_of, run_on_file
+from prag_asp.cli.run_fingerprint import domains_of, run_on_file
 from prag_asp.cli.terminal import Tell, progress
-from prag_asp.cli.writing import require_writable, writer
 from prag_asp.errors import QueryError
-from prag_asp.reading import lines_of, open_text
+from prag_asp.safe_reading import lines_of, open_text
 
 if TYPE_CHECKING:
     from prag_asp.dataset import Tally
-    from prag_asp.scene.model import Scene
+    from prag_asp.scene.scene import Scene
 
 
 @click.command()
-@click.argument("file", metavar="TASKS.jsonl", shell_complete=complete.files)
+@click.argument("file", metavar="TASKS.jsonl", shell_complete=shell_completion.files)
 @asks((*options.OF_FILE, options.WHERE, options.TRUST))
 @options.seed
 @options.checks
@@ -85,9 +85,9 @@ class _Check:
         Raises:
             PragError: there are none, or one cannot be read.
         """
-        from prag_asp.cli.tally import tallied, tally_line
+        from prag_asp.cli.summary import tallied, tally_line
         from prag_asp.dataset import Tally, read_lines, recheck
-        from prag_asp.dataset.recordings import claim, recorded
+        from prag_asp.dataset.episode_files import claim, recorded
 
         total, folder, tally = self._tasks_in(stream), self.checking.demonstrate, Tally()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from prag_asp.cli import complete, options
+from prag_asp.cli import options, shell_completion
 from prag_asp.cli.commands.generate import warnings_as_lines
 from prag_asp.cli.exits import Exit
 from prag_asp.cli.terminal import progress, say
@@ -12,7 +12,7 @@ from prag_asp.wording import plural
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", shell_complete=complete.files)
+@click.argument("folder", metavar="DIR", shell_complete=shell_completion.files)
 @options.TRUST
 @click.option("--physics/--no-physics", default=True, help="Look at witnesses and recordings too.  [default: yes]")
 @click.option(
@@ -24,7 +24,7 @@ def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
     Prints a line for each thing that is wrong, with its file and the row in it, from 0; code 1 if there is one. Draws
     are made again by their seed, plans are given to clingo, witnesses to a fresh simulator.
     """
-    from prag_asp.dataset.suites.note import count_tasks
+    from prag_asp.dataset.suites.suite_manifest import count_tasks
     from prag_asp.dataset.suites.verifying import verify as wrong
     from prag_asp.missing import require_pyarrow
 

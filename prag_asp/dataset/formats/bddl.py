@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.formats.mark import MARK, mark_of
-from prag_asp.dataset.formats.protocol import Told
-from prag_asp.dataset.formats.source import NO_TASK, Source
+from prag_asp.dataset.formats.episode_source import NO_TASK, Source
+from prag_asp.dataset.formats.export_format import Told
+from prag_asp.dataset.formats.provenance import MARK, mark_of
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, growing, replace_file
 from prag_asp.scene.geometry import yaw_of

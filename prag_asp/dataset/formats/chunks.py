@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from prag_asp.output import make_folder
-from prag_asp.output.files import told
+from prag_asp.output.atomic_files import told
 
 CHUNK = 1000
 """Files of a chunk."""

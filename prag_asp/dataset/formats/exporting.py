@@ -5,12 +5,12 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
-from prag_asp.dataset.formats.protocol import FORMS, Form, Told
-from prag_asp.dataset.formats.source import Source
+from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.export_format import FORMS, Form, Told
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.missing import require_packages
-from prag_asp.reading import is_inside
+from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
 

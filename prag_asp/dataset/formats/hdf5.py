@@ -12,10 +12,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.dataset.formats.source import Episode, Source
+from prag_asp.dataset.formats.episode_source import Episode, Source
 from prag_asp.errors import QueryError
-from prag_asp.output.files import told
-from prag_asp.processes.children import uninterrupted
+from prag_asp.output.atomic_files import told
+from prag_asp.processes.workers import uninterrupted
 
 PACKED, STRENGTH = "gzip", 6
 BLOCK, ROWS = 16, 8

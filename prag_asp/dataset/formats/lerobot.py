@@ -18,10 +18,9 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from prag_asp.dataset.formats.chunks import CHUNK, MEGABYTE, Tables, places, texts_table, write_table
-from prag_asp.dataset.formats.mark import MARK, mark_of
-from prag_asp.dataset.formats.protocol import Told
-from prag_asp.dataset.formats.source import Episode, Source
-from prag_asp.dataset.formats.statistics import (
+from prag_asp.dataset.formats.episode_source import Episode, Source
+from prag_asp.dataset.formats.export_format import Told
+from prag_asp.dataset.formats.feature_statistics import (
     NAMES,
     Aggregate,
     Colours,
@@ -30,6 +29,7 @@ from prag_asp.dataset.formats.statistics import (
     flattened,
     statistics_of,
 )
+from prag_asp.dataset.formats.provenance import MARK, mark_of
 from prag_asp.dataset.formats.video import Video, described
 from prag_asp.output import growing, make_folder, replace_file
 from prag_asp.wording import plural

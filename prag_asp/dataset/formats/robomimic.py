@@ -15,10 +15,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.dataset.formats.episode_source import Episode, Source
+from prag_asp.dataset.formats.export_format import Told
 from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
-from prag_asp.dataset.formats.mark import told_of
-from prag_asp.dataset.formats.protocol import Told
-from prag_asp.dataset.formats.source import Episode, Source
+from prag_asp.dataset.formats.provenance import told_of
 from prag_asp.output import whole_file
 from prag_asp.wording import plural
 

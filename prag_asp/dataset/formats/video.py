@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.output.files import told
+from prag_asp.output.atomic_files import told
 
 CODEC, PIXELS = "av1", "yuv420p"
 OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.language.descriptions import Start
+    from prag_asp.dataset.language.instruction_reader import Reading, read_instruction, start_of
+    from prag_asp.dataset.language.instruction_writer import Instructions, Teller, teller_of
     from prag_asp.dataset.language.plain import instruction, sentence
-    from prag_asp.dataset.language.reader import Reading, read_instruction, start_of
-    from prag_asp.dataset.language.teller import Instructions, Teller, teller_of
-    from prag_asp.dataset.language.view import Start
 
 __all__ = [
     "Instructions",
@@ -33,9 +33,9 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.dataset.language.plain": ("instruction", "sentence"),
-    "prag_asp.dataset.language.reader": ("Reading", "read_instruction", "start_of"),
-    "prag_asp.dataset.language.teller": ("Instructions", "Teller", "teller_of"),
-    "prag_asp.dataset.language.view": ("Start",),
+    "prag_asp.dataset.language.instruction_reader": ("Reading", "read_instruction", "start_of"),
+    "prag_asp.dataset.language.instruction_writer": ("Instructions", "Teller", "teller_of"),
+    "prag_asp.dataset.language.descriptions": ("Start",),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from itertools import product
 
-from prag_asp.dataset.language.clauses import Clauses, Modifier
-from prag_asp.dataset.language.looks import Looks
-from prag_asp.dataset.language.view import PLACES, SIZES, Crowd, Description, Relation, View
-from prag_asp.grammar.read import Grammar, Noun, plain
+from prag_asp.dataset.language.appearance import Looks
+from prag_asp.dataset.language.descriptions import PLACES, SIZES, Crowd, Description, Relation, View
+from prag_asp.dataset.language.sentences import Clauses, Modifier
+from prag_asp.grammar.reader import Grammar, Noun, plain
 from prag_asp.grammar.template import Template, agrees, parse_template
 
 KEPT = 1 << 14

@@ -20,10 +20,10 @@ from itertools import islice
 from time import monotonic, sleep
 from typing import Any
 
-from prag_asp.dataset.looking import Draw, Found, Look, telling_looker
+from prag_asp.dataset.validation_jobs import Draw, Found, Look, telling_looker
 from prag_asp.errors import WorkerError
-from prag_asp.processes.children import Child, Children, Ended, uninterrupted
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
+from prag_asp.processes.workers import Child, Children, Ended, uninterrupted
 
 AHEAD = 2
 """Tasks of Ray for each processor that are handed out: the one that it does, and one that it need not wait for."""

@@ -13,14 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from prag_asp.dataset.looking import Draw, Found, Look, Telling
-from prag_asp.dataset.making.places import Place
-from prag_asp.dataset.making.refusals import JOURNAL, difference, require_ours, too_few
-from prag_asp.dataset.pages.card import write_card
-from prag_asp.dataset.recordings import name_of, remove_after
+from prag_asp.dataset.dataset_spec import Wanted
+from prag_asp.dataset.episode_files import name_of, remove_after
+from prag_asp.dataset.making.executors import Place
+from prag_asp.dataset.making.preconditions import JOURNAL, difference, require_ours, too_few
+from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.store.kept import MEND, KeptDomain, write_kept
-from prag_asp.dataset.store.looked import Looked
+from prag_asp.dataset.store.domain_snapshot import MEND, KeptDomain, write_kept
+from prag_asp.dataset.store.draw_results import Looked
+from prag_asp.dataset.store.instructions import Told, telling_of
 from prag_asp.dataset.store.manifest import (
     FORMAT,
     VERSION,
@@ -32,24 +33,23 @@ from prag_asp.dataset.store.manifest import (
     require_parts,
     write_manifest,
 )  # fmt: skip
-from prag_asp.dataset.store.told import Told, telling_of
-from prag_asp.dataset.wanted import Wanted
+from prag_asp.dataset.validation_jobs import Draw, Found, Look, Telling
 from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.integers import digits_of, number_of
 from prag_asp.output import Lines, file_in, make_folder, replace_file
-from prag_asp.processes.children import uninterrupted
-from prag_asp.reading import read_bytes
-from prag_asp.space.ordered import Ordered, at, lengths_of, ordered_parts, tell
+from prag_asp.processes.workers import uninterrupted
+from prag_asp.safe_reading import read_bytes
+from prag_asp.space.without_replacement import Ordered, at, lengths_of, ordered_parts, tell
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.making.jobs import Jobs
-    from prag_asp.dataset.store.writing import PartWriter
-    from prag_asp.space.ordered import Placed
+    from prag_asp.dataset.making.part_merge import Jobs
+    from prag_asp.dataset.store.shard_writer import PartWriter
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
+    from prag_asp.space.without_replacement import Placed
     from prag_asp.task import Task
 
 RECORDINGS = "demonstrations"
@@ -160,7 +160,7 @@ class Run:
 
     def _make(self, parts: Mapping[str, Ordered]) -> None:
         """Write what is missing."""
-        from prag_asp.dataset.store.writing import PartWriter
+        from prag_asp.dataset.store.shard_writer import PartWriter
 
         wanted = self._wanted
         left = list(self._left())

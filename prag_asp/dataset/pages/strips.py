@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.language import sentence
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.store.kept import KeptFile
+from prag_asp.dataset.store.domain_snapshot import KeptFile
 from prag_asp.errors import PicturesMissingError
 from prag_asp.output import make_folder
-from prag_asp.processes.stage import stage
-from prag_asp.reading import read_bytes
+from prag_asp.processes.progress_events import stage
+from prag_asp.safe_reading import read_bytes
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.manifest import Manifest

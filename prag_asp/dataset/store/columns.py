@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from prag_asp.atom import Atom
-from prag_asp.dataset.store.arrays import array_of, bits, lists_of, texts_of
+from prag_asp.dataset.store.arrow_arrays import array_of, bits, lists_of, texts_of
 from prag_asp.dataset.store.schema import FACTS, SCHEMAS
 from prag_asp.task import FrozenDict
 

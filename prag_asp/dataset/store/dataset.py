@@ -9,14 +9,14 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from prag_asp.dataset.store.domain_snapshot import kept_domain
 from prag_asp.dataset.store.entry import Entry, entry_of, task_of
-from prag_asp.dataset.store.kept import kept_domain
 from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest, require_parts
 from prag_asp.errors import QueryError
 from prag_asp.fields import decoded
 from prag_asp.integers import number_of
 from prag_asp.missing import require_pyarrow
-from prag_asp.reading import is_inside
+from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ class Dataset:
 
         Where the draw is uniform, and parts differ by tasks alone, it is known which draw it was.
         """
-        from prag_asp.space.ordered import Division, order_of
+        from prag_asp.space.without_replacement import Division, order_of
 
         asked, lengths = self.manifest.asked, [space.length for space in self.manifest.spaces if space.tasks != "0"]
         known = not asked.weights and not asked.skeletons and asked.hold_out is None

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 import msgspec
 
 from prag_asp.dataset.store.description import read_description, write_description
-from prag_asp.dataset.store.kept import KeptDomain, KeptFile
+from prag_asp.dataset.store.domain_snapshot import KeptDomain, KeptFile
 from prag_asp.errors import QueryError
 from prag_asp.fields import Whole
 from prag_asp.integers import digits_of, number_of
-from prag_asp.space.drawing.deal import ALL, Deal
+from prag_asp.space.sampling.sharding import ALL, Deal
 
 if TYPE_CHECKING:
     from prag_asp.physics import Staging

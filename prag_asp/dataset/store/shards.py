@@ -10,12 +10,12 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from prag_asp.dataset.store.kept import MEND
+from prag_asp.dataset.store.domain_snapshot import MEND
 from prag_asp.dataset.store.manifest import ShardFile
 from prag_asp.dataset.store.schema import FOLDERS, ROW_GROUP, SCHEMAS
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder, replace_file
-from prag_asp.reading import is_inside, open_binary
+from prag_asp.safe_reading import is_inside, open_binary
 
 LARGEST_GROUP = 1_000_000_000
 """Bytes of rows that are read at once, unpacked, by what the file says."""

@@ -8,7 +8,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from prag_asp.dataset.store.kept import MEND
+from prag_asp.dataset.store.domain_snapshot import MEND
 from prag_asp.dataset.store.schema import ROW_GROUP
 from prag_asp.dataset.store.shards import open_shard
 from prag_asp.errors import QueryError

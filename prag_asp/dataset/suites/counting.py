@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from prag_asp.errors import QueryError
 from prag_asp.space.limits import UNLIMITED
-from prag_asp.space.ordered import at
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
+from prag_asp.space.without_replacement import at
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.suites.suite import Part, Suite
+    from prag_asp.dataset.suites.suite_spec import Part, Suite
     from prag_asp.space.limits import Limits
 
 Counted = Callable[[str, int, int], None]

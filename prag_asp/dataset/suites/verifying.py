@@ -8,22 +8,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.store.told import PLAIN
-from prag_asp.dataset.suites.card import NAME as CARD
-from prag_asp.dataset.suites.card import card_text
+from prag_asp.dataset.store.instructions import PLAIN
 from prag_asp.dataset.suites.counting import count_suite
-from prag_asp.dataset.suites.making import asked_of, identity_of
-from prag_asp.dataset.suites.note import NAME, SPELLED, SuiteNote, is_suite, note_of, read_note
-from prag_asp.dataset.suites.reading import read_suite
-from prag_asp.dataset.verifying.files import UNSEEN, wrong_file
-from prag_asp.dataset.verifying.finding import Finding, Looked
-from prag_asp.dataset.verifying.verify import wrong_dataset
+from prag_asp.dataset.suites.suite_builder import asked_of, identity_of
+from prag_asp.dataset.suites.suite_card import NAME as CARD
+from prag_asp.dataset.suites.suite_card import card_text
+from prag_asp.dataset.suites.suite_manifest import NAME, SPELLED, SuiteNote, is_suite, note_of, read_note
+from prag_asp.dataset.suites.suite_reader import read_suite
+from prag_asp.dataset.verification.file_checks import UNSEEN, wrong_file
+from prag_asp.dataset.verification.finding import Finding, Looked
+from prag_asp.dataset.verification.verifier import wrong_dataset
 from prag_asp.errors import DomainError, PragError, QueryError
 from prag_asp.program.sources import Source
-from prag_asp.reading import read_bytes
+from prag_asp.safe_reading import read_bytes
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.suites.suite import Suite
+    from prag_asp.dataset.suites.suite_spec import Suite
 
 KNOWN = (NAME, SPELLED, CARD)
 """The files of a suite beside its data sets."""

@@ -14,9 +14,9 @@ import clingo
 
 from prag_asp.errors import DomainError
 from prag_asp.lint.occurrence import STATE_PREDICATES
-from prag_asp.lint.origin import Origins
 from prag_asp.lint.reaching.relaxed import HOLDS, OCCURS, STRAY, Maker, Relaxed, makers_of
-from prag_asp.program.atoms import ground_atoms
+from prag_asp.lint.rule_origin import Origins
+from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.problem import Problem

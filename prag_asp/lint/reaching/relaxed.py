@@ -15,7 +15,7 @@ import clingo
 from clingo.ast import AST, ASTType, ComparisonOperator
 
 from prag_asp.lint.occurrence import CHANGED, STATE_PREDICATES
-from prag_asp.program.atoms import ground_atoms
+from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, Statement, atoms, names, plain_atom, variables
 
 OCCURS, HOLDS = ("occurs", 2), ("holds", 3)

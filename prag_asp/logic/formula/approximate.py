@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of
-from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import APPROXMC, counted
 

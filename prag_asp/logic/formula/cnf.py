@@ -8,10 +8,10 @@ from weakref import WeakValueDictionary
 
 import clingo
 
-from prag_asp.logic.formula.clauses import TRUE, Literal
-from prag_asp.logic.formula.completion import complete
+from prag_asp.logic.formula.clark_completion import complete
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.ground.unroll import unroll
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
 from prag_asp.program.sources import Program
 
 OCCURS = "occurs"

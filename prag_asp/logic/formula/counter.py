@@ -15,9 +15,9 @@ from time import monotonic
 from typing import IO, Any
 
 from prag_asp.errors import EngineError, LimitReached
-from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.processes.children import Child, Children, Ended, answered
+from prag_asp.processes.workers import Child, Children, Ended, answered
 
 
 @dataclass(frozen=True)

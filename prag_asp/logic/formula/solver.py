@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from types import TracebackType
 from typing import Any
 
-from prag_asp.logic.formula.clauses import Literal
+from prag_asp.logic.formula.clause_builder import Literal
 
 CONFLICTS = 2000
 """Conflicts between two looks at the signals: some milliseconds."""

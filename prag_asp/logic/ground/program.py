@@ -9,8 +9,8 @@ from itertools import chain, pairwise
 import clingo
 
 from prag_asp.domain.load import Domain
+from prag_asp.program.entity_names import MENTIONS, NAME, mention_facts, name_fact
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import MENTIONS, NAME, mention_facts, name_fact
 from prag_asp.program.sources import ADDED, CONTRACT, Program, Source, owned, read_sources
 from prag_asp.program.tokens import blanked
 

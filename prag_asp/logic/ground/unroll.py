@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import clingo
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.ground.ground import Rule, unrolled
+from prag_asp.logic.ground.ground_step import Rule, unrolled
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import clingo
 
-from prag_asp.logic.ground.ground import timeless
+from prag_asp.logic.ground.ground_step import timeless
 from prag_asp.logic.step.normal import Body, NormalStep
 
 

@@ -10,7 +10,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.ground.ground import timeless, unrolled
+from prag_asp.logic.ground.ground_step import timeless, unrolled
 from prag_asp.logic.step.normal import Body, NormalStep
 from prag_asp.logic.step.strata import Column, Stratum, evaluate, stratify
 from prag_asp.program.grounding import Grounder, Part

@@ -14,7 +14,7 @@ from prag_asp.logic.step.moves import Move
 from prag_asp.logic.step.normal import Body
 from prag_asp.logic.step.simplify import simplified
 from prag_asp.logic.step.transition import Transition
-from prag_asp.program.names import action_name
+from prag_asp.program.entity_names import action_name
 
 FEWEST_VARIABLES = 12
 """Variables from which on parts are looked for: fewer have few states."""

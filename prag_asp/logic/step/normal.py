@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import clingo
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.ground.ground import GroundStep, Rule
+from prag_asp.logic.ground.ground_step import GroundStep, Rule
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.ground.ground import GroundStep
+from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.step.normal import Body, NormalStep, normal_step
 from prag_asp.program.finite.components import components
 

@@ -22,7 +22,7 @@ from prag_asp.logic.step.normal import Body, NormalStep
 from prag_asp.logic.step.packed import Rows, bit, pack, unpack
 from prag_asp.logic.step.step_rules import StepRules
 from prag_asp.logic.step.strata import Column, Stratum, body_column, evaluate, stratify
-from prag_asp.processes.stage import stage
+from prag_asp.processes.progress_events import stage
 
 MANY = 64
 """Actions of which most are passed over together; fewer are tried one by one."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
-from prag_asp.logic.symmetry.atoms import START, SpelledRule
+from prag_asp.logic.symmetry.atom_numbering import START, SpelledRule
 
 _Literal = tuple[int, int]
 

@@ -20,15 +20,15 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.ground.ground import GroundStep
-from prag_asp.logic.symmetry.atoms import START, Atoms, SpelledRule
+from prag_asp.logic.ground.ground_step import GroundStep
+from prag_asp.logic.symmetry.atom_numbering import START, Atoms, SpelledRule
 from prag_asp.logic.symmetry.entailment import Consequences
-from prag_asp.logic.symmetry.joint import Conflict, joint_groups
-from prag_asp.logic.symmetry.kinds import refined
+from prag_asp.logic.symmetry.partition_refinement import refined
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.logic.symmetry.symmetries import Symmetries
+from prag_asp.logic.symmetry.unit_symmetry import Conflict, joint_groups
+from prag_asp.program.entity_names import action_name
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import action_name
 
 
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:

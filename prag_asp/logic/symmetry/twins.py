@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.symmetry.patterns import Patterns
+from prag_asp.logic.symmetry.term_patterns import Patterns
 
 
 @dataclass(frozen=True)

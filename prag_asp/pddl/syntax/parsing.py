@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from prag_asp.errors import DomainError
-from prag_asp.pddl.syntax.grammar import KINDS, grammar
+from prag_asp.pddl.syntax.lark_grammar import KINDS, grammar
 from prag_asp.pddl.syntax.nodes import Node, Word
 from prag_asp.pddl.syntax.sections import ORDER, arranged
 from prag_asp.program.sources import read_text

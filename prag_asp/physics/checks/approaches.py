@@ -10,9 +10,9 @@ from itertools import groupby, pairwise
 from typing import NamedTuple
 
 from prag_asp.physics.checks.states import POSITION_TOLERANCE, near, situation_of
-from prag_asp.physics.facts import Fact, of_robot
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.search.grasping import LIFT
+from prag_asp.physics.symbolic_facts import Fact, of_robot
 from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import contacts

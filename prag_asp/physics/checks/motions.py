@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from prag_asp.physics.checks.approaches import End, approach_problems
-from prag_asp.physics.checks.handling import carried_along, handling_problems, openings_at
+from prag_asp.physics.checks.furniture_motion import carried_along, handling_problems, openings_at
 from prag_asp.physics.checks.numbers import broken_arm
 from prag_asp.physics.checks.states import near, situation_of, tool_in, visited
-from prag_asp.physics.facts import Effect
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Effect
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
 from prag_asp.scene.geometry import Pose, compose, invert
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 
 def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulator: Simulator) -> Iterator[str]:

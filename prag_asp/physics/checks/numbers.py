@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.checks.handling import opening_problems
-from prag_asp.physics.facts import PhysicalTask
+from prag_asp.physics.checks.furniture_motion import opening_problems
+from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose, finite

@@ -11,15 +11,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.facts import PhysicalTask, physical_task
 from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE, Fault
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.witness import Moment, Witness
 from prag_asp.physics.world.bodies import make_body, make_table, mass, parking_place
-from prag_asp.physics.world.furniture import read_opening, set_opening
+from prag_asp.physics.world.furniture_bodies import read_opening, set_opening
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.scene.geometry import Pose, turn_between
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 TIME_STEP = 1 / 240

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from prag_asp.physics.facts import PhysicalTask
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips
 from prag_asp.physics.situation import Situation, fixed_pose
+from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator

@@ -17,11 +17,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
+from prag_asp.physics.witness_json import PARTS
 from prag_asp.physics.world.support import TABLE, contacts
-from prag_asp.physics.written import PARTS
 
 GENTLE = 1.0
 """Newtons that no contact exceeds for which a task does not ask."""

@@ -11,7 +11,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.arrays import BadArchive, read_arrays
+from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.fields import shown
 from prag_asp.output import replace_file
@@ -20,10 +20,10 @@ from prag_asp.physics.demonstration.footage import Footage, read_footage
 from prag_asp.physics.demonstration.packing import with_packed
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.written import PARTS, VERSION
-from prag_asp.reading import open_binary
+from prag_asp.physics.witness_json import PARTS, VERSION
+from prag_asp.safe_reading import open_binary
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import Variation, variation_of
 
 Floats = NDArray[np.float32]

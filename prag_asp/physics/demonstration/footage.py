@@ -9,7 +9,7 @@ from typing import Any, BinaryIO, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.arrays import BadArchive, read_arrays
+from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.physics.demonstration.packing import Packed, read_packed
 
 RGB, DEPTH = "u1", "<f2"

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from prag_asp.arrays import SUFFIX, BadArchive
+from prag_asp.array_archive import SUFFIX, BadArchive
 from prag_asp.errors import QueryError
 
 LEVEL = 1

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.facts import Effect
 from prag_asp.physics.motion.route import Grip, Load, free_path, grip_of, pulled, straight, vertical
 from prag_asp.physics.motion.trajectory import limits_of, timed
 from prag_asp.physics.robot.kinematics import adjusted, tool_pose
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Effect
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator

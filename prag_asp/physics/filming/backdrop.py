@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 SKY, GROUND = (247, 249, 252), (214, 221, 230)
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.12

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
 from prag_asp.physics.demonstration.footage import DEPTH, RGB, Film, Footage, Picture, segmentation_type
 from prag_asp.physics.demonstration.packing import Packed, Packer
-from prag_asp.physics.filming.staging import Staging
+from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.filming.studio import open_studio
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, multiply
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import robot_of
+from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import USUAL_LIGHT
 
 

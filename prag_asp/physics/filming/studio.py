@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
+from prag_asp.physics.filming.appearance_meshes import low_files
 from prag_asp.physics.filming.backdrop import (
     AMBIENT,
     DIFFUSE,
@@ -27,19 +28,18 @@ from prag_asp.physics.filming.backdrop import (
     has_still_floor,
     patches,
 )
-from prag_asp.physics.filming.looks import low_files
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body
 from prag_asp.physics.world.collisions import BASE_LINK
-from prag_asp.physics.world.furniture import JOINT, set_opening
+from prag_asp.physics.world.furniture_bodies import JOINT, set_opening
 from prag_asp.physics.world.simulated_arm import load_written
 from prag_asp.physics.world.simulator import open_client, start_world
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import matrix
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Joints, robot_of
+from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import USUAL_LIGHT, table_of
 
 LIGHT_DISTANCE = 3.0

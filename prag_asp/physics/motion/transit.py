@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from prag_asp.physics.facts import Effect, PhysicalTask, physical_task
 from prag_asp.physics.motion.route import Load, checked_path, grip_of
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.physics.search.handling import opened
+from prag_asp.physics.search.furniture_handling import opened
 from prag_asp.physics.search.moving import with_riders
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Effect, PhysicalTask, physical_task
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import robot_of
+from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 Motion = tuple[Waypoint, ...]

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterable, Sequence
 from itertools import product
 
-from prag_asp.physics.facts import facts
 from prag_asp.physics.filming.studio import open_studio
+from prag_asp.physics.symbolic_facts import facts
 from prag_asp.physics.witness import Moment
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import FIELD_OF_VIEW, TOWARDS_EYE, Camera, fitted
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)

@@ -1,7 +1,7 @@
 """The spatial predicates, each defined once, and those that a domain adds.
 
 A file here defines one or a few that belong together as its `PREDICATES`, by their names, as a Python file of a domain
-does. A new one is a file and a row in `prag_asp.scene.vocabulary`, which names it.
+does. A new one is a file and a row in `prag_asp.scene.predicate_names`, which names it.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from functools import cache
 from importlib import import_module
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.predicates.boxes import composed
+from prag_asp.physics.predicates.box_predicates import composed
 from prag_asp.physics.predicates.predicate import Direction, Gripper, Predicate, states
 from prag_asp.physics.predicates.python_file import defined
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, Yaws
-from prag_asp.scene.model import Own, Scene
-from prag_asp.scene.vocabulary import VOCABULARY
+from prag_asp.scene.predicate_names import VOCABULARY
+from prag_asp.scene.scene import Own, Scene
 
 PREDICATES: Mapping[str, Predicate] = {
     name: import_module(f"{__name__}.{word.file}").PREDICATES[name] for name, word in VOCABULARY.items()

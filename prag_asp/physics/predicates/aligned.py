@@ -14,7 +14,7 @@ from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Quaternion, extents, wrap, yaw_of
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
 
 TURN, TURN_MARGIN = math.radians(5), math.radians(0.5)
 OFFSET, GAP, MARGIN = 0.01, 0.005, 0.003

@@ -18,7 +18,7 @@ from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, extents
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 GAP = 0.005
 MARGIN = 0.003

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from prag_asp.scene.geometry import extents, yaw_quaternion
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 
 ROUNDING = 1e-9
 """What two lengths have to differ by to be told apart, in metres."""

@@ -14,8 +14,8 @@ from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, heading, rotate, to_local, width_along
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Robot, robot_of
+from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 CENTRE_TOLERANCE = 0.015

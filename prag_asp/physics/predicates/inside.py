@@ -17,7 +17,7 @@ from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, Quaternion, extents, heading, inside_by, multiply, to_local, yaw_of
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 
 TOLERANCE = 0.002
 FLOOR_BAND = 0.01

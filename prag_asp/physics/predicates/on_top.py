@@ -12,7 +12,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Point
 from prag_asp.scene.geometry import Quaternion, extents, heading, to_local, yaw_quaternion
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 TOLERANCE = 0.002
 MARGIN = 0.004

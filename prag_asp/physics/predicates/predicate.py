@@ -13,7 +13,7 @@ from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.forms import Point
 from prag_asp.scene.geometry import Quaternion
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 Arguments = tuple[str, ...]
 

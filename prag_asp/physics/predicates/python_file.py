@@ -22,7 +22,7 @@ from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.predicates.gaps import Gap
 from prag_asp.physics.predicates.predicate import Predicate
 from prag_asp.physics.predicates.volume import Volume
-from prag_asp.scene.model import Own
+from prag_asp.scene.scene import Own
 from prag_asp.wording import plural
 
 

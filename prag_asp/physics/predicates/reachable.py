@@ -11,8 +11,8 @@ from prag_asp.physics.predicates.volume import Ring, Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.forms import Point
 from prag_asp.scene.geometry import Quaternion
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import robot_of
+from prag_asp.scene.scene import Scene
 
 MARGIN, HEIGHT_MARGIN = 0.003, 0.001
 

@@ -10,7 +10,7 @@ from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, 
 from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 TOLERANCE = math.radians(10)
 MARGIN = math.radians(0.5)

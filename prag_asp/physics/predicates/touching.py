@@ -19,7 +19,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Outline, Point, rectangle
 from prag_asp.scene.geometry import Quaternion, extents, hull, inside_by, turn_between, wrap, yaw_of, yaw_quaternion
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 
 TOLERANCE, MARGIN, HEIGHT_MARGIN = 0.002, 0.0005, 0.0002
 LEAN = math.radians(2)

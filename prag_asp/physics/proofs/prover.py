@@ -15,10 +15,9 @@ from dataclasses import dataclass
 from itertools import product
 
 from prag_asp.atom import Atom
-from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates.gaps import Demand, Gap, Node
-from prag_asp.physics.proofs.demands import all_demands, bodies
-from prag_asp.physics.proofs.lifting import slipping
+from prag_asp.physics.proofs.payload import slipping
+from prag_asp.physics.proofs.placement_demands import all_demands, bodies
 from prag_asp.physics.proofs.reasons import (
     AXES,
     exclusions,
@@ -28,7 +27,8 @@ from prag_asp.physics.proofs.reasons import (
     room_reasons,
 )
 from prag_asp.physics.proofs.surfaces import surface_reasons
-from prag_asp.scene.model import Scene
+from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
+from prag_asp.scene.scene import Scene
 
 REMEMBERED = 1 << 14
 """How many groups of facts a prover keeps in mind."""

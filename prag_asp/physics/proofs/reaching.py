@@ -14,8 +14,8 @@ from prag_asp.program.problem import Problem
 from prag_asp.scene.forms import Outline, Point, rectangle
 from prag_asp.scene.furniture import cavity, cavity_pose, mechanism
 from prag_asp.scene.geometry import cut, inside_by, yaw_of
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Robot, robot_of
+from prag_asp.scene.scene import Scene
 
 
 def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
-from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates.gaps import ORIGIN, Gap, centre
 from prag_asp.physics.predicates.predicate import words
-from prag_asp.physics.proofs.demands import bodies
 from prag_asp.physics.proofs.differences import impossible_row, lowest
+from prag_asp.physics.proofs.placement_demands import bodies
 from prag_asp.physics.situation import Situation, fixed_pose
-from prag_asp.scene.model import Scene
+from prag_asp.physics.symbolic_facts import Fact
+from prag_asp.scene.scene import Scene
 
 AXES = ("x", "y", "z")
 

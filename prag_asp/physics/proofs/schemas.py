@@ -14,7 +14,7 @@ from itertools import combinations, product
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.physics.predicates.predicate import words
-from prag_asp.physics.proofs.learning import Fluents, Proofs
+from prag_asp.physics.proofs.learned_exclusions import Fluents, Proofs
 from prag_asp.program.facts import Facts
 
 VARIABLES = "XYZVWUTSRQ"

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gaps import ROUNDING
 from prag_asp.physics.predicates.predicate import words
+from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.geometry import cut, inside_by
-from prag_asp.scene.model import Scene
+from prag_asp.scene.scene import Scene
 
 FLUSH = 1e-8
 """Metres by which a region may stand out of another that it lies within, for coordinates are rounded."""

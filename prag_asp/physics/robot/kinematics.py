@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from prag_asp.scene.geometry import Pose, Quaternion, compose, invert, matrix, rows, yaw_quaternion
 from prag_asp.scene.robots import Joints, Robot
-from prag_asp.scene.robots.model import ORIGIN
+from prag_asp.scene.robots.robot import ORIGIN
 
 ACCURACY = 1e-5
 APART = 0.4

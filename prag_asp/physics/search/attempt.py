@@ -8,15 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from prag_asp.physics.facts import Fact
 from prag_asp.physics.search.foresight import Foresight
 from prag_asp.physics.search.spans import Spans
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Joints, Robot
+from prag_asp.scene.scene import Scene
 
 EMPTY_VOLUME = "no room where the relations want the object"
 RELATION = "a relation of the state does not hold"

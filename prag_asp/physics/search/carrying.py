@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from prag_asp.physics.facts import Effect
-from prag_asp.physics.search.allowed import draw_yaws, relevant, yaw_ranges
+from prag_asp.physics.search.allowed_region import draw_yaws, relevant, yaw_ranges
 from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, Configuration, configure, descend
 from prag_asp.physics.search.moving import (
@@ -19,6 +18,7 @@ from prag_asp.physics.search.moving import (
 )
 from prag_asp.physics.search.placement import any_support, draw_pose, known_support
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Effect
 from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import TABLE, resting_height

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import Direction, Volume
 from prag_asp.physics.predicates.beside import GAP, MARGIN, SIDES, wedge
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.scene.geometry import Quaternion, extents
 
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from prag_asp.physics.facts import Effect, Fact, PhysicalTask
 from prag_asp.physics.predicates import Direction, Volume
 from prag_asp.physics.predicates.beside import GAP, MARGIN
-from prag_asp.scene.model import Scene
+from prag_asp.physics.symbolic_facts import Effect, Fact, PhysicalTask
+from prag_asp.scene.scene import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
 """For a state and an object that comes to its place in it: where all of it leaves ample room, then just enough."""

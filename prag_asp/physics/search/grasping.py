@@ -21,8 +21,8 @@ from prag_asp.physics.search.attempt import (
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
-from prag_asp.scene.model import Shape
 from prag_asp.scene.robots import Joints
+from prag_asp.scene.scene import Shape
 
 LIFT = 0.10
 """How far above an object the gripper approaches it, in metres."""

@@ -7,16 +7,16 @@ from collections.abc import Iterable, Iterator
 from itertools import repeat
 from typing import NamedTuple
 
-from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import Gripper, Ring, Volume
 from prag_asp.physics.predicates.inside import INSIDE
 from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.predicates.reachable import REACHABLE
 from prag_asp.physics.predicates.volume import Floor
-from prag_asp.physics.search.allowed import allowed, draw_yaws, relevant, shapes_volume, unsatisfied, yaw_ranges
+from prag_asp.physics.search.allowed_region import allowed, draw_yaws, relevant, shapes_volume, unsatisfied, yaw_ranges
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
 from prag_asp.physics.search.chains import Chain, chains, kept_apart
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.world.collisions import box
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates.between import GAP, MARGIN
-from prag_asp.scene.model import Scene
+from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
+from prag_asp.scene.scene import Scene
 
 FINGER_ROOM = 0.035
 DEPTH = 4

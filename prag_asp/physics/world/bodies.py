@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.situation import TABLE_THICKNESS
-from prag_asp.physics.world.furniture import make_furniture
+from prag_asp.physics.world.furniture_bodies import make_furniture
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import yaw_quaternion
-from prag_asp.scene.model import Material, Scene, Solid
+from prag_asp.scene.scene import Material, Scene, Solid
 from prag_asp.scene.solids import solids, walls, weight
 
 PARKING = (20.0, 20.0, 5.0)

@@ -11,17 +11,17 @@ from typing import NamedTuple
 
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
-from prag_asp.physics.robot.file import robot_file
+from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.physics.witness import Arm, Moment
+from prag_asp.physics.witness_json import PARTS
 from prag_asp.physics.world.bodies import make_body, make_table, parking_place
 from prag_asp.physics.world.collisions import BASE_LINK
-from prag_asp.physics.world.furniture import JOINT, UPRIGHT, read_opening, set_opening
+from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_written
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
-from prag_asp.physics.written import PARTS
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Joints, Robot, robot_of
+from prag_asp.scene.scene import Scene
 
 TIME_STEP = 1 / 120
 """Seconds; half of it doubles the costs and does not raise the share of tasks that succeed."""

@@ -10,8 +10,8 @@ from functools import lru_cache
 from hashlib import sha256
 from itertools import chain
 
-from prag_asp.scene.model import Solid
 from prag_asp.scene.read.mesh import Part, mesh_parts, state_of
+from prag_asp.scene.scene import Solid
 
 
 def mesh_file(solid: Solid) -> tuple[str, bytes]:

@@ -7,9 +7,9 @@ from typing import Any
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.lent import lent
+from prag_asp.physics.temporary_files import lent
 from prag_asp.physics.world.meshes import mesh_file
-from prag_asp.scene.model import Solid
+from prag_asp.scene.scene import Solid
 
 GEOMETRIES: Mapping[str, int] = {
     "box": pybullet.GEOM_BOX,

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.lent import lent
-from prag_asp.physics.robot.file import robot_file, wheel_file
 from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.physics.robot.robot_files import robot_file, wheel_file
+from prag_asp.physics.temporary_files import lent
 from prag_asp.scene.boxes import Corners, around, touch
 from prag_asp.scene.geometry import Pose, rotate
 from prag_asp.scene.robots import Joints, Robot

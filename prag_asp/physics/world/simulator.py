@@ -15,11 +15,11 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body, make_table, parking_place, show_zone
-from prag_asp.physics.world.furniture import set_opening
+from prag_asp.physics.world.furniture_bodies import set_opening
 from prag_asp.physics.world.simulated_arm import SimulatedArm
 from prag_asp.scene.geometry import Pose, finite
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import Joints, Robot, robot_of
+from prag_asp.scene.scene import Scene
 
 COLLISION = -0.0015
 """Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from prag_asp.rl.curriculum.course import Episode, Keys, State
-from prag_asp.rl.curriculum.pool import Offer, Pool, Word, chosen, derived, share_of, whole_of
 from prag_asp.rl.curriculum.stream import Stream, times
-from prag_asp.space.weighing.weights import Number
+from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word, chosen, derived, share_of, whole_of
+from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 4
 """How much more often than one that makes no progress an action is drawn that makes most."""

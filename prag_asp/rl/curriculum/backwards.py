@@ -8,8 +8,8 @@ from fractions import Fraction
 
 from prag_asp.rl.curriculum.course import Episode, State
 from prag_asp.rl.curriculum.mastery import Mastery, reviewing
-from prag_asp.rl.curriculum.pool import chosen, share_of
-from prag_asp.space.weighing.weights import Number
+from prag_asp.rl.curriculum.task_pool import chosen, share_of
+from prag_asp.space.weights.weights import Number
 
 
 @dataclass(frozen=True)

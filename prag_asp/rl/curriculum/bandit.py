@@ -9,9 +9,9 @@ from fractions import Fraction
 
 from prag_asp.errors import QueryError
 from prag_asp.rl.curriculum.course import Episode, Keys, State
-from prag_asp.rl.curriculum.pool import Offer, Pool, Word, chosen, derived, share_of, whole_of
 from prag_asp.rl.curriculum.stream import Stream, times
-from prag_asp.space.weighing.weights import Number
+from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word, chosen, derived, share_of, whole_of
+from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 8
 """How much more often what an arm stands for is drawn while it is pulled."""

@@ -10,9 +10,9 @@ from itertools import islice
 from typing import Any, NamedTuple, Protocol
 
 from prag_asp.atom import Atom
+from prag_asp.program.entity_names import action_name, mentioned_entities, shared_names
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import action_name, mentioned_entities, shared_names
-from prag_asp.rl.curriculum.pool import Offer, Pool, Word
+from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word
 
 State = dict[str, Any]
 """What a course has come to, of what JSON can write."""

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from prag_asp.rl.curriculum.pool import share_of, whole_of
-from prag_asp.space.weighing.weights import Number
+from prag_asp.rl.curriculum.task_pool import share_of, whole_of
+from prag_asp.space.weights.weights import Number
 
 
 @dataclass

@@ -8,15 +8,15 @@ from fractions import Fraction
 from itertools import count, pairwise
 from typing import Literal, get_args
 
-from prag_asp.bits import SeededBits
 from prag_asp.errors import NotFound, QueryError
+from prag_asp.random_bits import SeededBits
 from prag_asp.rl.curriculum.course import Course, Episode, Keys, State
-from prag_asp.rl.curriculum.pool import Offer, Pool, Word, derived
 from prag_asp.rl.curriculum.stream import Stream, times
-from prag_asp.space.drawing.drawers import OverSkeletons
+from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word, derived
 from prag_asp.space.engines import Draw
-from prag_asp.space.ordered import MISSES, lengths_of
 from prag_asp.space.parts.shuffle import Shuffle
+from prag_asp.space.sampling.samplers import OverSkeletons
+from prag_asp.space.without_replacement import MISSES, lengths_of
 from prag_asp.wording import unknown
 
 What = Literal["tasks", "skeletons", "names", "pairs"]

@@ -7,8 +7,8 @@ from fractions import Fraction
 from itertools import chain
 
 from prag_asp.rl.curriculum.course import skip
-from prag_asp.rl.curriculum.pool import Offer, Pool, Word
-from prag_asp.space.weighing.weights import Number
+from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word
+from prag_asp.space.weights.weights import Number
 
 
 class Stream:

@@ -14,7 +14,7 @@ from itertools import chain, pairwise
 from pathlib import Path
 
 from prag_asp.errors import SceneError
-from prag_asp.reading import read_bytes
+from prag_asp.safe_reading import read_bytes
 from prag_asp.scene.read.report import SMALLEST
 
 LARGEST = 32_000_000

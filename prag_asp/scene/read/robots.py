@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart
-from prag_asp.scene.model import Mount, Scene, Shape, only_robot
 from prag_asp.scene.read.report import Fault, Report, is_number
 from prag_asp.scene.robots import ROBOTS
+from prag_asp.scene.scene import Mount, Scene, Shape, only_robot
 
 BASE_LENGTH = 3
 FARTHEST = 2.0

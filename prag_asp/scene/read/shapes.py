@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from prag_asp.errors import SceneError
-from prag_asp.scene.kinds import KINDS
-from prag_asp.scene.model import Shape, Size
 from prag_asp.scene.read.report import MAX_LENGTH, SMALLEST, Report, is_number
+from prag_asp.scene.scene import Shape, Size
+from prag_asp.scene.shape_kinds import KINDS
 from prag_asp.wording import did_you_mean, nearest
 
 TRIPLE = 3

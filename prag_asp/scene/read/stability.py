@@ -10,8 +10,8 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import product
 
-from prag_asp.scene.model import Size, Solid
 from prag_asp.scene.read.mesh import mesh_points
+from prag_asp.scene.scene import Size, Solid
 
 Rows = tuple[Size, Size, Size]
 CONTACT = 0.002

@@ -16,12 +16,12 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from prag_asp.errors import SceneError
-from prag_asp.reading import is_inside, read_bytes
+from prag_asp.safe_reading import is_inside, read_bytes
 from prag_asp.scene.forms import FORMS
-from prag_asp.scene.model import Model, Shape, Size, Solid
 from prag_asp.scene.read.mesh import mesh_points, thickness
 from prag_asp.scene.read.report import SMALLEST
 from prag_asp.scene.read.stability import rotation
+from prag_asp.scene.scene import Model, Shape, Size, Solid
 from prag_asp.wording import plural
 
 ZEROS = "0 0 0"

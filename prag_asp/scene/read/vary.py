@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from prag_asp.scene.model import Ranges
 from prag_asp.scene.read.report import Report, is_number
+from prag_asp.scene.scene import Ranges
 
 FACTORS = (0.05, 20.0)
 LIMITS: Mapping[str, tuple[float, str]] = {

@@ -8,10 +8,10 @@ from functools import cache
 
 from prag_asp.errors import SceneError
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.model import Mount, Scene
 from prag_asp.scene.robots.kuka import KUKA
-from prag_asp.scene.robots.model import Hand, Joints, Robot, Solver
 from prag_asp.scene.robots.panda import PANDA
+from prag_asp.scene.robots.robot import Hand, Joints, Robot, Solver
+from prag_asp.scene.scene import Mount, Scene
 
 ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
 """Every robot by the name that it has in a scene. A new one needs a row here, and a file of its own."""

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from prag_asp.scene.footprint import Footprint
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Shape, Solid
-from prag_asp.scene.robots.model import Hand, Joints, Robot
+from prag_asp.scene.robots.robot import Hand, Joints, Robot
+from prag_asp.scene.scene import Shape, Solid
 
 Floats = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from prag_asp.missing import needed
 from prag_asp.scene.footprint import Footprint
 from prag_asp.scene.geometry import Pose, wrap, yaw_of
-from prag_asp.scene.model import Shape, Solid
-from prag_asp.scene.robots.model import Joints, Robot
+from prag_asp.scene.robots.robot import Joints, Robot
+from prag_asp.scene.scene import Shape, Solid
 
 POSTURE = (0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4)
 WRIST_LIMIT = 2.8973

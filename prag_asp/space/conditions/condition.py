@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from prag_asp.space.conditions.clauses import Clause
+    from prag_asp.space.conditions.clause_kinds import Clause
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Condition:
         Raises:
             QueryError: a text spells none.
         """
-        from prag_asp.space.conditions.grammar import parse_clause
+        from prag_asp.space.conditions.keywords import parse_clause
 
         lines = (line for text in words for line in text.split("\n") if line.strip())
         return cls(tuple(map(parse_clause, lines)))
@@ -33,7 +33,7 @@ class Condition:
     @property
     def fewest_actions(self) -> int:
         """How many actions a plan has at least that satisfies it, as far as that is known at once."""
-        from prag_asp.space.conditions.clauses import fewest_actions
+        from prag_asp.space.conditions.clause_kinds import fewest_actions
 
         return max(map(fewest_actions, self.clauses), default=0)
 

@@ -15,9 +15,9 @@ import clingo
 from prag_asp.errors import QueryError
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.invariants import FluentValue, Graph, conflict, entailed, invariant_graph
-from prag_asp.space.conditions.clauses import Clause, Has, Names, Range, Uses
-from prag_asp.space.conditions.formula import Conjunction
+from prag_asp.space.conditions.clause_kinds import Clause, Has, Names, Range, Uses
 from prag_asp.space.conditions.patterns import class_members
+from prag_asp.space.conditions.state_formula import Conjunction
 
 Values = frozenset[FluentValue]
 

@@ -9,8 +9,8 @@ import clingo
 
 from prag_asp.atom import atom_of, parse_atom
 from prag_asp.errors import QueryError
+from prag_asp.program.entity_names import action_name, no_action, refuse_ambiguous
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import action_name, no_action, refuse_ambiguous
 from prag_asp.wording import unknown
 
 ANY = "_"

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from math import lcm
 
-from prag_asp.space.conditions.clauses import Matches, Part
+from prag_asp.space.conditions.clause_kinds import Matches, Part
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.parts.choice import NEAR, choose_parts, farthest
-from prag_asp.space.parts.split import divided
+from prag_asp.space.parts.shares import divided
 
 FEWEST_CLASSES = 20
 """Classes that skeletons are divided into at least: where there are many skeletons, parts are made of whole classes."""

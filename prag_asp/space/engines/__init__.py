@@ -5,14 +5,17 @@ from __future__ import annotations
 from importlib import import_module
 
 from prag_asp.errors import EngineError, QueryError
-from prag_asp.logic.model import Model
-from prag_asp.processes.stage import Note
+from prag_asp.logic.domain_logic import Model
+from prag_asp.processes.progress_events import Note
 from prag_asp.space import ENGINES
-from prag_asp.space.engines.protocol import LEVELS, Draw, Engine, Level, MakeEngine, Progress
+from prag_asp.space.engines.engine import LEVELS, Draw, Engine, Level, MakeEngine, Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 
 AUTO = "auto"
-CHOICE, OTHERWISE = "prag_asp.space.engines.auto.AutoEngine", "prag_asp.space.engines.auto.searching_engine"
+CHOICE, OTHERWISE = (
+    "prag_asp.space.engines.auto_engine.AutoEngine",
+    "prag_asp.space.engines.auto_engine.searching_engine",
+)
 """What ``auto`` tries first, and what takes over where a step is no function of the state: clingo."""
 
 

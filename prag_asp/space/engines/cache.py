@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.arrays import BadArchive, read_arrays
-from prag_asp.output.kept import keep, read_kept
+from prag_asp.array_archive import BadArchive, read_arrays
+from prag_asp.output.cache_files import keep, read_kept
 
 HEADER = "header"
 SUFFIX = ".arrays"

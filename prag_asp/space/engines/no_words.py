@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from prag_asp.logic.model import Model
-from prag_asp.space.engines.protocol import Letters, Level, all_letters
-from prag_asp.space.weighing.weights import Weighed, Weights
+from prag_asp.logic.domain_logic import Model
+from prag_asp.space.engines.engine import Letters, Level, all_letters
+from prag_asp.space.weights.weights import Weighed, Weights
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,6 @@ class NoWords:
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights."""
-        from prag_asp.space.engines.listed import listed
+        from prag_asp.space.engines.listed_words import listed
 
         return listed((), self.letters, self.model, self.level, length, Weights(), goals=False)

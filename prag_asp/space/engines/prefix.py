@@ -8,9 +8,9 @@ import clingo
 
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
+from prag_asp.program.entity_names import action_name, no_action
 from prag_asp.program.facts import Facts
-from prag_asp.program.names import action_name, no_action
-from prag_asp.space.engines.protocol import ALL, Level
+from prag_asp.space.engines.engine import ALL, Level
 
 
 def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import pytest
 from prag_asp import Atom, Dataset, QueryError
 from prag_asp.dataset import export
 from prag_asp.dataset.formats.bddl import problem
-from prag_asp.dataset.formats.source import Source
+from prag_asp.dataset.formats.episode_source import Source
 from prag_asp.physics import yaw_of
 from prag_asp.task import FrozenDict
 

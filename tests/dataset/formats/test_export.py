@@ -14,8 +14,8 @@ import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import export, generate
-from prag_asp.dataset.formats.protocol import FORMS
-from prag_asp.dataset.formats.source import Source
+from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.export_format import FORMS
 from prag_asp.physics import Staging
 from tests.commands import ok, run
 from tests.dataset.formats.conftest import of

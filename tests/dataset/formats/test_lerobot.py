@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from prag_asp import Dataset
 from prag_asp.dataset import export
 from prag_asp.dataset.formats.chunks import places
+from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.feature_statistics import Aggregate, Colours, statistics_of
 from prag_asp.dataset.formats.lerobot import LeRobot
-from prag_asp.dataset.formats.source import Source
-from prag_asp.dataset.formats.statistics import Aggregate, Colours, statistics_of
 from prag_asp.dataset.formats.video import Video
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Staging, film

@@ -13,7 +13,7 @@ import pytest
 
 from prag_asp import Dataset
 from prag_asp.dataset import export
-from prag_asp.dataset.formats.source import Source
+from prag_asp.dataset.formats.episode_source import Source
 from prag_asp.scene.robots import PANDA
 from tests.dataset.formats.conftest import RATE, SIZE
 

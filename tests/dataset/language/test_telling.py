@@ -12,7 +12,7 @@ import pytest
 import prag_asp.dataset.language
 from prag_asp import QueryError, Task, TaskSpace, load_domain, parse_atom, shipped_domains
 from prag_asp.dataset.language import Instructions, Teller, start_of, teller_of
-from prag_asp.grammar.read import GrammarReader
+from prag_asp.grammar.reader import GrammarReader
 from tests.chance import Chance
 from tests.dataset.language.twins import shipped, space_of, task_of, teller, twins
 

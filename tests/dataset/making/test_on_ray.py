@@ -15,7 +15,7 @@ import pytest
 
 from prag_asp import QueryError, TaskSpaces, load_domain
 from prag_asp.dataset import generate
-from prag_asp.dataset.making import places
+from prag_asp.dataset.making import executors
 from prag_asp.errors import RayMissingError, WorkerError
 from prag_asp.missing import require_ray
 from tests.commands import PRAG, run
@@ -59,7 +59,7 @@ def test_places_that_there_are_not_are_refused(monkeypatch: pytest.MonkeyPatch, 
 
     refused(QueryError, "no place 'moon' to look at tasks; there is ray", on="moon")
     refused(QueryError, "at least 1 worker; got 0", workers=0)
-    monkeypatch.setattr(places, "require_ray", lambda: None)
+    monkeypatch.setattr(executors, "require_ray", lambda: None)
     refused(QueryError, "a Ray cluster has as many workers as it has processors", on="ray", workers=2)
     monkeypatch.setattr("prag_asp.missing.find_spec", lambda name: None)
     with pytest.raises(RayMissingError, match=r'install it on every node: pip install "prag_asp\[ray\]"'):

@@ -13,7 +13,7 @@ import pytest
 
 from prag_asp import Dataset, DomainError, OutputError, QueryError, TaskSpace
 from prag_asp.dataset import Suite, count_suite, generate_suite, load_suite, verify
-from prag_asp.dataset.suites import making
+from prag_asp.dataset.suites import suite_builder
 from prag_asp.dataset.suites.counting import Shared, refuse_leaks
 from tests.output.faults import content
 
@@ -153,14 +153,14 @@ def test_a_suite_is_verified_and_the_bytes_are_those_of_a_run_that_was_broken_of
 ) -> None:
     assert [*verify(made)] == []
     generate_suite(small.at_most(3), tmp_path / "bench")
-    real = making.generate
+    real = suite_builder.generate
 
     def broken(space: object, folder: Path, **asked: object) -> object:
         if folder.name == "pairs":
             raise KeyboardInterrupt
         return real(space, folder, **asked)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(making, "generate", broken)
+    monkeypatch.setattr(suite_builder, "generate", broken)
     with pytest.raises(KeyboardInterrupt):
         generate_suite(small, tmp_path / "bench")
     with pytest.raises(QueryError, match="the run that makes it has not ended"):

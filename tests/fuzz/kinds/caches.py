@@ -13,8 +13,8 @@ from unittest.mock import patch
 import numpy as np
 
 from prag_asp.domain.load import load_domain
-from prag_asp.output.kept import checksum
-from prag_asp.space.engines import automaton
+from prag_asp.output.cache_files import checksum
+from prag_asp.space.engines import automaton_engine
 from prag_asp.space.task_space import TaskSpace
 from tests.fuzz.kinds.domains import _files, under
 from tests.fuzz.kinds.texts import SEEDS, broken
@@ -53,7 +53,7 @@ def kept(domain: Path) -> dict[str, bytes]:
     with (
         tempfile.TemporaryDirectory() as folder,
         patch.dict(os.environ, {"PRAG_ASP_CACHE": folder}),
-        patch.object(automaton, "WORTH_KEEPING", -1.0),
+        patch.object(automaton_engine, "WORTH_KEEPING", -1.0),
     ):
         TaskSpace(load_domain(domain), 4).count()
         return {path.name: path.read_bytes() for path in Path(folder).iterdir()}

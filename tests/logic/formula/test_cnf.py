@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import EngineError, TaskSpace, load_domain
-from prag_asp.logic.formula.clauses import TRUE, Clauses
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.formula.clark_completion import complete
+from prag_asp.logic.formula.clause_builder import TRUE, Clauses
 from prag_asp.logic.formula.cnf import dimacs, plan_cnf
-from prag_asp.logic.formula.completion import complete
 from prag_asp.logic.formula.solver import Solver
-from prag_asp.logic.ground.ground import Rule
+from prag_asp.logic.ground.ground_step import Rule
 from prag_asp.logic.ground.program import whole_program
-from prag_asp.logic.model import Model
 from prag_asp.program.finite.components import components
 from tests.chance import examples
 from tests.domains import domain_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import EngineError, TaskSpace
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from tests.domains import domain_of
 
 TWO = "fluent(f). action(a). action(b). postcondition(a,f,true). postcondition(b,f,false). initially(f,false).\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from tests.domains import domain_of
 
 ONE_PLACE = """

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Atom, TaskSpace
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.step.hindsight import solved_states
 from tests.brute_force import Action, State, Toy, agrees, term
 from tests.chance import examples

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import TaskSpace
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.step import needs, transition
 from prag_asp.logic.step.needs import Needs
 from prag_asp.logic.step.normal import Body

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import TaskSpace
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.step import relaxation
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import relax

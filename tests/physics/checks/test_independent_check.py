@@ -54,8 +54,8 @@ def test_the_check_reads_nothing_of_the_librarys_physics():
         "numpy",
         "numpy.typing",
         "pybullet_data",
-        "prag_asp.scene.model",
-        "prag_asp.scene.vocabulary",
+        "prag_asp.scene.scene",
+        "prag_asp.scene.predicate_names",
     }
 
 

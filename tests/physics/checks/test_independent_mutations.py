@@ -12,7 +12,7 @@ import pytest
 from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.physics import Budget, open_validator
-from prag_asp.scene.model import Mount
+from prag_asp.scene.scene import Mount
 from tests.independent.check import problems
 from tests.independent.frames import frame
 from tests.independent.tolerances import STRIDE

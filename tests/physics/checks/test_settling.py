@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Moment, Verdict, Witness, validate_tasks
 from prag_asp.physics.checks.settling import Settling, open_settling
-from prag_asp.physics.facts import Fact, PhysicalTask
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE
+from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import PANDA
+from prag_asp.scene.scene import Scene
 from tests.chance import examples
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import stacking, state, task

@@ -10,8 +10,8 @@ from prag_asp.physics import Moment, Witness, check_witness
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import TRANSIT, Arm
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, yaw_quaternion
-from prag_asp.scene.model import Shape
 from prag_asp.scene.robots import PANDA
+from prag_asp.scene.scene import Shape
 from tests.physics.scenarios import stacking, with_arm
 
 LEAN = (math.sin(0.01), 0.0, 0.0, math.cos(0.01))

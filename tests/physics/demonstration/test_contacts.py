@@ -11,18 +11,18 @@ import pytest
 
 from prag_asp.physics import Budget, check_demonstration
 from prag_asp.physics.demonstration.contacts import Asked, Touch, asked, unasked
-from prag_asp.physics.demonstration.perform import Performer, open_performer
-from prag_asp.physics.facts import physical_task
+from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import PRESSED
 from prag_asp.physics.situation import Situation, fixed_pose
+from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint, Witness
 from prag_asp.physics.world import dynamics
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import PANDA, Joints, robot_of
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.task import Task
 from tests.independent.recordings import unwanted
 from tests.physics.scenarios import stacking, state, task

@@ -17,16 +17,16 @@ from prag_asp.physics import (
     demonstrate,
     validate_tasks,
 )
-from prag_asp.physics.demonstration.perform import Performer, open_performer
+from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.demonstration.recording import FRAME_STEPS
-from prag_asp.physics.facts import physical_task
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED
+from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.world import dynamics
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import PANDA
+from prag_asp.scene.scene import Scene
 from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking, state, task, with_arm
 

@@ -7,7 +7,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 
-from prag_asp.arrays import BadArchive
+from prag_asp.array_archive import BadArchive
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.packing import Packed, Packer, read_packed, with_packed
 

@@ -24,8 +24,8 @@ from prag_asp.physics.search.attempt import LOST
 from prag_asp.physics.verdict import Verdict
 from prag_asp.physics.witness import TRANSIT
 from prag_asp.physics.world import dynamics
-from prag_asp.scene.model import Scene
 from prag_asp.scene.robots import PANDA, robot_of
+from prag_asp.scene.scene import Scene
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 from tests.physics.random_tasks import shipped_scene

@@ -13,7 +13,7 @@ from prag_asp.physics.filming.studio import matrices
 from prag_asp.physics.world.bodies import make_table, show_zone
 from prag_asp.physics.world.simulator import open_client
 from prag_asp.scene.cameras import Camera
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 from prag_asp.scene.variation import USUAL_LIGHT as LIGHT
 
 ZONE = Shape("zone", (0.3, 0.2, 0.0))

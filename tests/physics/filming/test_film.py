@@ -11,8 +11,8 @@ from prag_asp import load_domain, load_scene
 from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics import Demonstration
 from prag_asp.physics.filming import studio
+from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.filming.film import film, moment_of, subgoal_at
-from prag_asp.physics.filming.staging import Staging
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, compose
 from prag_asp.scene.variation import USUAL_LIGHT

@@ -17,8 +17,8 @@ from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Scene, Shape
 from prag_asp.scene.robots import KUKA, PANDA, Joints
+from prag_asp.scene.scene import Scene, Shape
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 TIME_STEP = 1 / 120

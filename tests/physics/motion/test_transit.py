@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Budget, check_witness, demonstrate
-from prag_asp.physics.facts import physical_task
 from prag_asp.physics.motion.transit import travel, with_transit
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import NO_PATH
+from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.witness import TRANSIT, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose

@@ -8,7 +8,7 @@ import pytest
 
 from prag_asp.errors import QueryError
 from prag_asp.physics import PicturesMissingError, film_strip
-from prag_asp.physics.pictures.render import captioned
+from prag_asp.physics.pictures.rendering import captioned
 from tests.physics.scenarios import stacking, state, task
 
 

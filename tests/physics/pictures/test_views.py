@@ -10,8 +10,8 @@ from prag_asp.physics.pictures.views import acting, best_view, view_from
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.scene.cameras import FIELD_OF_VIEW, Camera
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.model import Scene, Shape
 from prag_asp.scene.robots import PANDA
+from prag_asp.scene.scene import Scene, Shape
 from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import stacking, state, task
 

@@ -12,13 +12,13 @@ import pytest
 from prag_asp import Domain, TaskSpace, load_domain
 from prag_asp.domain.load import load_scene
 from prag_asp.physics import Budget, check_witness, open_validator, validate_tasks
-from prag_asp.physics.facts import physical_task
 from prag_asp.physics.predicates import Volume, predicate_of
+from prag_asp.physics.search.initial_state import order_of
 from prag_asp.physics.search.spans import foresee_spans
-from prag_asp.physics.search.start import order_of
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.scene.geometry import Pose, yaw_of
-from prag_asp.scene.model import Bounds, Own, Scene, Shape
+from prag_asp.scene.scene import Bounds, Own, Scene, Shape
 from tests.chance import Chance
 from tests.physics.scenarios import STUDIO, state, task
 from tests.physics.scenarios import STUDIO_SHAPES as SHAPES
@@ -95,7 +95,7 @@ def test_a_first_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypa
 
     often = found()
     assert often >= 34
-    monkeypatch.setattr("prag_asp.physics.search.start.BACKTRACKS", 0)
+    monkeypatch.setattr("prag_asp.physics.search.initial_state.BACKTRACKS", 0)
     assert found() < often
 
 

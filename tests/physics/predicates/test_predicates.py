@@ -14,16 +14,16 @@ from hypothesis import strategies as st
 
 from prag_asp.errors import SceneError
 from prag_asp.physics import PREDICATES
-from prag_asp.physics.facts import Fact
 from prag_asp.physics.predicates import predicate_of
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
-from prag_asp.scene.model import Bounds, Own, Scene, Shape
+from prag_asp.scene.predicate_names import PREDICATE_ROLES, VOCABULARY
 from prag_asp.scene.robots import robot_of
-from prag_asp.scene.vocabulary import PREDICATE_ROLES, VOCABULARY
+from prag_asp.scene.scene import Bounds, Own, Scene, Shape
 from tests.chance import examples
 from tests.physics.scenarios import STUDIO
 

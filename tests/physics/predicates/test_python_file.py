@@ -11,7 +11,7 @@ from prag_asp.domain.load import load_scene
 from prag_asp.physics.predicates import own_predicates, predicate_of
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.model import Own, Scene
+from prag_asp.scene.scene import Own, Scene
 from tests.physics.scenarios import STUDIO
 from tests.physics.scenarios import STUDIO_SHAPES as SHAPES
 

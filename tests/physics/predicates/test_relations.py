@@ -10,7 +10,7 @@ import pytest
 from prag_asp.physics import PREDICATES
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 
 SHAPES = {
     "cube": Shape("box", (0.05, 0.05, 0.05)),

@@ -15,13 +15,13 @@ from prag_asp.atom import parse_atom
 from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.domain.load import load_scene
 from prag_asp.physics import PREDICATES, open_validator
-from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.touching import TOLERANCE, gap
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact, facts
 from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 from tests.chance import Chance
 from tests.independent.check import problems
 from tests.independent.convex import Part, depth

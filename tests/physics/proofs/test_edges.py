@@ -8,12 +8,12 @@ from dataclasses import replace
 import pytest
 
 from prag_asp.physics import Budget, Validator, Verdict, check_witness, open_validator, validate_task
-from prag_asp.physics.facts import physical_task
 from prag_asp.physics.predicates import gripper
 from prag_asp.physics.predicates.gripper import GRAVITY, SLIPS, bearable
 from prag_asp.physics.proofs.prover import Prover, impossibility
 from prag_asp.physics.search import moving
-from prag_asp.scene.model import Material, Scene, Shape
+from prag_asp.physics.symbolic_facts import physical_task
+from prag_asp.scene.scene import Material, Scene, Shape
 from prag_asp.task import Task
 from tests.chance import Chance
 from tests.physics.scenarios import state, task

@@ -10,16 +10,16 @@ from dataclasses import replace
 import pytest
 
 from prag_asp.physics import PREDICATES
-from prag_asp.physics.facts import Fact, physical_task
 from prag_asp.physics.predicates.gaps import ORIGIN, Gap
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.proofs.differences import impossible_row, lowest
 from prag_asp.physics.proofs.prover import Prover, impossibility
 from prag_asp.physics.proofs.reasons import own_reasons
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact, physical_task
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import Pose, multiply, yaw_quaternion
-from prag_asp.scene.model import Material, Mount, Scene, Shape
+from prag_asp.scene.scene import Material, Mount, Scene, Shape
 from tests.chance import Chance
 from tests.physics.scenarios import state, task
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from prag_asp.atom import parse_atom
-from prag_asp.physics.facts import Fact, facts
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.proofs.schemas import _in_variables
-from prag_asp.scene.model import Mount, Scene, Shape
+from prag_asp.physics.symbolic_facts import Fact, facts
+from prag_asp.scene.scene import Mount, Scene, Shape
 from prag_asp.wording import plural
 
 SHAPES = {

@@ -7,8 +7,8 @@ import pytest
 
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.model import Mount, Scene, Shape
 from prag_asp.scene.read.robots import base_problems
+from prag_asp.scene.scene import Mount, Scene, Shape
 from tests.chance import Chance
 
 CUBE = Shape("box", (0.05, 0.05, 0.05))

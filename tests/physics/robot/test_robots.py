@@ -16,8 +16,8 @@ from prag_asp.physics.checks.states import tool_in
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
-from prag_asp.scene.model import Mount
 from prag_asp.scene.robots import ROBOTS, Joints, Robot
+from prag_asp.scene.scene import Mount
 from prag_asp.space.task_space import TaskSpace
 from tests.chance import examples
 from tests.physics.random_tasks import shipped_scene

@@ -6,17 +6,17 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from prag_asp.physics.facts import Fact, physical_task
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.beside import GAP, MARGIN, SIDES
 from prag_asp.physics.search.attempt import Failure, Search
 from prag_asp.physics.search.chains import chains, kept_apart
 from prag_asp.physics.search.foresight import foresee
-from prag_asp.physics.search.start import draw_start
+from prag_asp.physics.search.initial_state import draw_start
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact, physical_task
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import IDENTITY, Pose
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
 from tests.physics.scenarios import state, task
 
 NAMES = ("cube_1", "brick_1", "can_1", "cube_2", "brick_2")

@@ -1,8 +1,8 @@
 from __future__ import annotations
 
 from prag_asp.physics import Budget
-from prag_asp.physics.facts import physical_task
 from prag_asp.physics.search.foresight import foresee
+from prag_asp.physics.symbolic_facts import physical_task
 from tests.physics.scenarios import state, task
 
 ROW = task(

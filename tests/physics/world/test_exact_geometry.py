@@ -19,8 +19,8 @@ import pytest
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.furniture import bounds, cavity, mechanism
 from prag_asp.scene.geometry import Pose, extents, yaw_quaternion
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Scene, Solid
+from prag_asp.scene.scene import Scene, Solid
+from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.scene.solids import solids
 from tests.chance import Chance
 

@@ -10,8 +10,8 @@ from prag_asp.physics.world.primitives import GEOMETRIES
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.geometry import Pose, extents, inside_by, rotate
-from prag_asp.scene.kinds import KINDS
-from prag_asp.scene.model import Scene, Shape
+from prag_asp.scene.scene import Scene, Shape
+from prag_asp.scene.shape_kinds import KINDS
 
 STEPS = 24
 TURN = (0.18257418583505536, 0.3651483716701107, 0.5477225575051661, 0.7302967433402214)

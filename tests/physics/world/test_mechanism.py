@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.furniture import bounds, cavity_pose, mechanism, part_pose, swept
 from prag_asp.scene.geometry import Pose, compose, yaw_quaternion
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Shape
+from prag_asp.scene.scene import Shape
+from prag_asp.scene.scene_loader import parse_scene
 from tests.chance import examples
 
 DRAWER = Shape("drawer", (0.26, 0.24, 0.1), 0.008)

@@ -9,8 +9,8 @@ from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.forms import rectangle
 from prag_asp.scene.geometry import Pose, hull, inside_by, intersection, yaw_quaternion
-from prag_asp.scene.model import Material, Scene, Shape
 from prag_asp.scene.robots import PANDA
+from prag_asp.scene.scene import Material, Scene, Shape
 
 PLANK = Shape("box", (0.2, 0.05, 0.02))
 CUBE = Shape("box", (0.05, 0.05, 0.05))

@@ -16,10 +16,10 @@ from prag_asp.physics import check_witness, demonstrate, settle, validate_task, 
 from prag_asp.physics.world.bodies import mass
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Scene
 from prag_asp.scene.read.mesh import mesh_parts
 from prag_asp.scene.read.urdf import read_urdf
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.scene_loader import parse_scene
 from tests.physics.random_tasks import Rules, scene_table
 from tests.physics.scenarios import stacking, state, task
 

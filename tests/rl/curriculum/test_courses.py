@@ -18,7 +18,7 @@ from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
 from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty
 from prag_asp.rl.curriculum.course import Attempt, Course, Episode, Plain, TaskCurriculum
-from prag_asp.rl.curriculum.pool import Offer, Pool, Word, chosen
+from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word, chosen
 from tests.chance import Chance
 
 KINDS: Sequence[TaskCurriculum] = (

@@ -8,8 +8,8 @@ import pytest
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.world.meshes import mesh_file
-from prag_asp.scene.model import Solid
 from prag_asp.scene.read.mesh import mesh_parts, mesh_points
+from prag_asp.scene.scene import Solid
 
 POINTS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 

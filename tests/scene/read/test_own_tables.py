@@ -8,9 +8,9 @@ import pytest
 
 from prag_asp import SceneError
 from prag_asp.atom import parse_atom
-from prag_asp.physics.facts import facts
-from prag_asp.scene.load import parse_scene
-from prag_asp.scene.model import Bounds, Own
+from prag_asp.physics.symbolic_facts import facts
+from prag_asp.scene.scene import Bounds, Own
+from prag_asp.scene.scene_loader import parse_scene
 
 PAIR = ("object", "object")
 

@@ -8,9 +8,9 @@ import pytest
 
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import SceneError
-from prag_asp.scene.load import parse_scene, scene_problems
-from prag_asp.scene.model import Shape
 from prag_asp.scene.read.report import ancestors
+from prag_asp.scene.scene import Shape
+from prag_asp.scene.scene_loader import parse_scene, scene_problems
 from tests.physics.random_tasks import Rules, shipped_scene
 
 CLASSES = {"robot": (), "movable": (), "cube": ("movable",), "ball": ("movable",), "tray": ()}
@@ -168,7 +168,7 @@ def test_the_shipped_scenes_have_everything_that_their_fluents_speak_about(name)
 
 
 def test_reading_a_scene_loads_no_simulator():
-    code = "import sys, prag_asp.scene.load; assert not {'pybullet', 'frankik'} & set(sys.modules)"
+    code = "import sys, prag_asp.scene.scene_loader; assert not {'pybullet', 'frankik'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

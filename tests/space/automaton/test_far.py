@@ -15,16 +15,16 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from prag_asp import TaskSpace
-from prag_asp.bits import SeededBits
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import Relaxation
+from prag_asp.random_bits import SeededBits
 from prag_asp.space.automaton import explore as exploring
-from prag_asp.space.automaton.explore import explore
-from prag_asp.space.drawing.draws import drawn_words, make_drawer
+from prag_asp.space.automaton.exploration import explore
 from prag_asp.space.engines import LEVELS, Draw, Level
-from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.weighing.weights import Weights, parse_weights
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
+from prag_asp.space.sampling.draws import drawn_words, make_drawer
+from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Toy, term
 from tests.chance import examples
 from tests.conditions import clauses, entities
@@ -142,7 +142,7 @@ def test_what_is_kept_for_a_length_is_not_taken_for_a_longer_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
-    monkeypatch.setattr("prag_asp.space.engines.automaton.WORTH_KEEPING", 0)
+    monkeypatch.setattr("prag_asp.space.engines.automaton_engine.WORTH_KEEPING", 0)
     monkeypatch.setattr(exploring, "MANY", ALWAYS)
     model = Model(domain_of(GRID.replace("W", "3")))
     counts = [AutomatonEngine(model, "plan").count(length) for length in (4, 6, 4, 8, 6)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from tests.domains import domain_of
 
 LATE = ["after 100000000: open(panda)", "has at least 4 grasp", "begins grasp, grasp, grasp, grasp"]

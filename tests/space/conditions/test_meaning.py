@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace
-from prag_asp.space.conditions.formula import parse_formula
 from prag_asp.space.conditions.meaning import weakest
+from prag_asp.space.conditions.state_formula import parse_formula
 from tests.brute_force import Toy, agrees
 from tests.chance import examples
 from tests.domains import domain_of

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.logic.model import Model
-from prag_asp.output.kept import cache_folder
-from prag_asp.space.engines import cache, stored
-from prag_asp.space.engines.automaton import AutomatonEngine
+from prag_asp.logic.domain_logic import Model
+from prag_asp.output.cache_files import cache_folder
+from prag_asp.space.engines import cache, stored_automata
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.cache import Entry, read_entry, write_entry
 from prag_asp.space.limits import Limits
 from tests.domains import domain_of
@@ -33,7 +33,7 @@ ENTRY = Entry(
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A cache of its own, where everything is worth keeping."""
     monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr("prag_asp.space.engines.automaton.WORTH_KEEPING", 0)
+    monkeypatch.setattr("prag_asp.space.engines.automaton_engine.WORTH_KEEPING", 0)
     return tmp_path / "cache"
 
 
@@ -155,7 +155,7 @@ def test_a_second_run_answers_the_same_without_grounding_a_step(folder: Path, mo
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("the step was ground")
 
-    monkeypatch.setattr("prag_asp.logic.model.ground_step", refuse)
+    monkeypatch.setattr("prag_asp.logic.domain_logic.ground_step", refuse)
     again = TaskSpace(load_domain("prag"), 3)
     assert [again.count(by) for by in ("plan", "task", "skeleton")] == fresh[0]
     with pytest.raises(AssertionError, match="was ground"):
@@ -220,7 +220,7 @@ def test_arrays_that_do_not_make_an_automaton_are_not_believed(folder: Path) -> 
     key = files(folder)[0].stem
     entry = read_entry(folder, key, ENTRY.arrays)
     assert entry is not None
-    shelf = stored.shelf_for(folder, Model(domain), "plan", None)
+    shelf = stored_automata.shelf_for(folder, Model(domain), "plan", None)
     assert shelf is not None and shelf.key == key and shelf.read() is not None
     for name, array in entry.arrays.items():
         for wrong in (array[:-1], array.astype(np.int64) + 10**6, array.reshape(1, -1)):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import EngineError, load_domain
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import count_models
-from prag_asp.logic.model import Model
 from prag_asp.space.engines import engine_class
-from prag_asp.space.engines.sharp import SharpEngine
+from prag_asp.space.engines.sharp_engine import SharpEngine
 from prag_asp.space.limits import UNLIMITED, Limits
 from tests.domains import domain_of
 from tests.processes import children

@@ -7,15 +7,15 @@ import gc
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.step.transition import Transition
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
-from prag_asp.space.automaton.explore import Explored, explore
-from prag_asp.space.engines import clingo, reach
-from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.engines.clingo import ClingoEngine
-from prag_asp.space.engines.protocol import LEVELS
+from prag_asp.space.automaton.exploration import Explored, explore
+from prag_asp.space.engines import clingo_engine, reachability
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
+from prag_asp.space.engines.clingo_engine import ClingoEngine
+from prag_asp.space.engines.engine import LEVELS
 from prag_asp.space.limits import Limits
 from tests.domains import domain_of
 
@@ -29,7 +29,7 @@ def explored(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         lengths.append(length)
         return explore(transition, length, *others, **more)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(reach, "explore", counted)
+    monkeypatch.setattr(reachability, "explore", counted)
     return lengths
 
 
@@ -73,7 +73,7 @@ def test_clingo_grounds_plans_and_tasks_once_where_they_are_the_same(
     expected = {by: list(ClingoEngine(Model(domain), by).words(3)) for by in LEVELS}
     model = Model(domain)
     assert bool(model.symmetries(3)) != tasks_are_plans
-    monkeypatch.setattr(clingo, "Grounder", counted)
+    monkeypatch.setattr(clingo_engine, "Grounder", counted)
     engines = {by: ClingoEngine(model, by) for by in LEVELS}
     asked = {by: engine.words(3) for by, engine in engines.items()}
     begun = {by: [next(words)] for by, words in asked.items()}
@@ -82,4 +82,4 @@ def test_clingo_grounds_plans_and_tasks_once_where_they_are_the_same(
     assert len(ground) == (2 if tasks_are_plans else 3)
     del engines, asked
     gc.collect()
-    assert not [key for key in clingo._in_use if key[0] in (id(model.program), id(model.task_program(3)))]
+    assert not [key for key in clingo_engine._in_use if key[0] in (id(model.program), id(model.task_program(3)))]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.space.parts.ranked import Interval
+from prag_asp.space.parts.ranked_tasks import Interval
 from prag_asp.space.parts.shuffle import Shuffle
 from tests.chance import Chance
 

@@ -9,12 +9,12 @@ from typing import get_args
 import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
-from prag_asp.bits import SeededBits
-from prag_asp.logic.model import Model
+from prag_asp.logic.domain_logic import Model
+from prag_asp.random_bits import SeededBits
 from prag_asp.space.automaton import automaton
-from prag_asp.space.engines.automaton import AutomatonEngine
-from prag_asp.space.engines.protocol import Level
-from prag_asp.space.parts.ranked import distinct_ranks
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
+from prag_asp.space.engines.engine import Level
+from prag_asp.space.parts.ranked_tasks import distinct_ranks
 from tests.chance import Chance
 
 DOMAIN = load_domain("prag")

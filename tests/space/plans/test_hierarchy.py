@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from prag_asp import DomainError, TaskSpace, load_domain
 from prag_asp.atom import parse_atom
-from prag_asp.logic.model import Model
-from prag_asp.space.automaton.explore import explore
+from prag_asp.logic.domain_logic import Model
+from prag_asp.space.automaton.exploration import explore
 from prag_asp.space.plans.readings import Composite, Readings, hierarchy_of
 from tests.brute_force import Toy, part, term
 from tests.chance import examples

@@ -1,0 +1,190 @@
+"""What a shell is offered for a word that is being typed. Whatever goes wrong, nothing is offered and nothing said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from prag_asp.cli.arguments import domain_and_others
+from prag_asp.program.paths import PDDL, data_folder, is_file_name, rule_names, shipped_domains, shipped_suites
+from prag_asp.safe_reading import STANDARD_INPUT
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+    from prag_asp.domain.load import Domain
+
+Items = list["CompletionItem[Any]"]
+Offer = Callable[[click.Context, click.Parameter, str], Items]
+
+ENTITIES, ACTIONS = ("uses", "avoids"), ("begins", "has", "lacks")
+"""Conditions that speak of entities and classes, and of actions."""
+
+
+def _offers(offered: Callable[[click.Context, str], Iterable[str]]) -> Offer:
+    """Make an offer of those texts that begin with what is typed."""
+
+    @wraps(offered)
+    def offer(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
+        from click.shell_completion import CompletionItem
+
+        try:
+            return [CompletionItem(each) for each in offered(context, typed) if each.startswith(typed)]
+        except Exception:  # a domain that cannot be read has nothing to offer
+            return []
+
+    return offer
+
+
+def files(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
+    """Offer files and folders, which the shell finds itself."""
+    from click.shell_completion import CompletionItem
+
+    return [CompletionItem(typed, type="file")]
+
+
+def domains(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
+    """Offer shipped domains, and folders and files that are domains; otherwise whatever files there are."""
+    given = context.params.get(parameter.name or "") or ()
+    return _domains(given)(context, parameter, typed) or files(context, parameter, typed)
+
+
+def actions(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
+    """Offer a domain first, then actions of it."""
+    given, others = domain_and_others(context.params.get(parameter.name or "") or ())
+    if not given or (not others and is_file_name(typed)):
+        return domains(context, parameter, typed)
+    return plan(context, parameter, typed)
+
+
+def shares(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
+    """Offer a domain first; what comes after it has names of the user's."""
+    given, _ = domain_and_others(context.params.get(parameter.name or "") or ())
+    return [] if given and not is_file_name(typed) else domains(context, parameter, typed)
+
+
+@_offers
+def rules(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer the rules of the encodings."""
+    encodings = context.params.get("encodings")
+    return rule_names(Path(encodings) if encodings else data_folder("encodings"))
+
+
+@_offers
+def suites(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer the shipped suites, and files of others."""
+    folder = typed[: typed.rfind("/") + 1]
+    return [*shipped_suites(), *sorted(f"{folder}{path.name}" for path in Path(folder or ".").glob("*.toml"))]
+
+
+@_offers
+def engines(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer the engines."""
+    from prag_asp.space.engines import AUTO, ENGINES
+
+    return (AUTO, *ENGINES)
+
+
+@_offers
+def languages(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer the languages that the domain speaks."""
+    from prag_asp.grammar.reader import languages as spoken
+
+    return spoken(_domain(context).settings)
+
+
+@_offers
+def plan(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer one more action after those typed."""
+    return _after(typed, map(str, _domain(context).facts.actions))
+
+
+@_offers
+def prefix(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer one more action, or name of one, after those typed."""
+    found = _domain(context).facts.actions
+    return _after(typed, [*_names_of(found), *map(str, found)])
+
+
+@_offers
+def names(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer the names of actions, classes and entities."""
+    facts = _domain(context).facts
+    return [*_names_of(facts.actions), *sorted(facts.class_names), *map(str, facts.entities)]
+
+
+@_offers
+def cameras(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer one more camera of the scene after those typed."""
+    from prag_asp.domain.load import load_scene
+
+    return _after(typed, load_scene(_domain(context)).cameras)
+
+
+@_offers
+def kinds_that_vary(context: click.Context, typed: str) -> Iterable[str]:
+    """Offer one more of what can vary after those typed."""
+    from prag_asp.scene.variation import KINDS
+
+    return _after(typed, KINDS)
+
+
+@_offers
+def conditions(context: click.Context, typed: str) -> Iterator[str]:
+    """Offer the first words of conditions, and after one what it speaks of."""
+    from prag_asp.space.conditions.keywords import KEYWORDS
+
+    begun = [word for word in KEYWORDS if f"{word} ".startswith(typed) or typed.startswith(f"{word} ")]
+    if len(begun) != 1 or begun[0] not in (*ENTITIES, *ACTIONS):
+        yield from begun
+        return
+    facts = _domain(context).facts
+    found = (
+        [*map(str, facts.entities), *sorted(facts.class_names)] if begun[0] in ENTITIES else _names_of(facts.actions)
+    )
+    yield from (f"{begun[0]} {each}" for each in found)
+
+
+def _domains(given: Sequence[str]) -> Offer:
+    @_offers
+    def offer(context: click.Context, typed: str) -> Iterator[str]:
+        if all(map(is_file_name, given)):
+            yield from () if given else shipped_domains()
+            folder = typed[: typed.rfind("/") + 1]
+            for path in sorted(Path(folder or ".").iterdir()):
+                if path.suffix in (".lp", PDDL) or (not given and (path / "domain.lp").is_file()):
+                    yield f"{folder}{path.name}"
+
+    return offer
+
+
+def _domain(context: click.Context) -> Domain:
+    """Load the domain that the command line gives so far; an option without its value leaves it unparsed."""
+    from prag_asp.cli.domain_options import parse_constant_options
+    from prag_asp.domain.load import load_domain
+
+    given, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)
+    if STANDARD_INPUT in given:
+        raise EOFError
+    constants = parse_constant_options(context.params.get("constants") or ())
+    return load_domain(*given, constants=constants, encodings=context.params.get("encodings"))
+
+
+def _names_of(found: Iterable[Any]) -> list[str]:
+    from prag_asp.program.entity_names import action_name
+
+    return sorted(set(map(action_name, found)))
+
+
+def _after(typed: str, found: Iterable[str]) -> Iterator[str]:
+    """Yield texts after what is typed up to its last blank or comma outside of parentheses."""
+    depth, start = 0, 0
+    for position, character in enumerate(typed):
+        depth += (character == "(") - (character == ")")
+        if depth == 0 and character in " ,":
+            start = position + 1
+    yield from (f"{typed[:start]}{each}" for each in found)

@@ -1,0 +1,75 @@
+"""A tally of tasks as a line and as a table on stderr."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from prag_asp.cli import exit_control
+from prag_asp.errors import PragError, one_line
+from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from prag_asp.dataset.pass_rates import Tally
+
+KINDS = {"not_found": "not found", "infeasible": "proved infeasible", "witness_fails": "witness fails"}
+"""How the table calls what became of a task that did not pass."""
+
+
+def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
+    """Return how many passed within some limits, as one line; `what` says in words what one is, and several."""
+    share = f" ({100 * tally.passed / tally.seen:.1f} %, {limits})" if tally.seen else ""
+    return f"{plural(tally.seen, *what)}, {tally.passed} passed{share}"
+
+
+@contextmanager
+def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
+    """Show a tally on stderr at the end, also where a run is broken off; a mistake is told alone.
+
+    An error is no mistake where foreign code has made it of an interruption.
+    """
+    mistaken = False
+    try:
+        yield
+    except PragError:
+        mistaken = exit_control.asked_for() is None
+        raise
+    finally:
+        if not mistaken:
+            _show(tally, line())
+
+
+def _show(tally: Tally, line: str) -> None:
+    """Print a line and, where an attempt or a task failed, the table of causes."""
+    from rich.console import Console
+
+    if not tally.seen:
+        return
+    console = Console(stderr=True, highlight=False)
+    console.print(one_line(line), soft_wrap=True, markup=False)
+    if tally.reasons or tally.causes:
+        console.print(_table(tally))
+
+
+def _table(tally: Tally) -> Table:
+    """Return how many tasks failed for each reason, and how many attempts for each cause."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    from prag_asp.physics import CAUSES
+
+    table = Table()
+    table.add_column("cause")
+    table.add_column("tasks", justify="right")
+    table.add_column("failed attempts", justify="right")
+    tasks = {cause: tally.reasons["not_found", cause] for cause in CAUSES}
+    for cause in CAUSES:
+        if tally.causes[cause] or tasks[cause]:
+            table.add_row(cause, str(tasks[cause]), str(tally.causes[cause]))
+    for (status, reason), number in tally.reasons.most_common():
+        if status != "not_found" or reason not in tasks:
+            table.add_row(escape(one_line(f"{KINDS.get(status, status)}: {reason}")), str(number), "")
+    return table

@@ -1,0 +1,180 @@
+"""What can be seen of each thing of a scene: its kind, its colour, its size, and where it stands for good.
+
+Each property is known to fit a thing, known not to fit it, or in doubt: an orange that could pass for a red is both in
+doubt, so that neither word tells it from something of the other colour.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
+
+from prag_asp.domain.load import load_scene
+from prag_asp.grammar.reader import Grammar, plain
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.scene.scene import Scene, Shape
+
+Lab = tuple[float, float, float]
+
+BASIC: Mapping[str, tuple[str, ...]] = {
+    "red": ("#d02020", "#a00000", "#ff3020", "#e05030"),
+    "orange": ("#ffa500", "#ff8c1a", "#f07020", "#f06030"),
+    "yellow": ("#f0d000", "#f5b830", "#ffe060"),
+    "green": ("#2a8a3a", "#70b818", "#105020", "#70d070", "#3a9d6d", "#8a9a50"),
+    "turquoise": ("#40b8b8", "#20c0a0"),
+    "blue": ("#2080b0", "#2040c0", "#60a0e0", "#80c8f0", "#102060"),
+    "purple": ("#8040a0", "#502070", "#b090e0"),
+    "pink": ("#e05090", "#f090b0", "#ff60a0"),
+    "brown": ("#8a5a38", "#60381c", "#a87848"),
+    "beige": ("#e8dcc0", "#d8c4a0"),
+    "white": ("#ffffff", "#f4f4f4"),
+    "grey": ("#808080", "#b0b0b0", "#505050", "#cccccc"),
+    "black": ("#000000", "#202020"),
+}
+"""The basic colour terms of English (Berlin and Kay 1969, with turquoise and beige), by what they are said of."""
+
+DOUBT = 12.0
+"""How much farther than the nearest a colour term may be, in CIELAB, for someone to say it all the same."""
+
+LARGER = 1.25
+"""How many times as long, broad or high on average is seen to be larger at a glance."""
+
+APART = 0.10
+"""How far apart in metres things are seen to be one to the left of the other."""
+
+
+@dataclass(frozen=True)
+class Looks:
+    """What is known of how the entities of a domain look, whatever the state.
+
+    `nouns` are the words that fit an entity, its own first, and `names` what it is called where nothing tells it from
+    others. `colors` hold the terms that fit it, or may; `sizes` its mean extent in metres, `places` where it stands.
+    `seen` are the entities that every picture shows, `pictured` says whether there are pictures at all. The language
+    has adjectives for the colours, sizes and places that are `sayable`; `robots` are those that act.
+    """
+
+    nouns: Mapping[str, tuple[str, ...]]
+    names: Mapping[str, str]
+    colors: Mapping[str, Mapping[str, bool]] = field(default_factory=dict)
+    sizes: Mapping[str, float] = field(default_factory=dict)
+    places: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    seen: frozenset[str] = frozenset()
+    pictured: bool = False
+    sayable: frozenset[str] = frozenset()
+    robots: frozenset[str] = frozenset()
+
+    def recoloured(self, colors: Mapping[str, str]) -> Looks:
+        """Return the same with other colours of some entities."""
+        new = {entity: color_terms(color) for entity, color in colors.items() if entity in self.nouns}
+        return replace(self, colors={**self.colors, **new})
+
+    @cached_property
+    def terms(self) -> tuple[str, ...]:
+        """The colour terms that fit something and that the language has."""
+        sure = [term for terms in self.colors.values() for term, fits in terms.items() if fits]
+        return tuple(term for term in dict.fromkeys(sure) if term in self.sayable)
+
+
+def looks_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | None = None) -> Looks:
+    """Return how the entities of a domain look, in a language; some `colors` are other than the scene's."""
+    entities = domain.facts.entity_names
+    parents = domain.facts.class_names
+    nouns = {
+        entity: tuple(
+            dict.fromkeys(grammar.nouns[name].word for name in _line(entity, kind, parents) if name in grammar.nouns)
+        )
+        for entity, kind in entities.items()
+    }
+    names = _names(entities, nouns)
+    if not domain.settings.scene:
+        return Looks(nouns, names)
+    scene = load_scene(domain)
+    shown = {**dict(_colors(scene)), **(colors or {})}
+    bodies = {entity: shape for entity, shape in scene.shapes.items() if entity in entities and shape.traits.body}
+    still = {entity for entity, shape in scene.shapes.items() if entity in scene.fixed or not shape.traits.body}
+    return Looks(
+        nouns,
+        names,
+        colors={entity: color_terms(color) for entity, color in shown.items() if entity in entities},
+        sizes={entity: _extent(shape) for entity, shape in bodies.items() if entity not in scene.ranges},
+        places={entity: _place(scene, entity) for entity in scene.fixed if entity in entities},
+        seen=frozenset(still & set(entities)),
+        pictured=True,
+        robots=frozenset(scene.robots) & set(entities),
+        sayable=frozenset(name for kind in ("colors", "sizes", "places") for name in grammar.words.table.get(kind, {})),
+    )
+
+
+def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> list[str]:
+    """Return an entity, its class and the classes above it, nearest first."""
+    found = [entity, kind]
+    for name in found:
+        found += [parent for parent in parents.get(name, ()) if parent not in found]
+    return found
+
+
+def _names(entities: Mapping[str, str], nouns: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+    """Return what tells each entity from others with its noun: its name, without that of its class before it."""
+    short = {entity: plain(entity.removeprefix(kind).lstrip("_(") or entity) for entity, kind in entities.items()}
+    spelled = {entity: (nouns[entity][:1], name) for entity, name in short.items()}
+    taken = Counter(spelled.values())
+    return {entity: name if taken[spelled[entity]] == 1 else entity for entity, name in short.items()}
+
+
+def _colors(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield the entities with the colours that pictures show them in; a robot has its own."""
+    for entity, shape in scene.shapes.items():
+        if shape.kind == "table":
+            yield entity, scene.table.color
+        elif shape.kind != "robot" and entity in scene.colors:
+            yield entity, scene.colors[entity]
+
+
+def _extent(shape: Shape) -> float:
+    x, y, z = shape.size
+    return float((x * y * z) ** (1 / 3))
+
+
+def _place(scene: Scene, entity: str) -> tuple[float, float]:
+    """Return how far to the right and to the back of the frame's viewer an entity stands, in metres."""
+    x, y, _ = scene.fixed[entity]
+    return (y, -x) if scene.frame == "viewer" else (-y, x)
+
+
+@lru_cache(maxsize=4096)
+def color_terms(color: str) -> Mapping[str, bool]:
+    """Return the basic terms for a colour: the nearest one is true, those that are nearly as near are in doubt."""
+    here = lab(color)
+    distances = {term: min(_distance(here, lab(each)) for each in colors) for term, colors in BASIC.items()}
+    nearest = min(distances, key=distances.__getitem__)
+    doubtful = {term: False for term, far in distances.items() if far <= distances[nearest] + DOUBT}
+    return {nearest: True, **{term: sure for term, sure in doubtful.items() if term != nearest}}
+
+
+@lru_cache(maxsize=4096)
+def lab(color: str) -> Lab:
+    """Return a colour ``#rrggbb`` in CIELAB, for the white of sRGB (IEC 61966-2-1, CIE 15)."""
+    red, green, blue = (_linear(int(color[i : i + 2], 16) / 255) for i in (1, 3, 5))
+    x = (0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.95047
+    y = 0.2126 * red + 0.7152 * green + 0.0722 * blue
+    z = (0.0193 * red + 0.1192 * green + 0.9505 * blue) / 1.08883
+    fx, fy, fz = map(_cube_root, (x, y, z))
+    return 116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)
+
+
+def _linear(value: float) -> float:
+    return value / 12.92 if value <= 0.04045 else float(((value + 0.055) / 1.055) ** 2.4)
+
+
+def _cube_root(value: float) -> float:
+    return float(value ** (1 / 3)) if value > 216 / 24389 else (24389 / 27 * value + 16) / 116
+
+
+def _distance(one: Lab, other: Lab) -> float:
+    return math.dist(one, other)

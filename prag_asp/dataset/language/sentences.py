@@ -1,0 +1,112 @@
+"""The sentences of a language together with the actions and fluents that they can stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Set
+from functools import cached_property
+
+from prag_asp.atom import Atom, atom_of
+from prag_asp.dataset.language.descriptions import Relation
+from prag_asp.grammar.reader import FactForms, Grammar, Signature, Where
+from prag_asp.grammar.template import Template
+from prag_asp.program.facts import Facts
+
+Words = tuple[str, ...]
+
+
+class Clause:
+    """A sentence of all actions, or of all fluents, of a name; `value` is false where it says that one is not so."""
+
+    def __init__(self, template: Template, atoms: tuple[Atom, ...], value: bool = True, *, spare: bool = False) -> None:
+        self.template, self.atoms, self.value, self.spare = template, atoms, value, spare
+
+    @cached_property
+    def _meant(self) -> Mapping[Words, tuple[Atom, ...]]:
+        found: dict[Words, list[Atom]] = {}
+        for atom in self.atoms:
+            found.setdefault(self.arguments(atom), []).append(atom)
+        return {arguments: tuple(atoms) for arguments, atoms in found.items()}
+
+    def arguments(self, atom: Atom) -> Words:
+        """Return the arguments that the sentence names, in the order of its slots."""
+        return tuple(atom.arguments[index] for index in self.template.arguments)
+
+    def meant(self, arguments: Words) -> tuple[Atom, ...]:
+        """Return what the sentence stands for with these arguments in its slots."""
+        return self._meant.get(arguments, ())
+
+    def tells(self, atom: Atom, robots: frozenset[str]) -> bool:
+        """Tell whether the sentence leaves nothing open that would make it another action or fluent.
+
+        One that is about a robot, but does not say which, is for scenes with one.
+        """
+        if len(robots) > 1 and not robots.isdisjoint(self._untold(atom)):
+            return False
+        return self.meant(self.arguments(atom)) == (atom,)
+
+    def _untold(self, atom: Atom) -> Iterator[str]:
+        named = self.template.arguments
+        return (argument for index, argument in enumerate(atom.arguments) if index not in named)
+
+
+class Modifier:
+    """What a fluent says of one of its arguments, and the relations that it can stand for."""
+
+    def __init__(self, where: Where, fluents: tuple[Atom, ...]) -> None:
+        self.template, self.subject = where.template, where.subject
+        self.fluents = fluents
+
+    @cached_property
+    def _meant(self) -> Mapping[Words, frozenset[Relation]]:
+        found: dict[Words, set[Relation]] = {}
+        for fluent in self.fluents:
+            others = (*fluent.arguments[: self.subject], *fluent.arguments[self.subject + 1 :])
+            arguments = tuple(fluent.arguments[index] for index in self.template.arguments)
+            found.setdefault(arguments, set()).add(Relation(fluent.name, self.subject, others))
+        return {arguments: frozenset(relations) for arguments, relations in found.items()}
+
+    def meant(self, arguments: Words) -> frozenset[Relation]:
+        """Return the relations that it stands for with these arguments in its slots."""
+        return self._meant.get(arguments, frozenset())
+
+    def arguments(self, relation: Relation) -> Words:
+        """Return the arguments of a relation that it names, in the order of its slots."""
+        whole = relation.about("").arguments
+        return tuple(whole[index] for index in self.template.arguments)
+
+
+class Clauses:
+    """All sentences of a domain in one language."""
+
+    def __init__(self, grammar: Grammar, facts: Facts) -> None:
+        actions, fluents = _by_signature(facts.actions), _by_signature(facts.fluents)
+        self.fluents = fluents
+        self.actions: dict[Signature, tuple[Clause, ...]] = {}
+        for signature, atoms in actions.items():
+            given = [Clause(template, atoms) for template in grammar.actions.get(signature, ())]
+            plain = grammar.plain.get(signature)
+            self.actions[signature] = (*given, *([Clause(plain, atoms, spare=True)] if plain else []))
+        self.facts: dict[Signature, tuple[Clause, ...]] = {}
+        self.modifiers: dict[Signature, tuple[Modifier, ...]] = {}
+        for signature, atoms in fluents.items():
+            forms = grammar.facts.get(signature, FactForms())
+            self.facts[signature] = tuple(_of_fluents(forms, atoms))
+            spare = grammar.spare.get(signature, FactForms())
+            self.facts[signature] += tuple(_of_fluents(spare, atoms, {*forms.true, *forms.false}))
+            self.modifiers[signature] = tuple(Modifier(where, atoms) for where in forms.where)
+
+
+def _of_fluents(forms: FactForms, atoms: tuple[Atom, ...], given: Set[Template] | None = None) -> Iterator[Clause]:
+    """Yield the sentences of a fluent; with those that are `given`, spare ones that are others."""
+    for value, templates in ((True, forms.true), (False, forms.false)):
+        for template in templates:
+            if given is None or template not in given:
+                yield Clause(template, atoms, value, spare=given is not None)
+
+
+def _by_signature(terms: Iterable[object]) -> dict[Signature, tuple[Atom, ...]]:
+    found: dict[Signature, list[Atom]] = {}
+    for term in terms:
+        atom = atom_of(term)  # type: ignore[arg-type]
+        found.setdefault((atom.name, len(atom.arguments)), []).append(atom)
+    return {signature: tuple(atoms) for signature, atoms in found.items()}

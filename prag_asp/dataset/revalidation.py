@@ -1,0 +1,215 @@
+"""Check tasks of a file again: whether their plans are valid, and whether physics agrees."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from itertools import chain, groupby, islice
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from prag_asp.dataset.episode_files import Recordings
+from prag_asp.dataset.jsonl import Record, read_tasks
+from prag_asp.dataset.physics_filter import budget_of, require_demonstrated
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.dataset.task_origin import foreign, index_of, named_domain, read_witness, told_with_place
+from prag_asp.domain.load import load_domain
+from prag_asp.errors import QueryError
+from prag_asp.physics import Budget, Demonstration, Staging, validate_numbered
+from prag_asp.physics.tier_pool import pass_numbered
+from prag_asp.space.task_space import TaskSpace
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.physics import Witness
+    from prag_asp.scene.scene import Scene
+    from prag_asp.task import Task
+
+TOLD_TOGETHER = 128
+"""Tasks of which the states are worked out together; that many are read ahead."""
+
+Told = tuple[Record, str]
+"""A record, and what is wrong with its task as a value, or nothing."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a task: feasible, not_found, infeasible, invalid or witness_fails; why, and failed attempts.
+
+    `detail` names in words the fact or the bodies to blame for the reason, where they are known.
+    """
+
+    record: Record
+    status: str
+    reason: str = ""
+    causes: Mapping[str, int] = field(default_factory=dict)
+    demonstration: Demonstration | None = None
+    detail: str = ""
+
+
+@dataclass(frozen=True)
+class _Search:
+    """How physics looks at the tasks."""
+
+    seed: int
+    workers: int
+    budget: Budget
+    staging: Staging | None
+
+
+def recheck(
+    tasks: str | Path | Iterable[Record],
+    domain: Domain | None = None,
+    *,
+    where: Sequence[str] = (),
+    seed: int = 0,
+    workers: int = 1,
+    budget: Budget | None = None,
+    demonstrate: str | Path | None = None,
+    staging: Staging | None = None,
+    witness_only: bool = False,
+    load: Callable[[Record, Path], Domain] | None = None,
+    folder: Path = Path(),
+    done: int = 0,
+) -> Generator[Outcome, None, None]:
+    """Yield what becomes of each task of a file, or of records: is its plan valid, and can a robot do it.
+
+    Physics looks for witnesses anew, with the same outcome for a task wherever it stands; with `witness_only` it checks
+    those in the file. Without a `domain`, each record names its own: a shipped one, or a folder, here or beside the
+    file (in `folder`, for records); `load` says how it is loaded where that takes more. Tasks have to satisfy the
+    conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder,
+    with what `staging` asks for.
+    Records are read a little ahead; the first, so many as are `done`, are read and not checked.
+
+    Raises:
+        QueryError: a line of the file is no task, or a domain that it names is not found; the message has the place.
+        SceneError: a domain has no scene.
+        OutputError: a recording cannot be written.
+    """
+    if isinstance(tasks, (str, Path)):
+        records, folder = read_tasks(tasks), Path(tasks).parent
+    else:
+        records = iter(tasks)
+    if staging is not None:
+        require_demonstrated(staging, demonstrate)
+    number, recordings = done, Recordings(demonstrate)
+    records = islice(records, done, None)
+    search = _Search(seed, workers, budget_of(budget, demonstrate), staging)
+    load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
+    for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
+        group = iter(several)
+        first = next(group)
+        own = load(first, folder) if domain is None else domain
+        told = _told(chain([first], group), TaskSpace(own, 0).where(*where))
+        check, scene = _witnesses if witness_only else _anew, scene_of(own)
+        if staging is not None:
+            staging.cameras_of(scene)
+        for outcome in check(told, scene, search):
+            number += 1
+            recordings.write(number, outcome.demonstration)
+            yield outcome
+
+
+def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[Told]:
+    """Yield records with what is wrong with their tasks as values."""
+    iterator, size = iter(records), 1
+    while batch := list(islice(iterator, size)):
+        valid = [record.task in space.at(len(record.task)) for record in batch]
+        plans = (tuple(map(str, r.task.actions)) for r, known in zip(batch, valid, strict=True) if known)
+        expected = space.narrate(plans)
+        for record, known in zip(batch, valid, strict=True):
+            yield record, _fault(record.task, next(expected)) if known else _stranger(record, space.domain)
+        size = min(2 * size, TOLD_TOGETHER)
+
+
+def _stranger(record: Record, domain: Domain) -> str:
+    """Return that a plan is none of a domain, and which domain the file says that it is of."""
+    other = foreign(record, domain)
+    return f"its plan is none of {domain.name}{f'; {other}' if other else ''}"
+
+
+def _fault(task: Task, expected: Task) -> str:
+    """Return what is wrong with a task as a value, or nothing."""
+    names = {
+        "entities": "entities",
+        "initial": "initial state",
+        "states": "states",
+        "subgoals": "subgoals",
+        "goal": "goal",
+    }
+    wrong = [name for part, name in names.items() if getattr(task, part) != getattr(expected, part)]
+    verb = "is" if wrong in (["initial state"], ["goal"]) else "are"
+    return f"its {', '.join(wrong)} {verb} not what its actions make" if wrong else ""
+
+
+def _anew(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
+    """Yield what a new search says of each task, wherever it stands in the file."""
+    waiting: deque[Told] = deque()
+
+    def valid() -> Iterator[tuple[int, Task]]:
+        for record, fault in told:
+            waiting.append((record, fault))
+            if not fault:
+                yield index_of(record), record.task
+
+    validated = validate_numbered(
+        valid(), scene, seed=search.seed, workers=search.workers, budget=search.budget, staging=search.staging
+    )
+    with closing(validated) as verdicts:
+        for verdict in verdicts:
+            yield from _invalid(waiting)
+            record, _ = waiting.popleft()
+            yield Outcome(record, verdict.status, verdict.reason, verdict.causes, verdict.demonstration, verdict.detail)
+    yield from _invalid(waiting)
+
+
+def _invalid(waiting: deque[Told]) -> Iterator[Outcome]:
+    """Take the invalid tasks that come first, up to one that is valid."""
+    while waiting and waiting[0][1]:
+        record, fault = waiting.popleft()
+        yield Outcome(record, "invalid", fault)
+
+
+def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
+    """Yield what the witness of each record is worth, by the tiers of a budget."""
+    waiting: deque[tuple[Record, Outcome | None]] = deque()
+
+    def shown() -> Iterator[tuple[int, tuple[Task, Witness]]]:
+        for record, fault in told:
+            found = _shown(record, fault, scene)
+            waiting.append((record, found if isinstance(found, Outcome) else None))
+            if not isinstance(found, Outcome):
+                yield index_of(record), (record.task, found)
+
+    passed = pass_numbered(
+        shown(), scene, budget=search.budget, seed=search.seed, workers=search.workers, staging=search.staging
+    )
+    with closing(passed) as passages:
+        for passage in passages:
+            yield from _known(waiting)
+            record, _ = waiting.popleft()
+            status = "witness_fails" if passage.fault else "feasible"
+            yield Outcome(record, status, passage.fault, demonstration=None if passage.fault else passage.demonstration)
+    yield from _known(waiting)
+
+
+def _shown(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
+    """Return the witness of a record, or what becomes of the record without a look at one."""
+    if fault:
+        return Outcome(record, "invalid", fault)
+    if record.witness is None:
+        return Outcome(record, "not_found", "the file has no witness for it")
+    try:
+        with told_with_place(record):
+            return read_witness(record, scene)
+    except QueryError as error:
+        return Outcome(record, "witness_fails", str(error))
+
+
+def _known(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
+    """Take the records that come first of which it is known what becomes of them."""
+    while waiting and (outcome := waiting[0][1]) is not None:
+        waiting.popleft()
+        yield outcome

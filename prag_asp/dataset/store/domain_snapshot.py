@@ -1,0 +1,168 @@
+"""The domain of a data set, kept with it: all files that its tasks and verdicts depend on."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from prag_asp.errors import DomainError
+from prag_asp.output import file_in, make_folder, replace_file
+from prag_asp.safe_reading import is_inside, open_binary, read_bytes
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.program.sources import Source
+
+DOMAIN, ENCODINGS = "domain", "encodings"
+"""The folders of a data set that hold its domain and the encodings that this was read with."""
+
+
+MEND = "make the data set anew, or copy it once more"
+"""What to do where a file of one is damaged."""
+
+BLOCK = 1 << 20
+"""Bytes of a file that are read at once."""
+
+
+class KeptFile(msgspec.Struct):
+    """A file of a data set: its path in the folder, its size and its SHA-256."""
+
+    path: str
+    bytes: int
+    sha256: str
+
+
+class KeptDomain(msgspec.Struct):
+    """A domain as dataset.json tells of it: how it is read from its files."""
+
+    name: str
+    label: str
+    constants: dict[str, str]
+    flat: bool
+    files: list[KeptFile]
+    encodings: list[KeptFile]
+
+
+def kept(domain: Domain) -> tuple[KeptDomain, dict[str, bytes]]:
+    """Return what is told of a domain, and the content of its files by their paths in a data set.
+
+    Raises:
+        OSError: a file of it can no longer be read.
+    """
+    own = {f"{DOMAIN}/{name}": content for name, content in _own_files(domain)}
+    folder = domain.encodings
+    encodings = {
+        f"{ENCODINGS}/{path.relative_to(folder).as_posix()}": read_bytes(path) for path in sorted(folder.rglob("*.lp"))
+    }
+    flat = not domain.facts.composites and any("composite" in source.text for source in _own_sources(domain))
+    told = KeptDomain(domain.name, domain.label, dict(domain.constants), flat, [*_told(own)], [*_told(encodings)])
+    return told, {**own, **encodings}
+
+
+def write_kept(folder: Path, files: dict[str, bytes]) -> None:
+    """Write the files of a domain into the folder of a data set, each whole; those that are there stay.
+
+    Raises:
+        OutputError: one cannot be written.
+    """
+    for name, content in files.items():
+        make_folder((folder / name).parent)
+        path = file_in(folder, name)
+        if not path.is_file() or read_bytes(path) != content:
+            replace_file(path, content, follow=False)
+
+
+def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domain:
+    """Load the domain of a data set from its folder alone.
+
+    Raises:
+        DomainError: a file is missing, is not what dataset.json says, or is read though that does not name it.
+    """
+    from prag_asp.domain.load import load_domain
+
+    for name in (DOMAIN, ENCODINGS):
+        if not is_inside(folder / name, folder):
+            raise DomainError(f"{folder / name}: leads out of the data set; {MEND}")
+    for file in (*told.files, *told.encodings):
+        path = folder / file.path
+        try:
+            content = read_bytes(path, within=folder)
+        except OSError as error:
+            raise DomainError(f"{path}: cannot be read: {error.strerror}; {MEND}") from None
+        if sha256(content).hexdigest() != file.sha256:
+            raise DomainError(f"{path}: is not what dataset.json says; {MEND}")
+    domain = load_domain(
+        folder / DOMAIN, constants=told.constants, encodings=folder / ENCODINGS, flat=told.flat, trust=trust
+    )
+    known = {(folder / file.path).resolve() for file in (*told.files, *told.encodings)}
+    for path in _read(domain):
+        if path.resolve() not in known:
+            raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
+    return replace(domain, name=told.name)
+
+
+def _read(domain: Domain) -> Iterator[Path]:
+    """Yield the files that a domain was read from."""
+    from prag_asp.domain.identity import scene_files
+
+    yield from (source.path for source in domain.program.sources)
+    if domain.settings.text:
+        yield domain.settings.path
+    yield from scene_files(domain.settings.scene, domain.settings.path.parent)
+
+
+def digest_of(path: Path, *, at_most: int | None = None) -> str:
+    """Return the SHA-256 of a file, of so many bytes at most.
+
+    Raises:
+        OSError: it cannot be read, or is larger.
+    """
+    found = sha256()
+    with open_binary(path, at_most=at_most) as file:
+        while block := file.read(BLOCK):
+            found.update(block)
+    return found.hexdigest()
+
+
+def _told(files: dict[str, bytes]) -> Iterator[KeptFile]:
+    for path, content in sorted(files.items()):
+        yield KeptFile(path, len(content), sha256(content).hexdigest())
+
+
+def _own_sources(domain: Domain) -> list[Source]:
+    """Return the sources of a domain that every domain has not: rules that were asked for among them."""
+    from prag_asp.program.sources import HIERARCHY, core_sources
+
+    known = {source.path.resolve() for source in core_sources(domain.encodings)}
+    known.add((domain.encodings / HIERARCHY).resolve())
+    return [source for source in domain.program.sources if source.path.resolve() not in known]
+
+
+def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
+    """Yield the files of a domain, as a folder that says the same: those of its own folder as they are."""
+    from prag_asp.domain.identity import scene_files
+    from prag_asp.domain.load import LEARNED
+
+    sources = _own_sources(domain)
+    learned = [source for source in sources if source.path.name == LEARNED]
+    logic = [source for source in sources if source not in learned]
+    folder = domain.folder.resolve() if domain.folder else None
+    if folder is not None and all(source.path.resolve().is_relative_to(folder) for source in logic):
+        for source in logic:
+            yield source.path.resolve().relative_to(folder).as_posix(), read_bytes(source.path)
+    else:
+        yield "domain.lp", "".join(f"#program base.\n{source.text}\n" for source in logic).encode()
+    for source in learned:
+        yield LEARNED, source.text.encode()
+    settings = domain.settings
+    if settings.text:
+        yield "domain.toml", settings.text.encode()
+    base = settings.path.parent
+    for path in scene_files(settings.scene, base):
+        yield Path(os.path.relpath(path.resolve(), base.resolve())).as_posix(), read_bytes(path)

@@ -1,0 +1,132 @@
+"""The draws of a data set once more, one after another, as the rows of another data set take them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import pyarrow as pa
+
+from prag_asp.dataset.store.domain_snapshot import MEND, digest_of
+from prag_asp.dataset.store.schema import ROW_GROUP
+from prag_asp.dataset.store.shards import open_shard
+from prag_asp.errors import QueryError
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.store.manifest import PartNote, Shard
+
+
+class Given(NamedTuple):
+    """A draw of another data set: its one row, what follows from that, and the rows of its first states."""
+
+    passed: bool
+    row: pa.Table
+    length: int
+    verdict: Mapping[str, Any] | None
+    starts: int
+    witnesses: pa.Table | None
+    recordings: Sequence[Mapping[str, Any]]
+    versions: str
+
+
+class GivenPart:
+    """Reads the draws of a part in their order; a group of rows of each table is in memory at a time."""
+
+    def __init__(self, folder: Path, note: PartNote) -> None:
+        self._folder, self._note = folder, note
+        self._next, self._shard = 0, 0
+        self._tables: dict[str, _Cursor] = {}
+
+    @property
+    def draws(self) -> int:
+        """How many draws it has."""
+        return self._note.draws
+
+    def draw(self, number: int) -> Given:
+        """Return a draw; none before it is asked for later.
+
+        Raises:
+            QueryError: a file is missing, is not what dataset.json says, or has no row of the draw.
+        """
+        shards = self._note.shards
+        while self._shard < len(shards) and number >= shards[self._shard].end:
+            self._shard += 1
+            self._tables = {}
+        if self._shard == len(shards):
+            raise QueryError(f"{self._folder}: has no shard of the draw {number} of {self._note.name}; {MEND}")
+        shard = shards[self._shard]
+        if not self._tables:
+            self._tables = {table: _Cursor(self._folder, table, shard) for table in ROW_GROUP}
+        for table in ("tasks", "refused"):
+            found = self._tables[table].rows("draw", number)
+            if found is not None:
+                return self._given(table == "tasks", found, shard)
+        raise QueryError(f"{self._folder}: has no row of the draw {number} of {self._note.name}; {MEND}")
+
+    def _given(self, passed: bool, row: pa.Table, shard: Shard) -> Given:
+        told = row.select(["length", "verdict"]).to_pylist()[0]
+        verdict = told["verdict"]
+        if verdict is not None:
+            verdict = {**verdict, "causes": {each["cause"]: each["count"] for each in verdict["causes"]}}
+        witnesses: pa.Table | None = None
+        recordings: list[Mapping[str, Any]] = []
+        if passed:
+            task = row["task"][0].as_py()
+            witnesses = self._tables["witnesses"].rows("task", task)
+            recorded = self._tables["recordings"].rows("task", task)
+            recordings = [] if recorded is None else recorded.to_pylist()
+        starts = 0 if witnesses is None else witnesses.num_rows
+        return Given(passed, row, told["length"], verdict, starts, witnesses, recordings, shard.versions)
+
+
+class _Cursor:
+    """The rows of a table of a shard, which are sorted by a column of numbers."""
+
+    def __init__(self, folder: Path, table: str, shard: Shard) -> None:
+        self._groups = _groups(folder, table, shard)
+        self._rows: pa.Table | None = None
+        self._keys: list[int] = []
+        self._place = 0
+
+    def rows(self, column: str, number: int) -> pa.Table | None:
+        """Return the rows of a number, None where there are none; none of a smaller number is asked for later."""
+        found = []
+        while self._forward(column):
+            if self._keys[self._place] > number:
+                break
+            begin = self._place
+            while self._place < len(self._keys) and self._keys[self._place] <= number:
+                begin += self._keys[self._place] < number
+                self._place += 1
+            if self._place > begin:
+                assert self._rows is not None
+                found.append(self._rows.slice(begin, self._place - begin))
+        return pa.concat_tables(found) if len(found) > 1 else found[0] if found else None
+
+    def _forward(self, column: str) -> bool:
+        """Come to the next row, and tell whether there is one."""
+        while self._place >= len(self._keys):
+            self._rows = next(self._groups, None)
+            if self._rows is None:
+                self._keys, self._place = [], 0
+                return False
+            self._keys, self._place = self._rows[column].to_pylist(), 0
+        return True
+
+
+def _groups(folder: Path, table: str, shard: Shard) -> Iterator[pa.Table]:
+    """Yield the rows of a table of a shard in groups; no file stays open meanwhile.
+
+    Raises:
+        QueryError: the file is not what dataset.json says.
+    """
+    file = shard.files.get(table)
+    if file is None:
+        return
+    for group in range(-(-file.rows // ROW_GROUP[table])):
+        with open_shard(folder, table, file) as opened:
+            if not group and digest_of(folder / file.path) != file.sha256:
+                raise QueryError(f"{folder / file.path}: is not what dataset.json says; {MEND}")
+            found = opened.read_row_group(group)
+        yield found

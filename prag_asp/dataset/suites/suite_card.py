@@ -1,0 +1,94 @@
+"""The card of a suite: README.md, with its exact figures."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+from prag_asp.dataset.pages.dataset_card import TABLES
+from prag_asp.dataset.store.manifest import rate_of
+from prag_asp.dataset.suites.suite_manifest import SuiteNote, SuitePart
+from prag_asp.integers import grouped, number_of
+from prag_asp.wording import plural
+
+NAME = "README.md"
+
+
+def card_text(note: SuiteNote) -> bytes:
+    """Return the card of a suite, as its file has it: it follows from suite.json alone."""
+    return "".join(f"{line}\n" for line in (*_front(note), *_text(note))).encode()
+
+
+def _front(note: SuiteNote) -> Iterator[str]:
+    """Yield the lines that hubs and loaders read: each part is a configuration."""
+    yield "---"
+    yield f"pretty_name: {json.dumps(_title(note))}"
+    yield "task_categories:"
+    yield "- robotics"
+    yield "tags:"
+    for tag in ("robotics", "task-planning", "benchmark", "prag_asp"):
+        yield f"- {tag}"
+    yield "configs:"
+    for part in note.parts:
+        if part.tasks:
+            yield f"- config_name: {part.name}"
+            yield f"  data_files: {part.name}/{TABLES['tasks']}/*.parquet"
+    yield "---"
+
+
+def _text(note: SuiteNote) -> Iterator[str]:
+    """Yield the lines that people read."""
+    yield f"# {_title(note)}"
+    yield ""
+    if note.description:
+        yield note.description
+        yield ""
+    yield "| part | what | lengths | tasks | of all tasks of the part | phrasings |"
+    yield "|---|---|---|---|---|---|"
+    for part in note.parts:
+        share = f"{rate_of(100 * part.tasks, number_of(part.size)):.3g} % of {grouped(number_of(part.size))}"
+        words = f"{part.language} {part.phrasings}".strip()
+        link = f"[{part.name}]({part.name}/README.md)"
+        yield f"| {link} | {part.about} | {_lengths(part)} | {part.tasks:,} | {share} | {words} |"
+    yield ""
+    yield "## Conditions"
+    yield ""
+    yield f"All tasks are of the domain `{note.domain}`. A task is a plan with its first state."
+    yield ""
+    for part in note.parts:
+        if part.of is not None:
+            yield f"- **{part.name}** has the first tasks of {part.of}, in other words."
+        else:
+            yield f"- **{part.name}**: {', '.join(f'`{clause}`' for clause in part.where) or 'no condition'}."
+    yield ""
+    yield "## Apart"
+    yield ""
+    yield from _apart(note)
+    yield f"Made by {note.versions}. `suite.json` has all figures, exactly; `suite.toml` is what was asked for;"
+    yield "`prag-asp verify` counts all of it again."
+
+
+def _apart(note: SuiteNote) -> Iterator[str]:
+    """Yield how many tasks parts have in common, and what is unseen."""
+    none = sum(not number_of(each.tasks) for each in note.shared)
+    yield f"Counted exactly: {plural(none, 'pair')} of {len(note.shared)} of parts have no task in common."
+    for each in note.shared:
+        tasks = number_of(each.tasks)
+        if tasks:
+            yield f"{each.one} and {each.other} have {grouped(tasks)}, as {'' if each.declared else 'nobody '}said."
+    yield ""
+    if note.unseen:
+        yield "| held out | part | tasks of the part that have it |"
+        yield "|---|---|---|"
+        for every in note.unseen:
+            yield f"| `{every.what}` | {every.part} | {grouped(number_of(every.tasks))} |"
+        yield ""
+
+
+def _lengths(part: SuitePart) -> str:
+    numbers = [space.length for space in part.spaces]
+    return f"{numbers[0]}" if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]}"
+
+
+def _title(note: SuiteNote) -> str:
+    return note.title or note.name

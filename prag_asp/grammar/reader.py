@@ -1,0 +1,322 @@
+"""Read what a domain says of a language: ``[language.en]`` with its actions, facts, nouns and values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+from prag_asp.errors import QueryError
+from prag_asp.grammar.template import Template, agrees, parse_template
+from prag_asp.grammar.word_table import Words, words_of
+from prag_asp.program.facts import Facts
+from prag_asp.program.settings import Settings
+
+Signature = tuple[str, int]
+"""The name of an action or a fluent, and how many arguments it has."""
+
+FIRST = "en"
+"""The language of the sentences that stand right under ``[language]``."""
+
+PARTS = ("actions", "facts", "nouns", "values", "words")
+"""The tables of a language in a domain."""
+
+
+@dataclass(frozen=True)
+class Noun:
+    """A noun: its gender, and its text in each case."""
+
+    gender: str
+    forms: Mapping[str, str]
+
+    @property
+    def word(self) -> str:
+        """The noun in the usual case, which stands for all."""
+        return next(iter(self.forms.values()))
+
+
+@dataclass(frozen=True)
+class Where:
+    """How a fluent tells one of its arguments, the `subject`, from others: ``on {1}``."""
+
+    template: Template
+    subject: int
+
+
+@dataclass(frozen=True)
+class FactForms:
+    """How a fluent is told: that it is so, that it is not, and what it says of an argument; not at all if `silent`."""
+
+    true: tuple[Template, ...] = ()
+    false: tuple[Template, ...] = ()
+    where: tuple[Where, ...] = ()
+    silent: bool = False
+
+
+@dataclass(frozen=True)
+class Grammar:
+    """All sentences of a domain in one language, and its nouns by the names of classes and entities.
+
+    `values` are the words for what is neither. Any domain has the `plain` sentences of actions, and the `spare` ones of
+    fluents.
+    """
+
+    words: Words
+    actions: Mapping[Signature, tuple[Template, ...]]
+    plain: Mapping[Signature, Template]
+    facts: Mapping[Signature, FactForms]
+    spare: Mapping[Signature, FactForms]
+    nouns: Mapping[str, Noun]
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+class GrammarReader:
+    """Reads the part of a domain in one language; what is wrong there is told by the linter, and left out here."""
+
+    def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
+        """Take the settings of a domain and what it states.
+
+        Raises:
+            QueryError: there are no words of this language.
+        """
+        own = settings.grammar.get(code, {})
+        self.own: Mapping[str, Any] = own if isinstance(own, Mapping) else {}
+        self.settings, self.states, self.code = settings, facts, code
+        self.words = words_of(code, self._table("words"))
+
+    def grammar(self) -> Grammar:
+        """Return all of it."""
+        return Grammar(
+            self.words, self.actions(), self.plain(), self.facts(), self.spare(), self.nouns(), self.values()
+        )
+
+    @cached_property
+    def action_arguments(self) -> Mapping[Signature, list[set[str]]]:
+        """What stands at each place of the actions of a name."""
+        return _arguments(self.states.declared_actions)
+
+    @cached_property
+    def fluent_arguments(self) -> Mapping[Signature, list[set[str]]]:
+        """What stands at each place of the fluents of a name."""
+        return _arguments(self.states.fluents)
+
+    def actions(self) -> dict[Signature, tuple[Template, ...]]:
+        """Return the sentences of each action: those of the language's table, or in English right under [language]."""
+        table, found = self._table("actions"), {}
+        for name, arity in self.action_arguments:
+            given = listed(table.get(name)) or (self._short(name) if self.code == FIRST else ())
+            found[name, arity] = tuple(self.templates(given, arity))
+        return found
+
+    def _short(self, name: str) -> tuple[str, ...]:
+        """Return the sentences right under [language] in which no article stands before the place of an argument."""
+        given = listed(self.settings.grammar.get(name))
+        return tuple(text for text in given if not any(f"{article} {{" in text for article in self._articles))
+
+    @cached_property
+    def _articles(self) -> frozenset[str]:
+        return self.words.articles | {"a", "an"}
+
+    def plain(self) -> dict[Signature, Template]:
+        """Return sentences of the name of an action and what it speaks of, without what is the same for all of them."""
+        defaults = self.words.table.get("defaults", {})
+        if "action" not in defaults:
+            return {}
+        found, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
+        for (name, arity), places in self.action_arguments.items():
+            told = [index for index, known in enumerate(places) if len(known) > 1]
+            led = {index: way for index, way in ways.get((name, arity), {}).items() if index in told[1:]}
+            every = _joined([f"{{{index}}}" for index in told if index not in led], defaults["all"])
+            text = str(defaults["action"]).format(name=plain(name), all=every).strip()
+            text += "".join(str(defaults[way]).replace("{0}", f"{{{index}}}") for index, way in sorted(led.items()))
+            found[name, arity] = parse_template(text, self.words.cases, arity)
+        return found
+
+    def _ways(self) -> Mapping[Signature, Mapping[int, str]]:
+        """Return which arguments an action leads ``from`` and ``to``.
+
+        Each of its actions makes a fluent of two arguments false, or true, of which this is the second one, and the
+        first one is another argument that is no robot.
+        """
+        found: dict[Signature, dict[int, str]] = {}
+        robots = self._robots()
+        for action in self.states.declared_actions:
+            signature = action.name, len(action.arguments)
+            known = list(map(str, action.arguments))
+            here: dict[int, str] = {}
+            for fluent, value in self.states.postconditions.get(action, ()):
+                pair = list(map(str, fluent.arguments))
+                if len(pair) == 2 and value != "unknown" and pair[0] not in robots and set(pair) <= set(known):
+                    where = len(known) - 1 - known[::-1].index(pair[1])
+                    if known.index(pair[0]) < where:
+                        here[where] = "to" if value == "true" else here.get(where, "from")
+            both = found.setdefault(signature, here)
+            found[signature] = {index: way for index, way in both.items() if here.get(index) == way}
+        return found
+
+    def _robots(self) -> frozenset[str]:
+        """Return the entities that are robots in the scene."""
+        shapes = _below(self.settings.scene, "shapes")
+        kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
+        members = {str(entity) for entity, name in self.states.memberships if str(name) in kinds}
+        return frozenset(members | kinds)
+
+    def facts(self) -> dict[Signature, FactForms]:
+        """Return how each fluent is told: by the language's table, by the predicate that it means, or by its name."""
+        table = self._table("facts")
+        return {
+            (name, arity): self.forms(table.get(name) or self._meant(name, arity), arity)
+            for name, arity in self.fluent_arguments
+        }
+
+    def _meant(self, name: str, arity: int) -> Mapping[str, Any]:
+        """Return the forms of a fluent that the domain's table leaves out."""
+        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - who counts tells nothing
+
+        scene = self.settings.scene
+        own = _below(_below(scene, "own"), name)
+        if "sentence" in own and self.code == FIRST:
+            return {"is": own["sentence"]}
+        meaning = _below(scene, "predicates").get(name, name)
+        if meaning in PREDICATE_ROLES and len(PREDICATE_ROLES[meaning]) == arity:
+            return dict(_below(_below(self.words.table, "facts"), meaning))
+        return self._default(name, arity)
+
+    def spare(self) -> dict[Signature, FactForms]:
+        """Return how each fluent is told by its name."""
+        return {(name, arity): self.forms(self._default(name, arity), arity) for name, arity in self.fluent_arguments}
+
+    def _default(self, name: str, arity: int) -> Mapping[str, Any]:
+        """Return the forms that any fluent has: its name, and what it speaks of.
+
+        They tell nothing from others: nobody knows whether a picture shows it.
+        """
+        defaults = _below(self.words.table, "defaults")
+        every = _joined([f"{{{index}}}" for index in range(arity)], defaults.get("all", (", ", ", ")))
+        forms = _below(defaults, "state" if arity == 0 else "property" if arity == 1 else "fact")
+        return {key: str(text).replace("{name}", plain(name)).replace("{all}", every) for key, text in forms.items()}
+
+    def forms(self, given: object, arity: int) -> FactForms:
+        """Return how a fluent is told, from what a table says: a sentence, several, or a table of forms."""
+        table = given if isinstance(given, Mapping) else {"is": given}
+        true = listed(table.get("is"))
+        false = listed(table.get("not"))
+        return FactForms(
+            tuple(self.templates(true, arity)),
+            tuple(self.templates(false, arity) if false else self.templates(filter(agrees, true), arity, "is_not")),
+            tuple(self._where(listed(table.get("where")), arity, table.get("of"))),
+            table.get("silent") is True,
+        )
+
+    def _where(self, texts: Sequence[str], arity: int, subject: object) -> Iterator[Where]:
+        for template in self.templates(texts, arity):
+            missing = [index for index in range(arity) if index not in template.arguments]
+            if subject in missing:
+                yield Where(template, int(str(subject)))
+            elif len(missing) == 1:
+                yield Where(template, missing[0])
+
+    def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
+        """Yield the sentences that texts spell; one in which a word agrees is several."""
+        for phrasing, text in enumerate(map(self.words.expanded, texts)):
+            for genders, form in self._verbs(text, verb):
+                try:
+                    found = parse_template(text, self.words.cases, arity, {"is": form}, genders)
+                except QueryError:
+                    continue
+                yield replace(found, phrasing=phrasing)
+
+    def _verbs(self, text: str, verb: str) -> Iterator[tuple[frozenset[str], str]]:
+        """Yield the forms of a verb with the genders that they go with."""
+        if not agrees(text):
+            yield frozenset(), ""
+            return
+        forms: dict[str, set[str]] = {}
+        for gender in self.words.genders:
+            forms.setdefault(self.words.agreeing(verb, gender), set()).add(gender)
+        for form, genders in forms.items():
+            yield frozenset(genders), form
+
+    def nouns(self) -> dict[str, Noun]:
+        """Return the noun of each class, and those of entities that have one of their own."""
+        table = self._table("nouns")
+        found = {name: noun for name, given in table.items() if (noun := self.noun(given)) is not None}
+        for name in map(str, self.states.classes):
+            if name not in found and self.code == FIRST:
+                found[name] = Noun(self.words.genders[0], dict.fromkeys(self.words.cases, plain(name)))
+        return found
+
+    def noun(self, given: object) -> Noun | None:
+        """Return the noun that a value of a table spells, None where it spells none."""
+        table = given if isinstance(given, Mapping) else {"noun": given}
+        word, gender = table.get("noun"), table.get("gender", self.words.genders[0])
+        if not isinstance(word, str) or not word.strip() or gender not in self.words.genders:
+            return None
+        given = {case: table.get(case, word) for case in self.words.cases}
+        forms = {case: self.words.expanded(form) for case, form in given.items() if isinstance(form, str)}
+        return Noun(str(gender), forms) if len(forms) == len(self.words.cases) else None
+
+    def values(self) -> dict[str, str]:
+        """Return the words for arguments that are neither entities nor classes."""
+        known = self._table("values").items()
+        return {name: self.words.expanded(text) for name, text in known if isinstance(text, str)}
+
+    def missing(self) -> Iterator[tuple[str, str]]:
+        """Yield the table and the name of what instructions in this language need, but the domain does not say."""
+        table = self._table("actions")
+        if "action" not in _below(self.words.table, "defaults"):
+            yield from (
+                ("actions", name) for name in dict.fromkeys(n for n, _ in self.action_arguments) if name not in table
+            )
+        nouns = self.nouns()
+        for entity, name in self.states.entity_names.items():
+            if entity not in nouns and name not in nouns:
+                yield "nouns", name
+
+    def _table(self, part: str) -> Mapping[str, Any]:
+        return _below(self.own, part)
+
+
+def languages(settings: Settings) -> tuple[str, ...]:
+    """Return the codes of the languages that a domain speaks: English, and those that it has tables for."""
+    return tuple(dict.fromkeys([FIRST, *tables(settings)]))
+
+
+def tables(settings: Settings) -> Mapping[str, Mapping[str, Any]]:
+    """Return the tables of a domain's languages by their codes."""
+    return {code: table for code, table in settings.grammar.items() if isinstance(table, Mapping)}
+
+
+def listed(given: object) -> tuple[str, ...]:
+    """Return a text, or several of them, as a tuple; what is no text is left out."""
+    each = given if isinstance(given, list | tuple) else (given,)
+    return tuple(text for text in each if isinstance(text, str))
+
+
+def plain(name: str) -> str:
+    """Return a name as it reads in a sentence: ``pick_up`` is ``pick up``, ``disc(1)`` is ``disc 1``."""
+    return " ".join(
+        name.replace("_", " ").replace("(", " ").replace(")", " ").replace(",", " ").replace('"', " ").split()
+    )
+
+
+def _joined(words: Sequence[str], between: Sequence[str]) -> str:
+    """Return words in a row, the last after a word of its own."""
+    return between[1].join(part for part in (between[0].join(words[:-1]), *words[-1:]) if part)
+
+
+def _below(table: object, key: str) -> Mapping[str, Any]:
+    """Return a table of a table, an empty one where there is none."""
+    found = table.get(key) if isinstance(table, Mapping) else None
+    return found if isinstance(found, Mapping) else {}
+
+
+def _arguments(terms: Any) -> dict[Signature, list[set[str]]]:
+    found: dict[Signature, list[set[str]]] = {}
+    for term in terms:
+        arguments = term.arguments
+        places = found.setdefault((term.name, len(arguments)), [set() for _ in arguments])
+        for place, argument in zip(places, arguments, strict=True):
+            place.add(str(argument))
+    return found

@@ -1,0 +1,148 @@
+"""Which lines of a program leave it no plans of a length."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import TracebackType
+
+import clingo
+
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
+from prag_asp.logic.formula.cnf import plan_cnf
+from prag_asp.logic.formula.liftable import KEPT, LOOSE, Line, liftable
+from prag_asp.logic.formula.solver import Solver, smallest_conflict
+from prag_asp.logic.ground.ground_step import unrolled
+from prag_asp.processes.progress_events import stage
+from prag_asp.processes.workers import uninterrupted
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.sources import Program
+
+Occurring = Sequence[tuple[clingo.Symbol, int]]
+"""Actions, each with the number of a step, from 1."""
+
+
+def has_plan(program: Program, length: int, occurring: Occurring | None = None) -> bool:
+    """Return whether a program has a plan of a length, with one of the actions `occurring` at its step if given.
+
+    Raises:
+        DomainError: clingo cannot ground the program.
+    """
+    grounder = Grounder(program)
+    grounder.ground([("base", [])])
+    grounder.ground(unrolled(length))
+    control, asked = grounder.control, []
+    if occurring is not None:
+        atoms = control.symbolic_atoms
+        found = (atoms[_occurs(action, step)] for action, step in occurring)
+        with control.backend() as backend:
+            some = backend.add_atom()
+            for atom in found:
+                if atom is not None:
+                    backend.add_rule([some], [atom.literal])
+        asked = [some]
+    stage("looking for a plan")
+    with uninterrupted():  # for an error in what it calls at the end, clingo ends the process
+        return bool(control.solve(assumptions=asked).satisfiable)
+
+
+class Lines:
+    """The lines of a program that restrict its plans of a length, and what becomes of these where some are lifted.
+
+    With `occurring`, only those plans count in which one of these actions occurs at its step.
+
+    Raises:
+        DomainError: clingo cannot ground the program.
+        EngineError: the program has no counterpart in clauses.
+    """
+
+    def __init__(self, program: Program, length: int, occurring: Occurring | None = None) -> None:
+        found = liftable(program)
+        cnf = plan_cnf(found.program, length)
+        kept = [cnf.literal(clingo.Function(KEPT, [clingo.Number(i)])) for i in range(len(found.lines))]
+        self._lines = dict(zip(kept, found.lines, strict=True))
+        self._loose = cnf.literal(clingo.Function(LOOSE))
+        self._solver = Solver(cnf.variables, cnf.clauses)
+        if occurring is not None:
+            self._solver.add([-TRUE, *(cnf.literal(_occurs(action, step)) for action, step in occurring)])
+        stage("looking for the lines")
+
+    def __enter__(self) -> Lines:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._solver.close()
+
+    def conflict(self, *, smallest: bool = False) -> tuple[Line, ...]:
+        """Return lines that leave no plan together, though none without any one of them; there has to be no plan.
+
+        All other lines are lifted: what they would change may have any value then. With `smallest`, no set of fewer
+        lines leaves no plan, as long as a line that is kept never allows what it forbids where it is lifted.
+        """
+        kept = self._all
+        if smallest:
+            kept = smallest_conflict(self._solver, [self._loose], kept)
+        return self._told(self._least(kept))
+
+    def changes(self) -> tuple[tuple[Line, ...], ...]:
+        """Return the lines each of which, removed, leaves a plan; where there are none, a smallest set of such.
+
+        Nothing is left of a line that is removed. There are no such sets where there are no plans without all lines.
+        """
+        single = [each for each in self._all if self._open([at for at in self._all if at != each], loose=False)]
+        if single:
+            return tuple((line,) for line in self._told(single))
+        removed = self._fewest()
+        return () if removed is None else (self._told(removed),)
+
+    def _told(self, literals: Sequence[Literal]) -> tuple[Line, ...]:
+        """Return the lines of some literals, file by file from the top."""
+        return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
+
+    @property
+    def _all(self) -> list[Literal]:
+        return list(self._lines)
+
+    def _open(self, kept: Sequence[Literal], *, loose: bool = True) -> bool:
+        """Return whether there is a plan with just some lines kept."""
+        lifted = self._lines.keys() - kept
+        return self._solver.satisfiable([self._loose if loose else -self._loose, *kept, *(-each for each in lifted)])
+
+    def _least(self, kept: Sequence[Literal]) -> list[Literal]:
+        """Return some of the lines that leave no plan together, though none without any one of them.
+
+        Each is tried in turn, until none can be spared: one that could not be may be, once others have been.
+        """
+        kept, again = list(kept), True
+        while again:
+            again = False
+            for each in list(kept):
+                rest = [at for at in kept if at != each]
+                if each in kept and not self._open(rest):
+                    core = set(self._solver.core())
+                    fewer = [at for at in rest if at in core]
+                    kept = rest if len(fewer) == len(rest) or self._open(fewer) else fewer
+                    again = True
+        return kept
+
+    def _fewest(self) -> list[Literal] | None:
+        """Return a smallest set of lines without which there is a plan; None where there is none without all.
+
+        Each set of lines that leave no plan together has one of those removed, so a smallest set that meets all such
+        found so far is tried, until there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
+        """
+        from pysat.examples.hitman import Hitman  # noqa: PLC0415
+
+        with Hitman(solver="g4") as hitting:
+            removed: list[Literal] = []
+            while not self._solver.satisfiable([-self._loose, *(each for each in self._lines if each not in removed)]):
+                core = [each for each in self._solver.core() if each in self._lines]
+                if not core:
+                    return None
+                hitting.hit(core)
+                removed = sorted(hitting.get(), key=abs)
+        model = self._solver.model()
+        return [each for each in removed if model[abs(each) - 1] < 0]
+
+
+def _occurs(action: clingo.Symbol, step: int) -> clingo.Symbol:
+    return clingo.Function("occurs", [action, clingo.Number(step)])

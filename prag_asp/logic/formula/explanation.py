@@ -1,0 +1,153 @@
+"""Why a sequence of actions is no plan: the first step that cannot occur, the reasons, and the steps in conflict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, reporting
+from prag_asp.logic.formula.clause_builder import Literal
+from prag_asp.logic.formula.cnf import Cnf, plan_cnf
+from prag_asp.logic.formula.solver import Solver, smallest_conflict
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.facts import Assignment
+
+OPPOSITE = {"true": "false", "false": "true"}
+TOLD = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
+"""The encodings whose constraints are told in words."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why n actions are no plan.
+
+    `step` is the first, from 1, that cannot follow those before it: 0 where not even the start is possible, n + 1
+    where all steps can occur, but not the goal or check after them. `reasons` say why, in words. `conflict` are the
+    steps of a smallest set that no plan of n steps has in these places, whatever its other steps are; it is empty where
+    there is no plan of n steps at all.
+    """
+
+    step: int
+    reasons: tuple[str, ...]
+    conflict: tuple[int, ...]
+
+
+def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
+    """Return why a sequence of actions of the domain is no plan, or None where it is one.
+
+    Raises:
+        EngineError: the program has no counterpart in clauses.
+    """
+    program = reporting(model.program)
+    cnf = plan_cnf(program.program, len(plan))
+    stage("looking for the conflict")
+    with Solver(cnf.variables, cnf.clauses) as solver:
+        search = _Search(model, tuple(plan), program, cnf, solver)
+        if solver.satisfiable([*search.actions, *search.lawful(len(plan) + 1)]):
+            return None
+        step = next(k for k in range(len(plan) + 2) if not solver.satisfiable(search.until(k)))
+        reasons = tuple(dict.fromkeys(search.reasons(step)))
+        found = smallest_conflict(solver, search.lawful(len(plan) + 1), search.actions)
+        conflict = tuple(k for k, literal in enumerate(search.actions, 1) if literal in found)
+        return Explanation(step, reasons, conflict)
+
+
+class _Search:
+    """The questions that are asked about one sequence of actions."""
+
+    def __init__(
+        self, model: Model, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
+    ) -> None:
+        self._model, self._plan, self._rules, self._cnf, self._solver = model, plan, program.rules, cnf, solver
+        self._broken = broken_atoms(cnf.literals)
+        self.actions = [self._atom("occurs", action, k) for k, action in enumerate(plan, 1)]
+
+    def lawful(self, end: int) -> list[Literal]:
+        """Return the literals that say that no constraint is broken up to a time."""
+        return [-literal for time, found in self._broken.items() if time <= end for literal in found.values()]
+
+    def until(self, step: int) -> list[Literal]:
+        """Return the literals that say that the first steps occur, lawfully."""
+        return [*self.actions[:step], *self.lawful(step)]
+
+    def reasons(self, step: int) -> Iterator[str]:
+        """Yield why a step cannot follow those before it, in words where there are some."""
+        given = [*self.actions[:step], *self.lawful(step - 1)]
+        if not self._solver.satisfiable(given):
+            yield "another action has to occur there"
+            return
+        state = _State(self._cnf, self._solver.model(), self._plan)
+        told = list(self._needs(step, state)) or list(self._contradictions(step, state))
+        yield from told
+        for line in self._lines(step, given):
+            path, number, text = self._rules[line]
+            if not told or path.name not in TOLD:
+                yield f"{path}:{number} forbids it: {text}"
+
+    def _lines(self, step: int, given: Sequence[Literal]) -> list[int]:
+        """Return the constraints that each forbid a step; where none does, a smallest set that does together."""
+        here = self._broken.get(step, {})
+        alone = [line for line, literal in here.items() if not self._solver.satisfiable([*given, -literal])]
+        if alone:
+            return sorted(alone)
+        together = smallest_conflict(self._solver, given, [-literal for literal in here.values()])
+        return sorted(line for line, literal in here.items() if -literal in together)
+
+    def _needs(self, step: int, state: _State) -> Iterator[str]:
+        facts = self._model.domain.facts
+        needed: Assignment = ()
+        if step > len(self._plan):
+            needed, who = facts.goal, "the goal needs"
+        elif step:
+            needed, who = facts.preconditions.get(self._plan[step - 1], ()), "it needs"
+        for fluent, value in needed:
+            since = state.known_since(fluent, OPPOSITE[value], step - 1)
+            if since is not None:
+                yield f"{who} {fluent} to be {value}, which is {OPPOSITE[value]} {since}"
+
+    def _contradictions(self, step: int, state: _State) -> Iterator[str]:
+        for fluent in self._model.domain.facts.fluents:
+            for predicate in ("known", "holds", "reached"):
+                time = min(step, len(self._plan))
+                if all(state.true(self._atom(predicate, fluent, time, value)) for value in OPPOSITE):
+                    yield f"{fluent} would have to be both true and false"
+                    break
+            if self._impossible(fluent, min(step, len(self._plan)), state):
+                yield f"{fluent} would have to be true, which is impossible together with what else is true then"
+
+    def _impossible(self, fluent: clingo.Symbol, time: int, state: _State) -> bool:
+        true = {each: state.true(self._atom(each, fluent, time, "true")) for each in ("known", "holds", "reached")}
+        ruled_out, barred = (state.true(self._atom(each, fluent, time)) for each in ("ruled_out", "barred"))
+        return (barred and true["known"]) or (ruled_out and (true["holds"] or true["reached"]))
+
+    def _atom(self, predicate: str, term: clingo.Symbol, time: int, value: str = "") -> Literal:
+        middle = [clingo.Function(value)] if value else []
+        return self._cnf.literal(clingo.Function(predicate, [term, *middle, clingo.Number(time)]))
+
+
+class _State:
+    """What one model says of the states that the steps pass."""
+
+    def __init__(self, cnf: Cnf, model: Sequence[Literal], plan: Sequence[clingo.Symbol]) -> None:
+        self._cnf, self._values, self._plan = cnf, model, plan
+
+    def true(self, literal: Literal) -> bool:
+        """Return whether a literal is true."""
+        return (self._values[abs(literal) - 1] > 0) == (literal > 0)
+
+    def known_since(self, fluent: clingo.Symbol, value: str, step: int) -> str | None:
+        """Return since when a fluent is known to have a value, or None where it is not known after the step."""
+        since = step + 1
+        while since > 0 and self._holds(fluent, value, since - 1):
+            since -= 1
+        if since > step:
+            return None
+        return f"since step {since}, {self._plan[since - 1]}" if since else "from the start"
+
+    def _holds(self, fluent: clingo.Symbol, value: str, step: int) -> bool:
+        return self.true(
+            self._cnf.literal(clingo.Function("holds", [fluent, clingo.Function(value), clingo.Number(step)]))
+        )

@@ -1,0 +1,284 @@
+"""Numbers for the atoms of a ground step: atoms that mean the same have the same number.
+
+An atom that has a name is its name. One without is what its rules say, in the numbers of what they read; where a rule
+only passes on another atom without a name, it says what that one's rules say, so that it does not matter by which ways
+something is passed on. Atoms that define each other, a strongly connected component, are compared as one: the rules of
+each are unfolded until one more time tells no more of them apart (as in the refinement of partitions, Paige and Tarjan
+1987), and an atom is its own unfolding together with those of the whole component. Two atoms with the same number then
+have the same rules in the same numbers, step by step, hence the same truth: the least model of positive rules is
+reached in stages, and at each of them they are alike. What goes around through a negation, and what is chosen, has no
+least model, and stays itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
+from typing import NamedTuple
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.ground.ground_step import GroundStep, Rule
+from prag_asp.logic.symmetry.fact_propagation import settled_rules
+from prag_asp.logic.symmetry.renaming import Shaped, Shapes
+from prag_asp.program.finite.components import components
+
+SpelledLiteral = tuple[int, int, int]
+"""An atom by its number, whether it is negated (1) or not (0), and its weight."""
+
+SpelledBody = tuple[bool, int, frozenset[SpelledLiteral]]
+"""Whether the head is a choice, the sum that the body has to reach, and its literals."""
+
+Key = Shaped | frozenset[SpelledBody] | int
+"""What an atom is: its shape with its entities; where it has no name, what its rules say; itself, where all fails."""
+
+MISSING = -1
+INSIDE = 0
+"""What stands for an atom of a component where its rules are not unfolded."""
+
+START, COMPONENT = 2**32, 2**33
+"""The bounds of what states the initial values, and of what stands for an atom of a component."""
+
+CONDITIONS = ("tested", 2)
+"""What a condition finds out about a step has a name of the library's own, which may number what is alike."""
+
+
+class SpelledRule(NamedTuple):
+    """A rule in numbers; `last` says whether only the check after the last step has it."""
+
+    heads: frozenset[int]
+    body: SpelledBody
+    last: bool = False
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the heads follow where all literals of the body are true."""
+        choice, bound, literals = self.body
+        return not choice and bound == len(literals) and all(weight == 1 for _, _, weight in literals)
+
+
+class Atoms:
+    """The atoms of a ground step in numbers, and its rules."""
+
+    def __init__(self, ground: GroundStep, entities: Mapping[clingo.Symbol, int]) -> None:
+        shapes = Shapes(entities)
+        self._numbers: dict[Key, int] = {}
+        self._keys: list[Key] = []
+        self.mentioned: list[frozenset[int]] = []
+        self._with: dict[int, list[int]] = {entity: [] for entity in entities.values()}
+        self._of_atom = {
+            atom: self._named(shapes.of(symbol))
+            for atom, symbol in ground.names.items()
+            if not symbol.match(*CONDITIONS)
+        }
+        step, facts = settled_rules(ground.rules.get("step", ()))
+        check, _ = settled_rules(ground.rules.get("check", ()), facts)
+        told = [*((rule, False) for rule in step), *((rule, True) for rule in check)]
+        self._defining = definitions = self._definitions(rule for rule, _ in told)
+        for component in components(definitions, lambda atom: _below(definitions[atom], definitions)):
+            self._number_component(component, definitions)
+        self.rules = {
+            SpelledRule(frozenset(map(self.number, rule.heads)), self._body(rule), last)
+            for rule, last in told
+            if not (len(rule.heads) == 1 and rule.heads[0] in definitions)
+        }
+        start = (self._named(shapes.of(symbol)) for symbol in ground.initial)
+        self.rules |= {SpelledRule(frozenset({atom}), (False, START, frozenset())) for atom in start}
+
+    @cached_property
+    def definitions(self) -> set[SpelledRule]:
+        """The rules of the atoms that are what their rules say."""
+        rules = ((atom, rule) for atom, own in self._defining.items() for rule in own)
+        return {SpelledRule(frozenset({self.number(atom)}), self._body(rule)) for atom, rule in rules}
+
+    def number(self, atom: int) -> int:
+        """Return the number of an atom of the ground step; one without rules is false."""
+        if atom not in self._of_atom:
+            self._of_atom[atom] = self._new(frozenset(), frozenset())
+        return self._of_atom[atom]
+
+    def shapes(self, rules: Iterable[SpelledRule]) -> dict[int, list[Shaped]]:
+        """Return the atoms with a name that rules mention, by the entities that they name."""
+        inside = {atom for heads, (_, _, body), _ in rules for atom in (*heads, *(each for each, _, _ in body))}
+        found: dict[int, list[Shaped]] = {}
+        for key in map(self._keys.__getitem__, sorted(inside)):
+            if isinstance(key, tuple):
+                for entity in {*key[1]}:
+                    found.setdefault(entity, []).append(key)
+        return found
+
+    def has(self, shaped: Shaped) -> bool:
+        """Return whether there is an atom with a name."""
+        return shaped in self._numbers
+
+    def named(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
+        """Yield the atoms with a name, and what is given for each."""
+        for number, mark in atoms.items():
+            key = self._keys[number]
+            if isinstance(key, tuple):
+                yield key, mark
+
+    def entities(self, rule: SpelledRule) -> frozenset[int]:
+        """Return the entities that a rule mentions."""
+        inside = (*rule.heads, *(atom for atom, _, _ in rule.body[2]))
+        return frozenset().union(*map(self.mentioned.__getitem__, inside))
+
+    def renamed(self, rule: SpelledRule, names: Mapping[int, int]) -> SpelledRule | None:
+        """Return a rule under other names for entities, or None where it has an atom that is none then."""
+        heads, (choice, bound, literals), last = rule
+        moved: dict[int, int] = {}
+        for atom in sorted({*heads, *(atom for atom, _, _ in literals)}):
+            self._rename(atom, names, moved)
+        if MISSING in moved.values():
+            return None
+        body = frozenset((moved[atom], sign, weight) for atom, sign, weight in literals)
+        return SpelledRule(frozenset(moved[atom] for atom in heads), (choice, bound, body), last)
+
+    def _rename(self, atom: int, names: Mapping[int, int], moved: dict[int, int]) -> int:
+        """Return the number of an atom under other names; `moved` holds what is known, with what it depends on."""
+        if atom not in moved:
+            key = self._keys[atom]
+            if names.keys().isdisjoint(self.mentioned[atom]):
+                moved[atom] = atom
+            elif isinstance(key, frozenset):
+                said = frozenset(
+                    (
+                        choice,
+                        bound,
+                        frozenset((self._rename(each, names, moved), sign, weight) for each, sign, weight in literals),
+                    )
+                    for choice, bound, literals in key
+                )
+                moved[atom] = self._numbers.get(said, MISSING)
+            else:
+                moved[atom] = self._numbers.get(self._under(key, names, np.empty(0, dtype=np.int64)), MISSING)
+        return moved[atom]
+
+    def under(self, names: Mapping[int, int]) -> NDArray[np.int64]:
+        """Return the number of each atom under other names for entities, `MISSING` where there is no such atom."""
+        renamed = np.arange(len(self._keys))
+        for number in sorted({number for entity in names for number in self._with[entity]}):
+            renamed[number] = self._numbers.get(self._under(self._keys[number], names, renamed), MISSING)
+        return renamed
+
+    def _under(self, key: Key, names: Mapping[int, int], renamed: NDArray[np.int64]) -> Key:
+        """Return what an atom is under other names, which is known of the atoms with smaller numbers."""
+        if isinstance(key, tuple):
+            shape, entities = key
+            return shape, tuple(names.get(entity, entity) for entity in entities)
+        if isinstance(key, int):
+            return key
+        return frozenset(
+            (choice, bound, frozenset((int(renamed[atom]), sign, weight) for atom, sign, weight in literals))
+            for choice, bound, literals in key
+        )
+
+    def _definitions(self, rules: Iterable[Rule]) -> dict[int, list[Rule]]:
+        """Return the rules of the atoms without a name that are what their rules say; the others become themselves."""
+        found: dict[int, list[Rule]] = {}
+        for rule in rules:
+            for head in rule.heads:
+                if head in self._of_atom:
+                    continue
+                if rule.choice or len(rule.heads) > 1:
+                    self._of_atom[head] = self._new(-head, frozenset())
+                else:
+                    found.setdefault(head, []).append(rule)
+        found = {atom: own for atom, own in found.items() if atom not in self._of_atom}
+        around = [
+            atom
+            for component in components(found, lambda atom: _below(found[atom], found))
+            if _negates(component, found)
+            for atom in component
+        ]
+        for atom in around:
+            self._of_atom[atom] = self._new(-atom, frozenset())
+            del found[atom]
+        return dict(_passed_on(found))
+
+    def _number_component(self, component: list[int], definitions: Mapping[int, list[Rule]]) -> None:
+        """Give numbers to atoms that define each other, or to one that does not depend on itself."""
+        if len(component) == 1 and component[0] not in _below(definitions[component[0]], definitions):
+            self._of_atom[component[0]] = self._said(definitions[component[0]])
+            return
+        inside = self._new(INSIDE, frozenset())
+        self._of_atom.update(dict.fromkeys(component, inside))
+        found = 1
+        while True:
+            finer = {atom: self._said(definitions[atom]) for atom in component}
+            self._of_atom.update(finer)
+            if len(set(finer.values())) == found:
+                break
+            found = len(set(finer.values()))
+        whole = self._defined(frozenset({(False, COMPONENT, frozenset((each, 0, 1) for each in finer.values()))}))
+        for atom, own in finer.items():
+            key = frozenset({(False, COMPONENT, frozenset({(own, 0, 1), (whole, 0, 2)}))})
+            self._of_atom[atom] = self._defined(key)
+
+    def _said(self, rules: Iterable[Rule]) -> int:
+        """Return the number of an atom without a name, given the numbers of what its rules read."""
+        return self._defined(frozenset(map(self._body, rules)))
+
+    def _body(self, rule: Rule) -> SpelledBody:
+        """Return the body of a rule in numbers, each literal once."""
+        if not rule.weights:
+            plain = frozenset((self.number(abs(literal)), int(literal < 0), 1) for literal in rule.body)
+            return rule.choice, len(plain), plain
+        counted: dict[tuple[int, int], int] = {}
+        for literal, weight in zip(rule.body, rule.weights, strict=True):
+            key = (self.number(abs(literal)), int(literal < 0))
+            counted[key] = counted.get(key, 0) + weight
+        literals = frozenset((atom, sign, weight) for (atom, sign), weight in counted.items())
+        return rule.choice, rule.bound, literals
+
+    def _named(self, key: Shaped) -> int:
+        return self._new(key, frozenset(key[1]))
+
+    def _defined(self, key: frozenset[SpelledBody]) -> int:
+        inside = {atom for _, _, literals in key for atom, _, _ in literals}
+        return self._new(key, frozenset(entity for atom in inside for entity in self.mentioned[atom]))
+
+    def _new(self, key: Key, mentioned: frozenset[int]) -> int:
+        if key not in self._numbers:
+            number = self._numbers[key] = len(self._keys)
+            self._keys.append(key)
+            self.mentioned.append(mentioned)
+            for entity in mentioned:
+                self._with[entity].append(number)
+        return self._numbers[key]
+
+
+def _below(rules: Iterable[Rule], among: Mapping[int, object]) -> list[int]:
+    """Return which of some atoms rules read."""
+    return [abs(literal) for rule in rules for literal in rule.body if abs(literal) in among]
+
+
+def _negates(component: list[int], rules: Mapping[int, list[Rule]]) -> bool:
+    inside = set(component)
+    return any(-literal in inside for atom in component for rule in rules[atom] for literal in rule.body)
+
+
+def _passed_on(rules: Mapping[int, list[Rule]]) -> Iterator[tuple[int, list[Rule]]]:
+    """Yield each atom with its rules, those that only pass on another of the atoms replaced by all that it says.
+
+    A rule that needs its own head derives nothing.
+    """
+    passes = {atom: [rule.body[0] for rule in own if _passes(rule, rules)] for atom, own in rules.items()}
+    solid = {atom: [rule for rule in own if not _passes(rule, rules)] for atom, own in rules.items()}
+    for atom in rules:
+        reached = {atom: None}
+        waiting = [atom]
+        while waiting:
+            for below in passes[waiting.pop()]:
+                if below not in reached:
+                    reached[below] = None
+                    waiting.append(below)
+        said = (rule for below in reached for rule in solid[below])
+        yield atom, [rule for rule in said if rule.weights or atom not in rule.body]
+
+
+def _passes(rule: Rule, among: Mapping[int, object]) -> bool:
+    """Return whether a rule does nothing but pass on one of some atoms."""
+    return len(rule.body) == 1 and not rule.weights and rule.body[0] in among

@@ -1,0 +1,257 @@
+"""States up to renaming of interchangeable entities, or units of a joint group.
+
+Where permutations of some entities map a step function onto itself, they map the plans that go on from a state onto
+those that go on from the renamed state. So it is enough to explore one renaming of each state. It is found by sorting
+entities by the bits that speak of them, and by colour refinement (Weisfeiler and Leman 1968) where a variable relates
+several of them; where that leaves ties between entities that are no twins, one is told apart and the rest refined
+again. Two renamings of one state may then end up as two states: that is still exact, only larger.
+
+Tasks. `rules/canonical_names.lp` lets a step name the next entity of a group only after the ones before it, so that
+those named up to a state are the first ones of their group. A permutation of these among themselves maps the state's
+completions onto those of the renamed state, and leaves alone which entities come next: these are permuted no further
+than that. They need not be: no action up to the state names them, so that it cannot tell them apart. The last of a
+group needs no atom `mentioned`; it is permuted as well once all others are mentioned, since no rule of naming is left.
+
+Units. Those of a joint group that hold no other group are permuted like entities: here a unit *is* an entity, and what
+names its members names it, each at its place. `rules/joint_names.lp` has atoms `unit_named` for them. Units that hold
+other groups are not permuted, these groups alone: where one of a group is named, so is its unit, and stays so.
+
+Twins are entities whose swap leaves a state as it is. An action and its renamings by twins lead to renamings of one
+state, so one of them is expanded and counted as often as there are renamings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.step.packed import WORD, Rows, mask_of
+from prag_asp.logic.step.transition import Transition
+from prag_asp.logic.symmetry.colour_refinement import Bits, Colours, are_twins, coloured, find_bits
+from prag_asp.logic.symmetry.symmetries import Symmetries, Unit
+from prag_asp.logic.symmetry.term_patterns import NOBODY, Patterns, read_patterns
+from prag_asp.logic.symmetry.twins import Twins
+from prag_asp.program.entity_names import mentioned_entities
+
+Orders = NDArray[np.int64]
+"""Entities in a new order: place j of row i is taken by entity ``orders[i, j]``; shape (rows, entities)."""
+
+UNTOUCHED, FIXED, LOW = np.uint64(1 << 62), np.uint64(2 << 62), np.uint64(2)
+"""In each group, entities of which nothing has changed come after the others, and those that keep their place last."""
+
+TOGETHER = 2**20
+"""Entities of states that are sorted at a time."""
+
+MARK = np.uint64(0x5851F42D4C957F2D)
+"""What tells an entity apart that is singled out of a tie."""
+
+
+@dataclass(frozen=True)
+class Merging:
+    """How the states and the actions of a transition are renamed.
+
+    `groups` are the units that may be permuted; they are numbered through all groups, each of which begins at its
+    place of `starts`, and called entities throughout. `variables` and `actions` are the patterns of the variables that
+    renaming moves, whose numbers are `moved`, and of all actions. `guards` has for each entity the variable that is
+    true once it may be renamed, `ALWAYS` or `NEVER`, and `before` the entity that has to be named before it, or itself.
+    """
+
+    groups: tuple[tuple[Unit, ...], ...]
+    starts: tuple[int, ...]
+    variables: Patterns
+    actions: Patterns
+    moved: NDArray[np.int64]
+    initial: Rows
+    guards: tuple[int, ...]
+    before: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        """The number of entities."""
+        return len(self.guards)
+
+    @cached_property
+    def _mask(self) -> Rows:
+        """The bits that renaming moves."""
+        return mask_of(self.moved.tolist(), len(self.initial))
+
+    @cached_property
+    def _term_of(self) -> NDArray[np.int64]:
+        terms = np.full(len(self.initial) * WORD, NOBODY, dtype=np.int64)
+        terms[self.moved] = np.arange(len(self.moved))
+        return terms
+
+    @cached_property
+    def _begins(self) -> NDArray[np.bool_]:
+        """Whether an entity is the first of its group."""
+        begins = np.zeros(self.size, dtype=np.bool_)
+        begins[list(self.starts)] = True
+        return begins
+
+    @cached_property
+    def _group(self) -> NDArray[np.int64]:
+        """The number of the group of each entity."""
+        return np.cumsum(self._begins)
+
+    def canonical(self, states: Rows) -> tuple[Rows, Orders]:
+        """Return the chosen renaming of each state, and the order of entities that leads to it."""
+        together = max(TOGETHER // self.size, 1)
+        renamed, orders = [states[:0]], [np.zeros((0, self.size), dtype=np.int64)]
+        for start in range(0, len(states), together):
+            part = states[start : start + together]
+            orders.append(self._orders(part))
+            renamed.append(self._renamed(part, orders[-1]))
+        return np.concatenate(renamed), np.concatenate(orders)
+
+    def twins(self, states: Rows) -> NDArray[np.bool_]:
+        """Return which entities are twins of the entity before them, shape (states, entities)."""
+        together = max(TOGETHER // self.size, 1)
+        found = [np.zeros((0, self.size), dtype=np.bool_)]
+        for start in range(0, len(states), together):
+            bits, keys = self._keys(states[start : start + together])
+            found.append(self._alike(bits, keys, np.broadcast_to(np.arange(self.size), keys.shape))[0])
+        return np.concatenate(found)
+
+    def classes(self, twins: NDArray[np.bool_]) -> Twins:
+        """Return the classes of twins in some states, where `twins` says which entities are those of the one before."""
+        return Twins.between(self.actions, twins)
+
+    def free(self, states: Rows) -> NDArray[np.bool_]:
+        """Return which entities may be renamed in which states, shape (states, entities)."""
+        free = np.ones((len(states), self.size), dtype=np.bool_)
+        for entity, guard in enumerate(self.guards):
+            if guard != ALWAYS:
+                word, shift = divmod(max(guard, 0), WORD)
+                free[:, entity] = (guard != NEVER) & ((states[:, word] >> np.uint64(shift)) & np.uint64(1) == 1)
+        return free
+
+    def wanted(self, states: Rows, twins: Twins) -> NDArray[np.bool_]:
+        """Return which actions have to be tried in which states, shape (states, actions).
+
+        Of renamings by twins one is tried, and none that names an entity before its turn.
+        """
+        wanted = twins.wanted()
+        if all(guard == ALWAYS for guard in self.guards):
+            return wanted
+        free, before = self.free(states), np.array(self.before)
+        entities = self.actions.entities
+        for place, entity in enumerate(entities.T):
+            named = np.flatnonzero(entity >= 0)
+            turn = before[entity[named]]
+            led = (entities[named, :place] == turn[:, None]).any(axis=1) | (turn == entity[named])
+            wanted[:, named] &= led | free[:, entity[named]] | free[:, turn]
+        return wanted
+
+    def _orders(self, states: Rows) -> Orders:
+        orders = np.empty((len(states), self.size), dtype=np.int64)
+        waiting = np.arange(len(states))
+        told_apart: Colours = np.zeros((len(states), self.size), dtype=np.uint64)
+        while len(waiting):
+            bits, keys = self._keys(states[waiting], told_apart)
+            found = self._sorted(keys)
+            orders[waiting] = found
+            keys = np.take_along_axis(keys, found, axis=1)
+            twins, ties = self._alike(bits, keys, found)
+            unsettled = ties & ~twins
+            rows = np.flatnonzero(unsettled.any(axis=1))
+            # One of the first entities that are tied and no twins is told apart, together with its twins.
+            one = unsettled[rows].argmax(axis=1)[:, None]
+            tied = keys[rows] == np.take_along_axis(keys[rows], one, axis=1)
+            row, place = np.nonzero(tied & (self._group == self._group[one]))
+            chosen = found[rows[row], one[row, 0]]
+            alike = are_twins(bits, self.moved, rows[row], np.stack([chosen, found[rows[row], place]], axis=1))
+            told_apart = told_apart[rows]
+            told_apart[row[alike], found[rows[row], place][alike]] += MARK
+            waiting = waiting[rows]
+        return orders
+
+    def _keys(self, states: Rows, told_apart: Colours | None = None) -> tuple[Bits, Colours]:
+        """Return what sorts the entities of each group."""
+        bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
+        marks = np.zeros((len(states), self.size), dtype=np.uint64) if told_apart is None else told_apart
+        keys = coloured(bits, marks) >> LOW
+        touched = np.array(bits.alone.any(axis=2), dtype=np.bool_)
+        entities = bits.entities(bits.related)
+        bit, place = np.nonzero(entities >= 0)
+        touched[bits.state[bits.related[bit]], entities[bit, place]] = True
+        keys[~touched] = UNTOUCHED
+        state, entity = np.nonzero(~self.free(states))
+        keys[state, entity] = FIXED | entity.astype(np.uint64)
+        return bits, keys
+
+    def _sorted(self, keys: Colours) -> Orders:
+        groups = zip(self.starts, [*self.starts[1:], self.size], strict=True)
+        return np.concatenate([start + np.argsort(keys[:, start:end], axis=1, kind="stable") for start, end in groups],
+                              axis=1)  # fmt: skip
+
+    def _alike(self, bits: Bits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Return which entities in an order are twins of the ones before them, and which have the same key."""
+        ties = np.zeros(keys.shape, dtype=np.bool_)
+        ties[:, 1:] = (keys[:, 1:] == keys[:, :-1]) & ~self._begins[1:]
+        twins: NDArray[np.bool_] = ties & (keys == UNTOUCHED)
+        state, place = np.nonzero(ties & ~twins)
+        pairs = np.stack([orders[state, place - 1], orders[state, place]], axis=1)
+        np.place(twins, ties & ~twins, are_twins(bits, self.moved, state, pairs))
+        return twins, ties
+
+    def _renamed(self, states: Rows, orders: Orders) -> Rows:
+        bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
+        place_of = np.full((len(states), self.size + 1), NOBODY, dtype=np.int64)
+        np.put_along_axis(place_of, orders, np.arange(self.size), axis=1)
+        entities = place_of[bits.state[:, None], self.variables.entities[bits.term]]
+        variable = self.moved[self.variables.find(self.variables.pattern[bits.term], entities)]
+        word, shift = np.divmod(variable, WORD)
+        moved = np.zeros_like(states)
+        np.bitwise_or.at(moved, (bits.state, word), np.uint64(1) << shift.astype(np.uint64))
+        return (states & ~self._mask) | ((moved ^ self.initial) & self._mask)
+
+
+ALWAYS, NEVER = -1, -2
+
+
+def find_merging(
+    transition: Transition, groups: Sequence[Sequence[Unit]], named_in_order: Symmetries | None = None
+) -> Merging | None:
+    """Return how states may be renamed, given units whose permutations map the step function onto itself.
+
+    `named_in_order` are the symmetries whose entities tasks introduce in order. The answer is None where there is
+    nothing to rename, or where a table of all renamings would take too much room.
+    """
+    permuted = tuple(tuple(group) for group in groups if len(group) > 1)
+    entities = {entity for group in permuted for unit in group for entity in unit}
+    naming = named_in_order.naming if named_in_order else {}
+    mentions = {naming[symbol]: place for place, symbol in enumerate(transition.variables) if symbol in naming}
+    kept = set(mentions.values())
+    moved = [
+        place
+        for place, symbol in enumerate(transition.variables)
+        if place not in kept and any(mentioned_entities(symbol, entities))
+    ]
+    variables = read_patterns([transition.variables[place] for place in moved], permuted)
+    actions = read_patterns(transition.actions, permuted)
+    if not permuted or not len(transition.initial) or not variables or not actions:
+        return None
+    if not (variables.complete and actions.complete):
+        return None
+    starts = tuple(int(place) for place in np.cumsum([0, *map(len, permuted)])[:-1])
+    ordered = named_in_order.innermost if named_in_order else ()
+    before = {unit: group[max(place - 1, 0)] for group in ordered for place, unit in enumerate(group)}
+    units = [unit for group in permuted for unit in group]
+    guards = tuple(
+        mentions.get(unit, mentions.get(before[unit], NEVER)) if unit in before else ALWAYS for unit in units
+    )
+    numbers = {unit: place for place, unit in enumerate(units)}
+    return Merging(
+        permuted,
+        starts,
+        variables,
+        actions,
+        np.array(moved, dtype=np.int64),
+        transition.initial[0],
+        guards,
+        tuple(numbers.get(before.get(unit, unit), place) for unit, place in numbers.items()),
+    )

@@ -1,0 +1,68 @@
+"""Ground rules without what is settled anyway: literals that are true or false because an atom is a fact.
+
+clingo leaves such literals in the rules of predicates that go around; which of them depends on its order of atoms.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+
+from prag_asp.logic.ground.ground_step import Rule
+
+
+def settled_rules(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
+    """Return rules that say the same and speak of no fact in a body, together with all facts; some may be known."""
+    known = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}
+    spoken = known | {-fact for fact in known}
+    if all(spoken.isdisjoint(rule.body) for rule in rules):
+        return list(_without_known(rules, known)), known
+    left = list(rules)
+    reading: dict[int, list[int]] = {}
+    for number, rule in enumerate(rules):
+        for literal in rule.body:
+            reading.setdefault(abs(literal), []).append(number)
+    waiting, gone = deque(known), set[int]()
+    while waiting:
+        fact = waiting.popleft()
+        for number in reading.get(fact, ()):
+            rest = _after(left[number], fact) if number not in gone else None
+            if rest is None:
+                gone.add(number)
+                continue
+            left[number] = rest
+            if _states(rest) and rest.heads[0] not in known:
+                known.add(rest.heads[0])
+                waiting.append(rest.heads[0])
+    return list(_without_known((rule for number, rule in enumerate(left) if number not in gone), known)), known
+
+
+def _states(rule: Rule) -> bool:
+    """Return whether a rule states its only head."""
+    return not rule.body and not rule.choice and len(rule.heads) == 1 and rule.bound <= 0
+
+
+def _after(rule: Rule, fact: int) -> Rule | None:
+    """Return a rule where an atom is a fact, or None where its body then fails."""
+    if not rule.weights:
+        if -fact in rule.body:
+            return None
+        return Rule(rule.heads, tuple(literal for literal in rule.body if literal != fact), rule.choice)
+    left = [pair for pair in zip(rule.body, rule.weights, strict=True) if abs(pair[0]) != fact]
+    bound = rule.bound - sum(weight for literal, weight in zip(rule.body, rule.weights, strict=True) if literal == fact)
+    if bound <= 0:
+        return Rule(rule.heads, (), rule.choice)
+    if sum(weight for _, weight in left) < bound:
+        return None
+    return Rule(rule.heads, tuple(each for each, _ in left), rule.choice, bound, tuple(each for _, each in left))
+
+
+def _without_known(rules: Iterable[Rule], known: set[int]) -> Iterator[Rule]:
+    """Yield the rules that do not derive what is known, and each of these facts once."""
+    stated = set[int]()
+    for rule in rules:
+        if len(rule.heads) != 1 or rule.choice or rule.heads[0] not in known:
+            yield rule
+        elif _states(rule) and rule.heads[0] not in stated:
+            stated.add(rule.heads[0])
+            yield rule

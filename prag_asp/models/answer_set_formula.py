@@ -1,0 +1,54 @@
+"""The answer sets of a ground program as the models of a formula: exactly one for each, or for each projection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.logic.formula.clark_completion import Completion, complete
+from prag_asp.logic.formula.clause_builder import TRUE, Clauses, Literal
+from prag_asp.logic.formula.cnf import Cnf
+from prag_asp.models.ground_program import Condition, GroundModels
+from prag_asp.models.shifting import shifted
+from prag_asp.processes.progress_events import stage
+
+
+@dataclass(frozen=True)
+class ModelFormula:
+    """A formula, and how its models are printed.
+
+    The variables `cnf.shown` tell one answer set from another, or one projection. `printed` are the symbols of which
+    those with a true literal are printed, sorted. With `whole`, all other variables are functions of those.
+    """
+
+    completion: Completion
+    cnf: Cnf
+    printed: tuple[tuple[clingo.Symbol, Literal], ...]
+    whole: bool
+
+
+def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> ModelFormula:
+    """Return the formula of a head-cycle-free program; with `copied`, answer sets are its models without open copies.
+
+    With `project`, answer sets that agree on the atoms of ``#project``, or without such a statement on what is shown,
+    are one: as clingo's option ``--project`` has it. What is printed are those atoms then.
+    """
+    stage("writing clauses")
+    completion = complete(shifted(ground.rules), copied=copied)
+    clauses, value = completion.clauses, completion.value
+
+    names = {symbol: value(atom) for symbol, atom in ground.names}
+    if project and ground.projected is not None:
+        printed = [(symbol, value(atom)) for symbol, atom in ground.names if atom in ground.projected]
+    else:
+        printed = [(symbol, _some(clauses, conditions, value)) for symbol, conditions in ground.shown]
+    telling = [literal for _, literal in printed] if project else list(completion.values.values())
+    shown = tuple(sorted({abs(literal) for literal in telling} | {TRUE}))
+    cnf = Cnf(clauses.variables, tuple(clauses.clauses), names, shown)
+    return ModelFormula(completion, cnf, tuple(printed), whole=not project)
+
+
+def _some(clauses: Clauses, conditions: tuple[Condition, ...], value: Callable[[int], Literal]) -> Literal:
+    return clauses.any_of([clauses.all_of(map(value, condition)) for condition in conditions])

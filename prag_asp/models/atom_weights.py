@@ -1,0 +1,136 @@
+"""Exact weights of atoms, which a program states by facts ``weight(Atom, W)``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from math import prod
+
+import clingo
+
+from prag_asp.errors import DomainError, QueryError
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
+from prag_asp.models.answer_set_formula import ModelFormula
+from prag_asp.models.atom_lines import place_of
+from prag_asp.models.ground_program import GroundModels
+from prag_asp.program.sources import Program
+from prag_asp.wording import did_you_mean, plural
+
+FRACTION = re.compile(r"\d{1,100}(/\d{1,100}|\.\d{1,100})?")
+ADVICE = 'write a whole number such as 2, or a fraction such as (1,3) or "0.25"'
+
+
+@dataclass(frozen=True)
+class LiteralWeights:
+    """Whole numbers for literals; the weight of a model is their product, times `scale`."""
+
+    weights: dict[Literal, int]
+    scale: Fraction
+
+
+PLAIN = LiteralWeights({}, Fraction(1))
+"""All models are alike."""
+
+
+def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol, Fraction]:
+    """Return the weights that a program states.
+
+    Raises:
+        DomainError: one depends on a choice, is no number or negative, an atom has two, or all have other arguments.
+        QueryError: there is none.
+    """
+    found: dict[clingo.Symbol, Fraction] = {}
+    for symbol, atom in ground.names:
+        if not symbol.match("weight", 2) or symbol.negative:
+            continue
+        weighed, given = symbol.arguments
+        if atom not in ground.facts:
+            raise DomainError(f"{place_of(symbol, program)}{symbol} depends on other atoms; a weight has to be a fact")
+        weight = _fraction(given)
+        if weight is None:
+            raise DomainError(f"{place_of(symbol, program)}{symbol}: {given} is no weight; {ADVICE}")
+        if found.setdefault(weighed, weight) != weight:
+            raise DomainError(f"{place_of(symbol, program)}{symbol}: {weighed} has another weight too; state one")
+    if not found:
+        for symbol, _ in ground.names:
+            if symbol.type == clingo.SymbolType.Function and symbol.name == "weight":
+                told = f"{symbol} has {plural(len(symbol.arguments), 'argument')}, and a weight has 2"
+                if symbol.negative:
+                    told = f"{symbol} is negated, and no weight"
+                raise DomainError(f"{place_of(symbol, program)}{told}; write weight(Atom,W), such as weight(in(1),2)")
+        raise QueryError("--weighted: the program states no weight; add facts such as weight(in(1),2).")
+    return found
+
+
+def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, program: Program) -> str:
+    """Return a note on weighted atoms that no rule derives, with the place of the first, or nothing."""
+    known = {symbol for symbol, _ in ground.names}
+    missing = sorted(atom for atom in stated if atom not in known)
+    if not missing:
+        return ""
+    weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == missing[0])
+    others = plural(len(missing) - 1, "other weight")
+    more = f", and {others} weigh{'s' if len(missing) == 2 else ''} nothing either" if len(missing) > 1 else ""
+    hint = did_you_mean(str(missing[0]), map(str, known), "leave the weight out, or add a rule for the atom")
+    told = f"no rule derives {missing[0]}, so that its weight counts for nothing{more}"
+    return f"{place_of(next(weights), program)}{told}; {hint}"
+
+
+def _fraction(term: clingo.Symbol) -> Fraction | None:
+    """Return the weight that a term states, None where it states none."""
+    if term.type == clingo.SymbolType.Number:
+        return Fraction(term.number) if term.number >= 0 else None
+    if term.type == clingo.SymbolType.String:
+        return _read(term.string)
+    numbers = term.arguments if term.type == clingo.SymbolType.Function and not term.name else []
+    if len(numbers) != 2 or any(each.type != clingo.SymbolType.Number for each in numbers):
+        return None
+    over, under = (each.number for each in numbers)
+    return Fraction(over, under) if over >= 0 and under > 0 else None
+
+
+def _read(text: str) -> Fraction | None:
+    if not FRACTION.fullmatch(text):
+        return None
+    try:
+        return Fraction(text)
+    except ZeroDivisionError:
+        return None
+
+
+def hidden(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
+    """Return the error of a weighted atom whose value a projection does not tell."""
+    weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == atom)
+    place = place_of(next(weights), program)
+    return QueryError(f"{place}--weighted: {atom} has a weight, but is projected away; show it, or leave it out")
+
+
+def literal_weights(
+    formula: ModelFormula, stated: Mapping[clingo.Symbol, Fraction], ground: GroundModels, program: Program
+) -> LiteralWeights:
+    """Return the weights of literals; an atom that no answer set can have weighs on none.
+
+    Raises:
+        QueryError: answer sets that count as one may have different weights.
+    """
+    telling = frozenset(formula.cnf.shown)
+    weights: dict[Literal, int] = {}
+    scale = Fraction(1)
+    for symbol, weight in stated.items():
+        literal = formula.cnf.literal(symbol)
+        if literal == TRUE:
+            scale *= weight
+        elif literal != -TRUE:
+            if abs(literal) not in telling:
+                raise hidden(symbol, ground, program)
+            weights[literal] = weights.get(literal, 1) * weight.numerator
+            weights[-literal] = weights.get(-literal, 1) * weight.denominator
+            scale /= weight.denominator
+    return LiteralWeights(weights, scale)
+
+
+def weight_of(stated: Mapping[clingo.Symbol, Fraction], atoms: Iterator[clingo.Symbol]) -> Fraction:
+    """Return the weight of an answer set by its atoms."""
+    return prod((stated[atom] for atom in atoms if atom in stated), start=Fraction(1))

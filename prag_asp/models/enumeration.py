@@ -1,0 +1,146 @@
+"""clingo's own enumeration, where there is no formula: cyclic disjunctions, acyclic graphs, externals with rules."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from time import monotonic
+
+import clingo
+
+from prag_asp.models.atom_weights import weight_of
+from prag_asp.models.ground_program import GroundModels
+from prag_asp.models.program_reader import GivenProgram
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.grounding import Grounder
+from prag_asp.random_bits import SeededBits
+
+POLL = 0.05
+"""Seconds between two moments at which an interruption is heard."""
+
+Printed = tuple[clingo.Symbol, ...]
+
+
+@dataclass(frozen=True)
+class Enumeration:
+    """The answer sets of a program, each found anew by every question.
+
+    Memory does not grow with their number, but where clingo takes for several what is one (`_merges`).
+    """
+
+    given: GivenProgram
+    ground: GroundModels
+    project: bool
+    stated: Mapping[clingo.Symbol, Fraction]
+    progress: Callable[[str], None] | None = None
+
+    def __iter__(self) -> Iterator[Printed]:
+        return (printed for printed, _ in self._found())
+
+    def count(self) -> int:
+        """Return the number of answer sets."""
+        if self._merges:
+            return sum(1 for _ in self._telling())
+        grounder, found = self._grounder("--stats"), 0
+
+        def one_more(_: clingo.Model) -> None:
+            nonlocal found
+            found += 1
+
+        with grounder.control.solve(async_=True, on_model=one_more) as handle:
+            try:
+                while not handle.wait(POLL):
+                    self._tell(found)
+            finally:
+                handle.cancel()
+        # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
+        return int(grounder.control.statistics["summary"]["models"]["enumerated"])
+
+    def total(self) -> Fraction:
+        """Return the sum of the weights of all answer sets: without weights, their number."""
+        return sum((weight for _, weight in self._telling()), start=Fraction(0))
+
+    def marginals(self) -> dict[clingo.Symbol, Fraction]:
+        """Return for each symbol the sum of the weights of the answer sets that print it."""
+        found: dict[clingo.Symbol, Fraction] = {}
+        for printed, weight in self._telling():
+            for symbol in printed:
+                found[symbol] = found.get(symbol, Fraction(0)) + weight
+        return found
+
+    def draws(self, seed: int, number: int, total: Fraction) -> list[Printed]:
+        """Return a number of answer sets, each drawn with a probability proportional to its weight.
+
+        Each draw is a point between 0 and the total of all weights; the answer sets are gone through once more to see
+        which of them the points fall on.
+        """
+        bits, scale = SeededBits(seed, "models"), self._scale()
+        points = [(bits.randrange(int(total * scale)), draw) for draw in range(number)]
+        points.sort(reverse=True)
+        drawn: list[Printed] = [()] * number
+        passed = 0
+        for printed, weight in self._found() if points else ():
+            passed += int(weight * scale)
+            while points and points[-1][0] < passed:
+                drawn[points.pop()[1]] = printed
+            if not points:
+                break
+        return drawn
+
+    def _scale(self) -> int:
+        """Return what makes the weight of every answer set a whole number."""
+        scale = 1
+        for weight in self.stated.values():
+            scale *= weight.denominator
+        return scale
+
+    @property
+    def _merges(self) -> bool:
+        """Whether a symbol is shown on several grounds, which clingo tells apart where it projects."""
+        by_output = self.project and self.ground.projected is None
+        return by_output and any(len(conditions) > 1 for _, conditions in self.ground.shown)
+
+    def _grounder(self, *arguments: str) -> Grounder:
+        project = ["--project=auto"] if self.project else []
+        grounder = Grounder(self.given.program, *self.given.arguments, *arguments, "0", *project, strict=False)
+        grounder.ground([("base", [])])
+        stage("enumerating answer sets")
+        return grounder
+
+    def _telling(self) -> Iterator[tuple[Printed, Fraction]]:
+        """Yield what is found, and tell now and then how many there are at least."""
+        latest = monotonic()
+        for number, each in enumerate(self._found(), 1):
+            if monotonic() > latest + POLL:
+                latest = monotonic()
+                self._tell(number)
+            yield each
+
+    def _tell(self, found: int) -> None:
+        if self.progress is not None and found:
+            self.progress(f"at least {found:,} answer set{'s' if found > 1 else ''}")
+
+    def _found(self) -> Iterator[tuple[Printed, Fraction]]:
+        grounder = self._grounder()
+        by_statement = self.project and self.ground.projected is not None
+        projected = {symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ())}
+        seen: set[Printed] | None = set() if self._merges else None
+        with grounder.control.solve(yield_=True, async_=True) as handle:
+            try:
+                while True:
+                    handle.resume()
+                    while not handle.wait(POLL):
+                        pass
+                    model = handle.model()
+                    if model is None:
+                        return
+                    atoms = model.symbols(atoms=True)
+                    found = (each for each in atoms if each in projected) if by_statement else model.symbols(shown=True)
+                    printed = tuple(sorted(set(found)))  # clingo repeats what is an atom and a term
+                    if seen is None or printed not in seen:
+                        yield printed, weight_of(self.stated, iter(atoms))
+                    if seen is not None:
+                        seen.add(printed)
+            finally:
+                handle.cancel()

@@ -1,0 +1,43 @@
+"""The models of a formula one by one, lazily and in a fixed order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
+from prag_asp.models.answer_set_formula import ModelFormula
+from prag_asp.models.foundedness import Oracle
+
+
+def listed(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
+    """Yield the literals of `order` as models have them, each combination once; what has the first literal comes first.
+
+    One question to a solver tells for each literal of a model whether there is one that differs there first.
+    """
+    # One of a literal and its negation, for a symbol may be shown where another is not.
+    first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
+    order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
+    with closing(Oracle(formula.completion)) as oracle:
+        found = oracle.model()
+        if found is None:
+            return
+        chosen: list[Literal] = []
+        while True:
+            while len(chosen) < len(order):  # the first of all models that begin so
+                literal = order[len(chosen)]
+                if (found[abs(literal) - 1] > 0) != (literal > 0):
+                    found = oracle.model([*chosen, literal]) or found
+                true = (found[abs(literal) - 1] > 0) == (literal > 0)
+                chosen.append(literal if true else -literal)
+            yield [*chosen]
+            following = None
+            while chosen and following is None:
+                literal = chosen.pop()
+                if literal == order[len(chosen)]:
+                    following = oracle.model([*chosen, -literal])
+                    if following is not None:
+                        chosen.append(-literal)
+            if following is None:
+                return
+            found = following

@@ -1,0 +1,331 @@
+"""A domain and a problem of PDDL, read from their syntax trees and checked against what they declare."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
+from pathlib import Path
+from typing import NoReturn
+
+from prag_asp.errors import DomainError
+from prag_asp.pddl.definitions import OBJECT, Cost, Derived, DomainFile, Effect, ProblemFile, Schema, Signature
+from prag_asp.pddl.formulas import Formula, Literal, Variable, literals, universals
+from prag_asp.pddl.scopes import Scope
+from prag_asp.pddl.syntax.nodes import Node, Word
+from prag_asp.pddl.syntax.parsing import parse
+from prag_asp.program.finite.components import components
+from prag_asp.wording import did_you_mean, plural
+
+TOTAL = "total-cost"
+
+
+def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
+    """Read a domain and its problem.
+
+    Raises:
+        DomainError: a file is no PDDL, or speaks of what is not declared or not supported.
+    """
+    first, second = parse(domain, "domain"), parse(problem, "problem")
+    read = _DomainReader(domain)
+    found = read.domain(first)
+    return found, _ProblemReader(problem, found).problem(second)
+
+
+class _Reader:
+    """What both files have in common: words with lines, lists with types, and where mistakes are told."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def refuse(self, line: int, told: str) -> NoReturn:
+        """Raise a mistake at a line."""
+        raise DomainError(f"{self._path}:{line}: {told}")
+
+    def check_new(self, kind: str, name: Word, known: Mapping[str, object]) -> None:
+        """Refuse what is declared twice."""
+        if str(name) in known:
+            self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
+
+    def number(self, given: Word) -> str:
+        """Return a number as it is written; the grammar takes ones with several points, too."""
+        if given.count(".") > 1:
+            self.refuse(given.line, f"{given} is no number; write one such as 2 or 0.5")
+        return str(given)
+
+    def typed_names(self, tree: Node) -> Iterator[tuple[Word, Word | None]]:
+        """Yield the names of a list, each with its type if it has one."""
+        waiting: list[Word] = []
+        given = iter(tree.words)
+        for each in given:
+            if each == "-":
+                kind = next(given)
+                yield from ((name, kind) for name in waiting)
+                waiting = []
+            else:
+                waiting.append(each)
+        yield from ((name, None) for name in waiting)
+
+    def object_types(self, tree: Node, types: Mapping[str, object], known: dict[str, str]) -> dict[str, int]:
+        """Add the objects of a list, and return the lines of new ones; one may be declared again with the same type."""
+        lines: dict[str, int] = {}
+        for name, kind in self.typed_names(tree):
+            if kind is not None and str(kind) not in types:
+                self.refuse(kind.line, f"unknown type {kind}; {did_you_mean(kind, types, 'declare it in :types')}")
+            found = str(kind or OBJECT)
+            if str(name) not in known:
+                lines[str(name)] = name.line
+            if known.setdefault(str(name), found) != found:
+                self.refuse(name.line, f"the object {name} is a {known[name]} already; give it one type")
+        return lines
+
+
+class _DomainReader(_Reader):
+    """Reads a domain."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self._types: dict[str, tuple[str, ...]] = {OBJECT: ()}
+        self._type_lines: dict[str, int] = {}
+        self._constants: dict[str, str] = {}
+        self._constant_lines: dict[str, int] = {}
+        self._predicates: dict[str, Signature] = {}
+        self._functions: dict[str, Signature] = {}
+
+    def domain(self, tree: Node) -> DomainFile:
+        """Return what a tree states."""
+        derived: list[Derived] = []
+        actions: dict[str, Schema] = {}
+        name = next(part for part in tree.nodes if part.kind == "domain_def").words[-1]
+        for part in tree.nodes:
+            if part.kind == "types":
+                self._read_types(part.nodes[0])
+            elif part.kind == "constants":
+                self._constant_lines = self.object_types(part.nodes[0], self._types, self._constants)
+            elif part.kind == "predicates":
+                self._read_signatures("predicate", part, self._predicates)
+            elif part.kind == "functions":
+                self._read_signatures("function", part.nodes[0], self._functions)
+            elif part.kind == "derived_predicates":
+                derived.append(self._derived(part))
+            elif part.kind == "action_def":
+                action = self._action(part)
+                self.check_new("action", part.words[1], actions)
+                actions[action.name] = action
+        self._check_layers(derived)
+        self._check_not_changed({each.predicate for each in derived}, actions)
+        return DomainFile(
+            str(name), self._types, self._constants, self._predicates, self._functions, tuple(derived),
+            tuple(actions.values()), self._type_lines, self._constant_lines,
+        )  # fmt: skip
+
+    def _read_types(self, tree: Node) -> None:
+        lines = self._type_lines
+        for name, kind in self.typed_names(tree):
+            lines[str(name)] = name.line
+            above = (str(kind),) if kind is not None and kind != OBJECT else ()
+            self._types[str(name)] = tuple(dict.fromkeys((*self._types.get(str(name), ()), *above)))
+            for each in above:
+                self._types.setdefault(each, ())
+                lines.setdefault(each, name.line)
+        groups = components(lines, self._types.__getitem__)
+        circular = {name for group in groups for name in group if len(group) > 1 or name in self._types[name]}
+        for kind_name in filter(circular.__contains__, lines):
+            around = " - ".join(self._circle(kind_name))
+            self.refuse(lines[kind_name], f"types go around in a circle, {around}; leave one of these out")
+
+    def _circle(self, name: str) -> list[str]:
+        """Return a way from a type back to itself, nothing where there is none."""
+        ways = [[name, above] for above in self._types[name]]
+        seen: set[str] = set()
+        while ways:
+            way = ways.pop()
+            if way[-1] == name:
+                return way
+            if way[-1] not in seen:
+                seen.add(way[-1])
+                ways += [[*way, above] for above in self._types[way[-1]]]
+        return []
+
+    def _scope(self) -> Scope:
+        return Scope(self.refuse, self._types, self._constants, self._predicates)
+
+    def _read_signatures(self, kind: str, tree: Node, known: dict[str, Signature]) -> None:
+        for each in tree.nodes:
+            name = each.words[0]
+            self.check_new(kind, name, known)
+            types = tuple(variable.types for variable in self._scope().declare(each.nodes[0], named=False))
+            known[str(name)] = Signature(types, name.line)
+
+    def _derived(self, tree: Node) -> Derived:
+        head, condition = tree.nodes
+        name = head.words[0]
+        scope = self._scope()
+        parameters = scope.declare(head.nodes[0])
+        declared = scope.signature(name, len(parameters))
+        if len(set(parameters)) != len(parameters):
+            self.refuse(name.line, f"the rule for {name} names a variable twice; give each another name")
+        narrowed = tuple(
+            Variable(each.name, kinds if each.types == (OBJECT,) else each.types)
+            for each, kinds in zip(parameters, declared.types, strict=True)
+        )
+        scope = scope.narrowed(narrowed)
+        return Derived(str(name), narrowed, scope.formula(condition), name.line)
+
+    def _action(self, tree: Node) -> Schema:
+        name, scope = tree.words[1], self._scope()
+        parameters = scope.declare(tree.nodes[0].nodes[0])
+        body = {each.kind: each for each in tree.nodes[1].nodes}
+        true = scope.truth(name.line)
+        given = body["emptyor_pregd"].nodes if "emptyor_pregd" in body else ()
+        effects: list[Effect] = []
+        costs: list[Cost] = []
+        for each in body["emptyor_effect"].nodes if "emptyor_effect" in body else ():
+            self._effects(each, scope, (), true, effects, costs)
+        precondition = scope.formula(given[0]) if given else true
+        return Schema(str(name), parameters, precondition, tuple(effects), tuple(costs), name.line)
+
+    def _effects(
+        self, tree: Node, scope: Scope, given: tuple[Variable, ...], condition: Formula, effects: list[Effect],
+        costs: list[Cost],
+    ) -> None:  # fmt: skip
+        """Add what a tree says that changes."""
+        first, parts = next(iter(tree.words), None), tree.nodes
+        if tree.kind == "num_effect":
+            self._cost(tree, scope, bool(given) or condition != scope.truth(condition.line), costs)
+        elif tree.kind == "atomic_formula_term":
+            effects.append(Effect(given, condition, self._change(tree, scope, positive=True)))
+        elif first == "not":
+            effects.append(Effect(given, condition, self._change(parts[0], scope, positive=False)))
+        elif first is not None and first == "oneof":
+            self.refuse(first.line, "oneof: effects by chance cannot be imported; leave them out")
+        elif first == "forall":
+            inner = scope.within()
+            more = inner.declare(parts[0])
+            self._effects(parts[1], inner, (*given, *more), condition, effects, costs)
+        elif first == "when":
+            self._effects(parts[1], scope, given, scope.formula(parts[0]), effects, costs)
+        else:
+            for part in parts:
+                self._effects(part, scope, given, condition, effects, costs)
+
+    def _change(self, tree: Node, scope: Scope, *, positive: bool) -> Literal:
+        found = scope.atom(tree, positive=positive)
+        if not isinstance(found, Literal):
+            self.refuse(found.line, "an effect cannot make two terms equal; leave it out")
+        return found
+
+    def _cost(self, tree: Node, scope: Scope, conditional: bool, costs: list[Cost]) -> None:
+        operation, (head, value) = tree.words[0], tree.nodes
+        line, name = operation.line, head.words[0]
+        if operation != "increase" or name != TOTAL:
+            self.refuse(line, f"({operation} ({name} ...)): functions that change cannot be imported; leave them out")
+        if conditional:
+            self.refuse(line, "a cost that depends on a condition cannot be imported; write it for the whole action")
+        inner = value.nodes[0]
+        if len(value.nodes) > 1 or inner.kind == "f_exp":
+            self.refuse(line, "a cost that is computed cannot be imported; write a number or one function")
+        if inner.kind == "num_literal":
+            costs.append(Cost(self.number(inner.words[0]), line))
+            return
+        function, terms = inner.words[0], tuple(map(scope.term, inner.children[1:]))
+        if str(function) not in self._functions:
+            hint = did_you_mean(function, self._functions, "declare it in :functions")
+            self.refuse(line, f"unknown function {function}; {hint}")
+        arity = len(self._functions[str(function)].types)
+        if len(terms) != arity:
+            self.refuse(line, f"{function} takes {plural(arity, 'argument')}, not {len(terms)}; mend them")
+        costs.append(Cost((str(function), terms), line))
+
+    def _check_layers(self, derived: Iterable[Derived]) -> None:
+        """Refuse predicates that are derived from what they are not: then rules have no one meaning."""
+        read: dict[str, list[Literal]] = {}
+        for rule in derived:
+            read.setdefault(rule.predicate, []).extend(literals(rule.formula))
+        for rule in derived:
+            name = rule.predicate
+            for literal in literals(rule.formula):
+                if not literal.positive and name in _reached(literal.predicate, read):
+                    told = f"{name} is derived from that {literal.predicate} is false, which depends on {name}"
+                    self.refuse(literal.line, f"{told}; leave the negation out")
+            for literal in chain.from_iterable(map(literals, universals(rule.formula))):
+                if name in _reached(literal.predicate, read):
+                    told = f"{name} is derived from that {literal.predicate} holds for all, which depends on {name}"
+                    self.refuse(literal.line, f"{told}; leave the 'forall' out")
+
+    def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
+        """Refuse effects on predicates that rules derive."""
+        for action in actions.values():
+            for effect in action.effects:
+                if effect.literal.predicate in derived:
+                    told = f"{effect.literal.predicate} is derived, and no effect may set it"
+                    self.refuse(effect.literal.line, f"{told}; remove its rule, or the effect")
+
+
+def _reached(predicate: str, read: Mapping[str, list[Literal]]) -> set[str]:
+    """Return a predicate, and all that its rules read, or the rules of those."""
+    found, waiting = {predicate}, [predicate]
+    while waiting:
+        new = {each.predicate for each in read.get(waiting.pop(), ())} - found
+        found |= new
+        waiting += new
+    return found
+
+
+class _ProblemReader(_Reader):
+    """Reads a problem of a domain."""
+
+    def __init__(self, path: Path, domain: DomainFile) -> None:
+        super().__init__(path)
+        self._domain = domain
+        self._objects = dict(domain.constants)
+        self._derived = {each.predicate for each in domain.derived}
+
+    def problem(self, tree: Node) -> ProblemFile:
+        """Return what a tree states."""
+        parts = {part.kind: part for part in tree.nodes}
+        named = parts["problem_domain"].words[-1]
+        if named != self._domain.name:
+            hint = "give the domain that it belongs to, or mend the name"
+            self.refuse(named.line, f"this is a problem of {named}, not of {self._domain.name}; {hint}")
+        lines: dict[str, int] = {}
+        if "objects" in parts:
+            lines = self.object_types(parts["objects"].nodes[0], self._domain.types, self._objects)
+        scope = Scope(self.refuse, self._domain.types, self._objects, self._domain.predicates)
+        initial: list[Literal] = []
+        costs: dict[tuple[str, tuple[str, ...]], str] = {}
+        for each in parts["init"].nodes:
+            self._initial(each, scope, initial, costs)
+        name, goal = str(parts["problem_def"].words[-1]), scope.formula(parts["goal"].nodes[0])
+        return ProblemFile(name, self._objects, self._true(initial), costs, goal, lines)
+
+    def _initial(
+        self, tree: Node, scope: Scope, initial: list[Literal], costs: dict[tuple[str, tuple[str, ...]], str]
+    ) -> None:
+        first = tree.nodes[0]
+        if first.kind == "basic_function_term":
+            function, *terms = first.words
+            if str(function) not in self._domain.functions and function != TOTAL:
+                hint = did_you_mean(function, self._domain.functions, "declare it in :functions")
+                self.refuse(function.line, f"unknown function {function}; {hint}")
+            for term in terms:
+                scope.known_object(term)
+            value = self.number(tree.nodes[1].words[0])
+            if costs.setdefault((str(function), tuple(map(str, terms))), value) != value:
+                self.refuse(function.line, f"({' '.join([function, *terms])}) has two values; state one")
+            return
+        name, *terms = first.nodes[0].words
+        scope.signature(name, len(terms))
+        if str(name) in self._derived:
+            self.refuse(name.line, f"{name} is derived, and is not stated at the start; remove it here, or its rule")
+        for term in terms:
+            scope.known_object(term)
+        initial.append(Literal(str(name), tuple(map(str, terms)), "not" not in first.words, name.line))
+
+    def _true(self, initial: Iterable[Literal]) -> tuple[Literal, ...]:
+        """Return what is true of what `:init` states; what is both true and false there is refused."""
+        stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
+        for each in initial:
+            if stated.setdefault((each.predicate, each.terms), each.positive) != each.positive:
+                told = " ".join([each.predicate, *map(str, each.terms)])
+                self.refuse(each.line, f"({told}) is both true and false at the start; state one of them")
+        return tuple(each for each in initial if each.positive)

@@ -1,0 +1,72 @@
+"""Check a witness in a fresh simulator: every state is loaded anew, nothing of the search is trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from prag_asp.errors import SceneError
+from prag_asp.physics.checks.approaches import End
+from prag_asp.physics.checks.motions import motion_problems, stray
+from prag_asp.physics.checks.numbers import broken_numbers, misfit
+from prag_asp.physics.checks.states import state_problems
+from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
+from prag_asp.physics.witness import Witness
+from prag_asp.physics.world.simulator import Simulator, open_simulator
+from prag_asp.scene.scene import Scene
+from prag_asp.task import Task
+
+
+def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
+    """Return what is wrong with a witness of a task, nothing where it passes; `open_witness_check` checks many.
+
+    Every state is loaded into a fresh simulator: all numbers are finite, joints within their limits, the
+    facts that are known to hold do and the others do not, nothing collides or falls, the simulator's own
+    forward kinematics agrees with the grasp of the held object, and only what an action moves has moved.
+
+    Raises:
+        SceneError: the task speaks about something for which the scene has no shape.
+    """
+    with open_witness_check(scene) as check:
+        return check(task, witness)
+
+
+@contextmanager
+def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[str]]]:
+    """Yield a function like `check_witness` for tasks of one scene, which checks them all in one simulator."""
+    with open_simulator(scene) as simulator:
+        yield lambda task, witness: _checked(task, witness, scene, simulator)
+
+
+def _checked(task: Task, witness: Witness, scene: Scene, simulator: Simulator) -> list[str]:
+    """Return what is wrong with a witness of a task."""
+    physical = physical_task(task, scene)
+    unfit = misfit(witness, len(physical.effects))
+    if unfit is not None:
+        return [unfit]
+    unsized = [entity for entity in physical.objects if entity in scene.ranges and entity not in witness.sizes]
+    if unsized:
+        return [f"the witness has no size of {', '.join(unsized)}"]
+    try:
+        simulator.use(scene.with_sizes(witness.sizes))
+    except SceneError as error:
+        return [str(error)]
+    return list(_problems(physical, witness, simulator))
+
+
+def _problems(physical: PhysicalTask, witness: Witness, simulator: Simulator) -> Iterator[str]:
+    """Yield what is wrong with a witness, state by state."""
+    for k, moment in enumerate(witness.moments):
+        where = f"state {k}"
+        broken = list(broken_numbers(moment, physical, simulator))
+        yield from (f"{where}: {text}" for text in broken)
+        if not broken:
+            yield from (f"{where}: {text}" for text in state_problems(moment, physical, k, simulator))
+    for k, motion in enumerate(witness.motions):
+        before, after = witness.moments[k], witness.moments[k + 1]
+        where = f"action {k + 1}, {physical.effects[k].action}"
+        broken = [text for moment in (before, after) for text in broken_numbers(moment, physical, simulator)]
+        if not broken:
+            ends = (End(before, physical.states[k]), End(after, physical.states[k + 1]))
+            yield from (f"{where}: {text}" for text in motion_problems(motion, *ends, simulator))
+            yield from (f"{where}: {text}" for text in stray(physical.effects[k], before, after, simulator))

@@ -1,0 +1,104 @@
+"""Let the robots perform a task in a world with forces, as a witness shows it, and judge every state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from prag_asp.physics.demonstration.acting import Actor, Stopped
+from prag_asp.physics.demonstration.contacts import Asked, asked, unasked
+from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.planning import Action
+from prag_asp.physics.demonstration.recording import Recorder
+from prag_asp.physics.predicates import Gripper
+from prag_asp.physics.search.attempt import LOST, NOT_REACHED, PRESSED
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, physical_task
+from prag_asp.physics.witness import Witness
+from prag_asp.physics.world.dynamics import Dynamics, open_dynamics
+from prag_asp.physics.world.simulator import Simulator, open_simulator
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.variation import Variation
+from prag_asp.task import Task
+
+
+class Performer:
+    """Performs witnesses in one world with forces; use `open_performer`, which closes it."""
+
+    def __init__(self, world: Dynamics, planner: Simulator):
+        self._scene = world.scene
+        self._world = world
+        self._planner = planner
+
+    def perform(self, physical: PhysicalTask, witness: Witness, variation: Variation | None = None) -> Demonstration:
+        """Return the recording of a task as it is performed from the first state of a witness.
+
+        The world is as was drawn for it, if anything was.
+
+        No contact may press for which the task does not ask, and after every action each fact of the state has to pass
+        its predicate's check; otherwise the recording ends there, with the cause.
+        """
+        scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
+        self._planner.use(scene)
+        self._world.begin(physical.objects, first, scene if variation is None else variation.applied(scene))
+        recorder = Recorder(self._world, physical.objects)
+        actor = Actor(self._world, self._planner, recorder, first)
+        try:
+            actor.rest()
+            seen = recorder.end_state()
+            _judge_contacts(asked(physical, 0, seen), recorder, "the start")
+            _judge(physical.initial, seen, "the start")
+            for k, effect in enumerate(physical.effects):
+                before, after = witness.moments[k : k + 2]
+                actor.act(Action(effect, before, after, witness.motions[k]))
+                actor.rest()
+                begun, seen = seen, recorder.end_state()
+                _judge_contacts(asked(physical, k + 1, begun, seen), recorder, str(effect.action))
+                _judge(effect.after, seen, str(effect.action))
+        except Stopped as stopped:
+            cause, detail = stopped.args
+            return replace(recorder.finish(cause, detail), variation=variation)
+        return replace(recorder.finish(), variation=variation)
+
+
+def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
+    """Check the facts of a state.
+
+    Raises:
+        Stopped: one does not hold.
+    """
+    broken = [fact for fact in facts if not fact.satisfied(situation)]
+    lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
+    if broken:
+        worst = (lost or broken)[0]
+        raise Stopped(LOST if lost else NOT_REACHED, f"after {after} it does not hold that {worst.sentence()}")
+
+
+def _judge_contacts(wanted: Asked, recorder: Recorder, during: str) -> None:
+    """Check the contacts of the action that has ended.
+
+    Raises:
+        Stopped: two bodies have pressed on each other for which the task does not ask.
+    """
+    for touch in unasked(recorder.touches(), wanted)[:1]:
+        raise Stopped(PRESSED, f"during {during} {touch.sentence()}")
+
+
+@contextmanager
+def open_performer(scene: Scene, planner: Simulator) -> Iterator[Performer]:
+    """Open a world to perform witnesses in, and close it afterwards; `planner` finds the paths of the arms."""
+    with open_dynamics(scene) as world:
+        yield Performer(world, planner)
+
+
+def demonstrate(task: Task, witness: Witness, scene: Scene, variation: Variation | None = None) -> Demonstration:
+    """Return the recording of the robots performing a task from the first state of a witness.
+
+    The world is as was drawn for it, if anything was.
+
+    Raises:
+        SceneError: the task speaks about something for which the scene has no shape.
+    """
+    with open_simulator(scene) as planner, open_performer(scene, planner) as performer:
+        return performer.perform(physical_task(task, scene), witness, variation)

@@ -1,0 +1,195 @@
+"""What robots look like from afar: the meshes of their URDFs with few corners, for TinyRenderer's time goes into those.
+
+The Panda's meshes have 102,000 triangles, of which a picture of 128 x 128 pixels takes 21 ms. Corners that are near
+each other become one (Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993):
+3,000 are left, and the robot still looks like one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import SceneError
+from prag_asp.physics.robot.robot_files import robot_file
+from prag_asp.scene.robots import ROBOTS
+
+CELL, FINEST = 0.026, 0.006
+"""How near corners of a mesh become one, in metres, and of small parts at least."""
+
+CELLS = 6
+"""How many such cells the longest side of a small part has."""
+
+SMALLEST = 0.012
+"""Parts of a mesh that are smaller are left out: screws and lamps."""
+
+DARK_BELOW, WHITE_ABOVE = 0.5, 0.9
+DARK, WHITE = (0.25, 0.26, 0.28), (0.93, 0.94, 0.95)
+"""The colours of the Panda, which its URDF has in a texture."""
+
+Colour = tuple[float, float, float]
+
+
+class Mesh(NamedTuple):
+    """Corners (V, 3) in metres and triangles (F, 3), as numbers of corners."""
+
+    corners: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+
+
+@cache
+def low_files(kind: str) -> Mapping[str, bytes]:
+    """Return the files of a robot of a kind with few corners, that collides with nothing: its URDF, then its meshes.
+
+    They are made once in a process, which takes half a second.
+
+    Raises:
+        SceneError: the robot's files cannot be read.
+    """
+    root = ElementTree.fromstring(robot_file(ROBOTS[kind]))
+    named = {each.get("name", ""): rgb for each in root.iter("material") if (rgb := _rgb(each)) is not None}
+    meshes: dict[str, bytes] = {}
+    for number, link in enumerate(root.iter("link")):
+        for collision in link.findall("collision"):
+            link.remove(collision)
+        for visual in link.findall("visual"):
+            if visual.find("geometry/mesh") is not None:
+                meshes |= _simplified(link, visual, f"{kind}_{number}", named)
+    return {f"{kind}.urdf": ElementTree.tostring(root), **meshes}
+
+
+def _rgb(material: ElementTree.Element) -> Colour | None:
+    """Return the colour of a material, None where it only names one."""
+    color = material.find("color")
+    if color is None:
+        return None
+    red, green, blue = map(float, color.get("rgba", "1 1 1 1").split()[:3])
+    return red, green, blue
+
+
+def _simplified(
+    link: ElementTree.Element, visual: ElementTree.Element, stem: str, named: Mapping[str, Colour]
+) -> dict[str, bytes]:
+    """Replace what is seen of a link by meshes of few corners, one for each colour, and return their files.
+
+    Their names begin with a stem, for they have to be a robot's alone: PyBullet remembers meshes by their paths.
+    `named` are the colours of the robot's materials.
+    """
+    mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
+    assert mesh is not None
+    link.remove(visual)
+    source = Path(mesh.get("filename", ""))
+    material = visual.find("material")
+    given = WHITE if material is None else named.get(material.get("name", ""), WHITE)
+    files = {}
+    for number, (colour, parts) in enumerate(_by_colour(source, given).items()):
+        name = f"{stem}_{number}.obj"
+        files[name] = ("\n".join(_lines(parts)) + "\n").encode("ascii")
+        part = ElementTree.SubElement(link, "visual")
+        if origin is not None:
+            part.append(origin)
+        ElementTree.SubElement(ElementTree.SubElement(part, "geometry"), "mesh", filename=name)
+        paint = ElementTree.SubElement(part, "material", name=f"{stem}_{number}_of_few_corners")
+        ElementTree.SubElement(paint, "color", rgba=" ".join(f"{each:g}" for each in (*colour, 1.0)))
+    return files
+
+
+def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:
+    """Return the parts of a mesh with few corners by their colours.
+
+    `given` is what the URDF says of all of them; where that is white, what the materials of the mesh say.
+    """
+    try:
+        parts = read_parts(source.read_text(encoding="utf-8", errors="replace"))
+        library = source.with_suffix(".mtl")
+        colours = _colours(library.read_text(encoding="utf-8", errors="replace")) if library.is_file() else {}
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{source}: the robot cannot be read: {error}") from error
+    found: dict[Colour, list[Mesh]] = {}
+    for name, mesh in parts.items():
+        longest = float(np.ptp(mesh.corners[mesh.triangles.ravel()], axis=0).max(initial=0.0))
+        if longest >= SMALLEST:
+            painted = DARK if max(colours.get(name, WHITE)) < DARK_BELOW else WHITE
+            colour = painted if min(given) > WHITE_ABOVE else given
+            cell = min(CELL, max(longest / CELLS, FINEST))
+            found.setdefault(colour, []).append(clustered(mesh, cell))
+    return found
+
+
+def read_parts(text: str) -> dict[str, Mesh]:
+    """Return the triangles of an .obj by the names of their materials; all have the corners of the whole.
+
+    Raises:
+        ValueError: it is none.
+    """
+    corners: list[str] = []
+    faces: dict[str, list[tuple[int, int, int]]] = {}
+    material = ""
+    for line in text.splitlines():
+        if line.startswith("v "):
+            corners.append(line[2:])
+        elif line.startswith("usemtl"):
+            material = line[6:].strip()
+        elif line.startswith("f "):
+            first, *others = (int(corner.partition("/")[0]) - 1 for corner in line[2:].split())
+            faces.setdefault(material, []).extend((first, one, two) for one, two in pairwise(others))
+    points = np.array(" ".join(corners).split(), dtype=float).reshape(-1, 3)
+    return {name: Mesh(points, np.array(triangles, dtype=np.int64)) for name, triangles in faces.items()}
+
+
+def _colours(text: str) -> Mapping[str, Colour]:
+    """Return the colours of a library of materials by their names."""
+    found: dict[str, Colour] = {}
+    name = ""
+    for line in text.splitlines():
+        word, _, rest = line.strip().partition(" ")
+        if word == "newmtl":
+            name = rest.strip()
+        elif word == "Kd":
+            red, green, blue = map(float, rest.split()[:3])
+            found[name] = (red, green, blue)
+    return found
+
+
+def clustered(mesh: Mesh, cell: float) -> Mesh:
+    """Return a mesh in which all corners within a cube of a grid are one, at their mean; `cell` is its side in metres.
+
+    Triangles that become lines or points, or that were there already, are gone.
+    """
+    used, numbers = np.unique(mesh.triangles, return_inverse=True)
+    points = mesh.corners[used]
+    cells = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    _, groups = np.unique(cells, axis=0, return_inverse=True)
+    groups = groups.ravel()
+    count = int(groups.max()) + 1
+    sums = [np.bincount(groups, points[:, axis], count) for axis in range(3)]
+    means = np.stack(sums, axis=1).astype(np.float64) / np.bincount(groups, minlength=count)[:, None]
+    triangles = groups[numbers.reshape(mesh.triangles.shape)]
+    one, two, three = triangles.T
+    triangles = triangles[(one != two) & (two != three) & (three != one)]
+    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    return Mesh(means, triangles[np.sort(first)])
+
+
+def _lines(meshes: Sequence[Mesh]) -> Iterator[str]:
+    """Yield the lines of an .obj of meshes, each corner with the mean direction of its triangles by their areas."""
+    before = 1
+    for corners, triangles in meshes:
+        edges = corners[triangles]
+        areas = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+        normals = np.zeros_like(corners)
+        for side in range(3):
+            np.add.at(normals, triangles[:, side], areas)
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        yield from (f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in corners.tolist())
+        yield from (f"vn {x:.4f} {y:.4f} {z:.4f}" for x, y, z in normals.tolist())
+        for one, two, three in (triangles + before).tolist():
+            yield f"f {one}//{one} {two}//{two} {three}//{three}"
+        before += len(corners)

@@ -1,0 +1,67 @@
+"""What is asked of demonstrations: which cameras film them, and what differs from one to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from prag_asp.errors import QueryError
+from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.variation import KINDS, Variation, draw_variation
+from prag_asp.wording import did_you_mean
+
+RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND % rate == 0)
+"""Pictures a second that a recording has frames for, evenly."""
+
+SMALLEST, LARGEST = 16, 2048
+"""Pixels of a side of a picture."""
+
+
+@dataclass(frozen=True)
+class Staging:
+    """Which cameras of a scene film demonstrations, and what varies: some of `KINDS`.
+
+    `size` of pictures is their width and height in pixels, without it each camera has its own; `rate` is pictures a
+    second.
+
+    Raises:
+        QueryError: a camera is named twice, a size or a rate cannot be, or something unknown is to vary.
+    """
+
+    cameras: tuple[str, ...] = ()
+    size: tuple[int, int] | None = None
+    rate: int = 10
+    vary: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for kind in self.vary:
+            if kind not in KINDS:
+                raise QueryError(f"{kind} cannot vary; {did_you_mean(kind, KINDS)}")
+        for name in self.cameras:
+            if self.cameras.count(name) > 1:
+                raise QueryError(f"the camera {name} is named {self.cameras.count(name)} times; name it once")
+        if self.rate not in RATES:
+            known = ", ".join(map(str, RATES))
+            raise QueryError(f"a recording has {FRAMES_A_SECOND} frames a second: film at {known}; got {self.rate}")
+        if self.size is not None and not all(SMALLEST <= side <= LARGEST for side in self.size):
+            width, height = self.size
+            raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")
+
+    def drawn(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
+        """Return what varies for a demonstration with some objects, None where nothing is to."""
+        return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
+
+    def cameras_of(self, scene: Scene) -> dict[str, Camera]:
+        """Return the cameras that film in a scene, by their names, with the size that is asked for.
+
+        Raises:
+            QueryError: the scene has no such camera.
+        """
+        for name in self.cameras:
+            if name not in scene.cameras:
+                hint = did_you_mean(name, scene.cameras)
+                raise QueryError(f"the scene has no camera {name}; {hint}")
+        found = {name: scene.cameras[name] for name in self.cameras}
+        return found if self.size is None else {name: each._replace(size=self.size) for name, each in found.items()}

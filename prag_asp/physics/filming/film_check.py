@@ -1,0 +1,86 @@
+"""Check films: the cameras of the scene look at the recording once more."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from prag_asp.errors import QueryError
+from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.footage import OF_CAMERA, Film, Footage, Picture
+from prag_asp.physics.filming.film import filmed
+from prag_asp.scene.scene import Scene
+
+NUMBERS = 1e-4
+"""How far numbers may be from those that are found anew, in metres, radians or pixels."""
+
+ROUNDED = ("tools", "deltas", "grippers")
+EXACT = ("subgoals", "legend")
+COLOUR, DEPTH, SHARE = 8, 0.01, 0.02
+"""How much a pixel may differ, of 255 and of its depth in metres, and the share of pixels that may differ by more:
+another machine rounds otherwise."""
+
+
+def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
+    """Return what in the films of a recording is not what the cameras of a scene see of it, in its own world.
+
+    There is nothing to return where all is right, or where there are no films.
+
+    Raises:
+        SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
+    """
+    footage = demonstration.footage
+    if footage is None:
+        return []
+    if demonstration.robots != tuple(scene.robots):
+        return [f"it shows the robots {', '.join(demonstration.robots)}; the scene has {', '.join(scene.robots)}"]
+    known = demonstration.sized(scene).cameras
+    unknown = [f"the scene has no camera {name}" for name in footage.films if name not in known]
+    cameras = {name: known[name]._replace(size=each.size) for name, each in footage.films.items() if name in known}
+    again = filmed(demonstration, scene, cameras, footage.frames.tolist())
+    found = [f"{name} is not what the recording says" for name in _differing(footage, again)]
+    return [*unknown, *found, *(fault for name in cameras for fault in _faults(name, footage, again))]
+
+
+def _differing(footage: Footage, again: Footage) -> Iterator[str]:
+    """Yield the names of the lists that differ."""
+    for name in ROUNDED:
+        if not np.allclose(getattr(footage, name), getattr(again, name), rtol=0.0, atol=NUMBERS):
+            yield name
+    for name in EXACT:
+        if not np.array_equal(getattr(footage, name), getattr(again, name)):
+            yield name
+
+
+def _faults(camera: str, footage: Footage, again: Footage) -> Iterator[str]:
+    """Yield what of a film differs: its numbers, or its first picture that does."""
+    one, two = footage.films[camera], again.films[camera]
+    for name in OF_CAMERA:
+        if not np.allclose(getattr(one, name), getattr(two, name), rtol=0.0, atol=NUMBERS):
+            yield f"{camera}/{name} is not that of the camera"
+    try:
+        yield from (f"{camera}: picture {number} {told}" for number, told in _pictures(one, two))
+    except QueryError as error:
+        yield f"{camera}: {error}"
+
+
+def _pictures(one: Film, two: Film) -> Iterator[tuple[int, str]]:
+    """Yield the number of the first picture that differs, and by what.
+
+    Raises:
+        QueryError: a film was cut off or changed.
+    """
+    for number, (seen, expected) in enumerate(zip(one.pictures(), two.pictures(), strict=True)):
+        for what, share in _shares(seen, expected).items():
+            if share > SHARE:
+                yield number, f"differs in {what} by {share:.0%} of its pixels from what the camera sees"
+                return
+
+
+def _shares(seen: Picture, expected: Picture) -> dict[str, float]:
+    """Return which share of the pixels of a picture differs from what is expected, in each of what it shows."""
+    colours = np.abs(seen.rgb.astype(int) - expected.rgb).max(axis=-1) > COLOUR
+    depths = ~(np.abs(seen.depth.astype(float) - expected.depth) <= DEPTH)
+    entities = seen.segmentation != expected.segmentation
+    return {"colours": colours.mean(), "depth": depths.mean(), "entities": entities.mean()}

@@ -1,0 +1,91 @@
+"""What physics proves impossible: single fluents that never hold, and pairs that never hold together.
+
+They are taken from proofs alone and only forbid that fluents hold, so they are Horn clauses as all invariants of a
+domain are: together they exclude just those plans of which some state is known to satisfy a proof, and of these
+physics has proved each infeasible. Three fluents or more stay with physics: where not all is known, clauses of three
+literals cannot be carried along exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import combinations
+
+import clingo
+
+from prag_asp.atom import Atom, atom_of
+from prag_asp.domain.load import Domain
+from prag_asp.physics.proofs.prover import Prover
+from prag_asp.physics.symbolic_facts import Fact, facts
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.facts import Facts
+from prag_asp.program.invariants import Graph, conflict, entailed, invariant_graph
+from prag_asp.scene.scene import Scene
+
+Fluents = tuple[Atom, ...]
+"""One fluent, or two, in the order of the domain."""
+
+Proofs = Mapping[Fluents, str | None]
+"""Why fluents cannot hold together; None where they need no reason, for the domain says so itself."""
+
+
+def proved(stated: Facts, scene: Scene, tell: Callable[[str], None] = lambda words: None) -> Proofs:
+    """Return which single fluents never hold, and which pairs never hold together.
+
+    Pairs that a domain excludes itself are there with no reason. Only pairs that share an argument can exclude each
+    other, for all proofs go from body to body.
+
+    Raises:
+        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+    """
+    stage("proving")
+    prover, graph = Prover(scene), invariant_graph(stated)
+    spatial = list(_spatial(stated.fluents, scene))
+    found: dict[Fluents, str | None] = {}
+    possible = []
+    for symbol, fluent, fact in spatial:
+        reason = prover.refutation([fact])
+        if _excluded(graph, symbol):
+            found[(fluent,)] = None
+        elif reason is not None:
+            found[(fluent,)] = reason
+        else:
+            possible.append((symbol, fluent, fact))
+    for number, ((one, first, fact), (two, second, other)) in enumerate(combinations(possible, 2)):
+        if number % 10_000 == 0:
+            tell(f"{number} pairs of fluents tried, {len(found)} proofs")
+        if set(first.arguments).isdisjoint(second.arguments):
+            continue
+        if _excluded(graph, one, two):
+            found[first, second] = None
+            continue
+        reason = prover.refutation([fact, other])
+        if reason is not None:
+            found[first, second] = reason
+    return found
+
+
+def unproved(domain: Domain, scene: Scene) -> Iterator[Fluents]:
+    """Yield the learned impossible fluents of a domain that physics does not prove to be so, say after a new scene.
+
+    Raises:
+        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+    """
+    prover, graph = Prover(scene), invariant_graph(domain.facts)
+    for pair in domain.learned:
+        fluents = tuple(dict.fromkeys(atom_of(fluent) for fluent in pair))
+        if not _excluded(graph, *pair) and prover.refutation(facts(scene, dict.fromkeys(fluents, True))) is None:
+            yield fluents
+
+
+def _spatial(fluents: Iterable[clingo.Symbol], scene: Scene) -> Iterator[tuple[clingo.Symbol, Atom, Fact]]:
+    """Yield the fluents that mean something to physics, and what they mean where they hold."""
+    for symbol in fluents:
+        fluent = atom_of(symbol)
+        for fact in facts(scene, {fluent: True}):
+            yield symbol, fluent, fact
+
+
+def _excluded(graph: Graph, *fluents: clingo.Symbol) -> bool:
+    """Tell whether the invariants of a domain forbid fluents to hold together."""
+    return conflict(entailed([(fluent, True) for fluent in fluents], graph)) is not None

@@ -1,0 +1,149 @@
+"""Carry out the effect of one action on a snapshot: what it does is read off the facts, not off its name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.search.attempt import NO_GRASP, RELATION, Exhausted, Failure, Search, Snapshot
+from prag_asp.physics.search.carrying import carry, release, relocate
+from prag_asp.physics.search.furniture_handling import turn
+from prag_asp.physics.search.grasping import Configuration, descend, grasps
+from prag_asp.physics.search.meeting import move_over, take_over
+from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
+from prag_asp.physics.symbolic_facts import Effect, Fact
+from prag_asp.physics.witness import Arm, Waypoint
+from prag_asp.scene.geometry import compose, invert
+from prag_asp.scene.solids import weight
+
+Outcome = tuple[Snapshot, tuple[Waypoint, ...]]
+
+
+def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) -> Outcome:
+    """Return a snapshot after an action, and the waypoints of the arm on the way; `attempt` counts from 0.
+
+    Raises:
+        Failure: this attempt found none.
+        Exhausted: earlier attempts were all that there are.
+    """
+    if attempt > 0 and not (effect.moved or effect.turns or effect.grasps or effect.visits or effect.over):
+        raise Exhausted
+    snapshot = start = turn_to(search, snapshot, effect.robot)
+    for entity in effect.moved:
+        if entity not in (effect.holds, effect.grasps, effect.releases):
+            snapshot = relocate(search, snapshot, effect, entity)
+    waypoints: list[Waypoint] = []
+    if snapshot.above is not None and not _stays_down(snapshot, effect):
+        snapshot = raise_arm(search, snapshot, waypoints)
+    snapshot = _act(search, snapshot, effect, attempt, waypoints)
+    if not waypoints:
+        waypoints.append(arm_waypoint("stay", snapshot))
+    _verify(search, start, snapshot, effect.fresh, effect.after)
+    return snapshot, tuple(waypoints)
+
+
+def _act(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+    """Return a snapshot after what an action does with the gripper, and add its waypoints.
+
+    Raises:
+        Failure: this attempt found none.
+    """
+    for furniture in effect.turns:
+        snapshot = turn(search, snapshot, furniture, effect.after, attempt, waypoints)
+    if effect.giver is not None:
+        snapshot = take_over(search, _grasp(search, snapshot, effect, attempt, waypoints), effect.giver, waypoints)
+    elif effect.grasps is not None:
+        snapshot = _grasp(search, snapshot, effect, attempt, waypoints)
+    elif effect.releases is not None:
+        snapshot = release(search, snapshot, effect, waypoints)
+    elif effect.holds is not None and effect.holds in effect.moved:
+        snapshot = carry(search, snapshot, effect.holds, effect, waypoints)
+    elif effect.over is not None:
+        snapshot = move_over(search, snapshot, effect.over, attempt, waypoints)
+    elif effect.visits is not None and snapshot.arm.held is None:
+        snapshot = _visit(search, snapshot, effect.visits, attempt, waypoints)
+    elif effect.closes and snapshot.arm.held is None:
+        snapshot = snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
+    return snapshot
+
+
+def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) -> Snapshot:
+    """Return a snapshot of a first state in which the gripper is already at an object, or holds it.
+
+    Raises:
+        Failure: the gripper does not get there.
+    """
+    options = grasps(search, snapshot.situation, entity)
+    choice = 0 if search.rng.random() < 0.5 else int(search.rng.integers(len(options)))
+    down = _visit(search, snapshot, entity, choice, [])
+    return _close(search, down, entity) if closed else down
+
+
+def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[Fact], facts: Iterable[Fact]) -> None:
+    """Check the facts that an action can have changed or that the state newly knows."""
+    known_again, openings = set(fresh), after.situation.openings
+    changed = {
+        entity
+        for entity, pose in after.situation.poses.items()
+        if before.situation.poses[entity] is not pose and before.situation.poses[entity] != pose
+    }
+    changed |= {entity for entity, opening in openings.items() if before.situation.openings[entity] != opening}
+    for fact in facts:
+        predicate = fact.predicate
+        concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
+        if (concerned or fact in known_again) and not fact.satisfied(after.situation):
+            raise Failure(RELATION, fact=fact)
+
+
+def _stays_down(snapshot: Snapshot, effect: Effect) -> bool:
+    """Tell whether a lowered gripper begins an action where it is: it grasps, lets go or waits there."""
+    if effect.releases is not None or effect.turns:
+        return effect.releases not in effect.moved and not effect.turns
+    target = effect.grasps or effect.visits
+    if target is not None:
+        return PREDICATES["at"].holds(snapshot.situation, (snapshot.acting, target))
+    return not effect.leaves and effect.over is None and not (effect.holds is not None and effect.holds in effect.moved)
+
+
+def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+    """Lower the open gripper to an object."""
+    options = grasps(search, snapshot.situation, entity)
+    if attempt >= len(options):
+        raise Exhausted
+    tool, _ = options[attempt]
+    opening = search.robot.opening
+    wanted = Configuration(snapshot.situation, opening, entity)
+    at, above = descend(search, tool, wanted, wanted)
+    acting = snapshot.acting
+    waypoints += [Waypoint("approach", acting, above, opening), Waypoint("at", acting, at, opening)]
+    return snapshot.with_arm(Arm(at, opening), above)
+
+
+def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
+    """Close the gripper on the object that it is at."""
+    situation = snapshot.situation
+    if weight(situation.scene, entity) > search.robot.payload:
+        raise Failure(NO_GRASP, entity)
+    width = grip_width(situation, entity, snapshot.acting)
+    grasp = compose(invert(snapshot.tool), situation.poses[entity])
+    closed = snapshot.with_arm(Arm(snapshot.arm.joints, width, entity, grasp), snapshot.above)
+    require_free(search, closed)
+    return closed
+
+
+def _grasp(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+    """Take hold of an object, and lift it where it leaves what it stands on."""
+    entity = effect.grasps
+    assert entity is not None
+    if snapshot.arm.held not in (None, entity):
+        raise Failure(NO_GRASP, entity)
+    if snapshot.above is None:
+        snapshot = _visit(search, snapshot, entity, attempt, waypoints)
+    snapshot = _close(search, snapshot, entity)
+    waypoints.append(arm_waypoint("at", snapshot))
+    if effect.lifts:
+        return raise_arm(search, snapshot, waypoints)
+    if entity in effect.moved:
+        return carry(search, raise_arm(search, snapshot, waypoints), entity, effect, waypoints)
+    return snapshot

@@ -1,0 +1,207 @@
+"""Open and close furniture: the gripper takes hold of the handle, and follows its slide or arc."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+from prag_asp.physics.predicates import Volume
+from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
+from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
+from prag_asp.physics.search.attempt import (
+    ARM_COLLIDES,
+    EMPTY_VOLUME,
+    NO_GRASP,
+    NO_KINEMATICS_ABOVE,
+    NO_KINEMATICS_AT,
+    OBJECTS_COLLIDE,
+    UNSUPPORTED,
+    Failure,
+    Search,
+    Snapshot,
+)
+from prag_asp.physics.search.grasping import DOWN, LARGEST_STEP, LIFT, Configuration, collide
+from prag_asp.physics.search.moving import arm_waypoint
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
+from prag_asp.physics.witness import Arm, Waypoint
+from prag_asp.physics.world.collisions import colliding
+from prag_asp.physics.world.support import riders, unsupported
+from prag_asp.scene.furniture import POST, mechanism, part_pose
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, raised, wrap, yaw_of, yaw_quaternion
+from prag_asp.scene.robots import Joints, Robot
+
+SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
+"""How far furniture moves between two checks, in metres or radians."""
+
+POST_WIDTH = 2 * POST
+ENDS = (IS_OPEN, IS_CLOSED)
+"""How furniture is found of which nothing is known."""
+
+
+class Pull(NamedTuple):
+    """A way to move furniture: its openings in metres or radians, and the tool in the frame of the moving part."""
+
+    furniture: str
+    openings: tuple[float, ...]
+    grip: Pose
+
+
+def draw_openings(search: Search, situation: Situation, facts: Iterable[Fact]) -> dict[str, float]:
+    """Draw how far all furniture of a situation is open, as facts want it."""
+    known = list(facts)
+    furniture = [entity for entity in situation.poses if situation.shape(entity).traits.furniture]
+    return {entity: draw_opening(search, situation, entity, known) for entity in furniture}
+
+
+def draw_opening(search: Search, situation: Situation, furniture: str, facts: Iterable[Fact]) -> float:
+    """Draw how far furniture is open, as facts want it; where none does, open or closed.
+
+    Raises:
+        Failure: the facts leave nothing.
+    """
+    volumes = [
+        fact.predicate.volume if fact.value else fact.predicate.otherwise
+        for fact in facts
+        if fact.predicate.of_joint and fact.arguments[0] == furniture
+    ]
+    wanted = Volume()
+    for volume in volumes or [ENDS[int(search.rng.integers(len(ENDS)))].volume]:
+        if volume is not None:
+            wanted = wanted.meet(volume(situation, (furniture,), IDENTITY))
+    if wanted.empty:
+        raise Failure(EMPTY_VOLUME, furniture)
+    return search.uniform(*wanted.opening)
+
+
+def turn(
+    search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fact], attempt: int, waypoints: list[Waypoint]
+) -> Snapshot:
+    """Open or close furniture as facts want it, let go of it, and withdraw straight up.
+
+    Raises:
+        Failure: the hand is full, or it cannot do so.
+    """
+    if snapshot.arm.held is not None:
+        raise Failure(NO_GRASP, snapshot.arm.held)
+    situation = snapshot.situation
+    goal = draw_opening(search, situation, furniture, facts)
+    grips = _grips(search.robot, situation, furniture, (situation.opening(furniture) + goal) / 2)
+    pull = Pull(furniture, _between(situation, furniture, goal), grips[attempt % len(grips)])
+    failed = Failure(NO_KINEMATICS_AT, furniture)
+    start = compose(situation.part(furniture), pull.grip)
+    for low in inverse(search.robot, start):
+        try:
+            after, motion = _pulled(search, snapshot, pull, low)
+        except Failure as failure:
+            failed = failure
+            continue
+        waypoints += motion
+        return after
+    raise failed
+
+
+def opened(situation: Situation, furniture: str, opening: float, objects: Iterable[str]) -> Situation:
+    """Return a situation with furniture open otherwise, and what lies in its moving part moved along."""
+    after = situation.with_opening(furniture, opening)
+    if not mechanism(situation.shape(furniture)).slides:
+        return after
+    delta = compose(after.part(furniture), invert(situation.part(furniture)))
+    within = riders(situation, furniture, [other for other in objects if other != furniture])
+    moved = {rider: compose(delta, situation.poses[rider]) for rider in within}
+    return after.with_poses({**situation.poses, **moved})
+
+
+def _grips(robot: Robot, situation: Situation, furniture: str, halfway: float) -> list[Pose]:
+    """Return tool poses that grip the handle, in the frame of the moving part, the easiest halfway first."""
+    made = mechanism(situation.shape(furniture))
+    turns = (0.0, math.pi) if made.slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
+    part = part_pose(situation.shape(furniture), situation.pose(furniture), halfway)
+    x, y, _ = compose(part, Pose(made.handle)).position
+    base_x, base_y, _ = robot.base.position
+    heading = math.atan2(y - base_y, x - base_x) - yaw_of(part.quaternion)
+    nearest = sorted(turns, key=lambda angle: abs(wrap(angle - heading)))
+    return [Pose(made.handle, multiply(yaw_quaternion(angle), DOWN)) for angle in nearest]
+
+
+def _between(situation: Situation, furniture: str, goal: float) -> tuple[float, ...]:
+    """Return the openings from the one that furniture has to another, in metres or radians."""
+    start = situation.opening(furniture)
+    stride = SLIDE_STRIDE if mechanism(situation.shape(furniture)).slides else TURN_STRIDE
+    steps = max(1, math.ceil(abs(goal - start) / stride))
+    return tuple(start + (goal - start) * i / steps for i in range(steps + 1))
+
+
+def _pulled(search: Search, snapshot: Snapshot, pull: Pull, low: Joints) -> tuple[Snapshot, list[Waypoint]]:
+    """Return a snapshot after furniture was moved from some joint angles at its handle on, and the waypoints.
+
+    Raises:
+        Failure: the arm does not get to the handle, along its way, or up again.
+    """
+    situation, opening, furniture = snapshot.situation, search.robot.opening, pull.furniture
+    acting = snapshot.acting
+    _require_free(search, situation, low, opening, furniture)
+    waypoints = [
+        Waypoint("approach", acting, _above(search, situation, low, furniture), opening),
+        Waypoint("at", acting, low, opening),
+        Waypoint("at", acting, low, POST_WIDTH, furniture, pull.openings[0]),
+    ]
+    joints = low
+    for joints, at in _along(search, situation, pull, low):
+        waypoints.append(Waypoint("pull", acting, joints, POST_WIDTH, furniture, at))
+    moved = opened(situation, furniture, pull.openings[-1], search.objects)
+    falling = unsupported(moved, search.objects)
+    if falling is not None:
+        raise Failure(UNSUPPORTED, falling)
+    _require_free(search, moved, joints, opening, furniture)
+    above = _above(search, moved, joints, furniture)
+    after = replace(snapshot, situation=moved).with_arm(Arm(above, opening))
+    return after, [*waypoints, Waypoint("at", acting, joints, opening), arm_waypoint("retreat", after)]
+
+
+def _along(search: Search, situation: Situation, pull: Pull, joints: Joints) -> Iterator[tuple[Joints, float]]:
+    """Yield joint angles and openings along the way of a handle.
+
+    Raises:
+        Failure: the arm cannot follow it, or something is in the way.
+    """
+    shape, pose = situation.shape(pull.furniture), situation.pose(pull.furniture)
+    within = riders(situation, pull.furniture, [other for other in search.objects if other != pull.furniture])
+    for at in pull.openings[1:]:
+        near = adjusted(search.robot, compose(part_pose(shape, pose, at), pull.grip), joints)
+        if near is None:
+            raise Failure(NO_KINEMATICS_AT, pull.furniture)
+        moved = opened(situation, pull.furniture, at, search.objects)
+        pair = colliding(search.simulator, moved, [pull.furniture, *within], search.objects)
+        if pair is not None:
+            raise Failure(OBJECTS_COLLIDE, *pair)
+        _require_free(search, moved, near, POST_WIDTH, pull.furniture)
+        yield near, at
+        joints = near
+
+
+def _above(search: Search, situation: Situation, low: Joints, furniture: str) -> Joints:
+    """Return joint angles straight above others, free of collisions.
+
+    Raises:
+        Failure: there are none.
+    """
+    for high in inverse(search.robot, raised(tool_pose(search.robot, low), LIFT), near=low):
+        if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
+            continue
+        if collide(search, high, Configuration(situation, search.robot.opening, furniture)) is None:
+            return high
+    raise Failure(NO_KINEMATICS_ABOVE, furniture)
+
+
+def _require_free(search: Search, situation: Situation, joints: Joints, width: float, furniture: str) -> None:
+    """Check that the arm is free of collisions while its fingers are at a handle.
+
+    Raises:
+        Failure: it is not.
+    """
+    hit = collide(search, joints, Configuration(situation, width, furniture))
+    if hit is not None:
+        raise Failure(ARM_COLLIDES, hit.other)

@@ -1,0 +1,77 @@
+"""Make furniture as a PyBullet body with one joint, and move that."""
+
+from __future__ import annotations
+
+from prag_asp.errors import SceneError
+from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.world.primitives import make_shapes
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.furniture import mechanism
+from prag_asp.scene.scene import Material, Shape
+from prag_asp.scene.solids import boxes, volume
+
+JOINT = 0
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+SLIDE_DRAG, HINGE_DRAG = 2.0, 0.2
+"""What moves a joint has to overcome this friction, in newtons or newton metres."""
+
+LIGHTER = 0.25
+
+
+def make_furniture(client: int, shape: Shape, material: Material, at: Vector, color: str | None) -> int:
+    """Make furniture that is closed; without a colour it cannot be seen.
+
+    Raises:
+        SceneError: PyBullet refuses its shape.
+    """
+    made = mechanism(shape)
+    solid, looks = make_shapes(boxes(made.body), client, color)
+    part, part_looks = make_shapes(boxes(made.part), client, color and lighter(color))
+    weight = material.density * volume(boxes(made.part))
+    body = pybullet.createMultiBody(
+        0.0,
+        solid,
+        looks,
+        at,
+        linkMasses=[weight],
+        linkCollisionShapeIndices=[part],
+        linkVisualShapeIndices=[part_looks],
+        linkPositions=[made.joint],
+        linkOrientations=[UPRIGHT],
+        linkInertialFramePositions=[(0.0, 0.0, 0.0)],
+        linkInertialFrameOrientations=[UPRIGHT],
+        linkParentIndices=[0],
+        linkJointTypes=[pybullet.JOINT_PRISMATIC if made.slides else pybullet.JOINT_REVOLUTE],
+        linkJointAxis=[made.axis],
+        physicsClientId=client,
+    )
+    if body < 0:
+        raise SceneError(f"PyBullet refuses furniture of the size {shape.size}")
+    for link in (-1, JOINT):
+        pybullet.changeDynamics(body, link, lateralFriction=material.friction, physicsClientId=client)
+    pybullet.changeDynamics(body, JOINT, jointLowerLimit=0.0, jointUpperLimit=made.limit, physicsClientId=client)
+    pybullet.setJointMotorControl2(
+        body,
+        JOINT,
+        pybullet.VELOCITY_CONTROL,
+        targetVelocity=0.0,
+        force=SLIDE_DRAG if made.slides else HINGE_DRAG,
+        physicsClientId=client,
+    )
+    return int(body)
+
+
+def set_opening(client: int, body: int, opening: float) -> None:
+    """Open furniture so far, in metres or radians."""
+    pybullet.resetJointState(body, JOINT, opening, physicsClientId=client)
+
+
+def read_opening(client: int, body: int) -> float:
+    """Return how far furniture is open, in metres or radians."""
+    return float(pybullet.getJointState(body, JOINT, physicsClientId=client)[0])
+
+
+def lighter(color: str) -> str:
+    """Return a colour nearer to white."""
+    parts = (int(color[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in parts)

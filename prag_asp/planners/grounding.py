@@ -1,0 +1,164 @@
+"""A domain without rules over time as ground actions: what has to hold before each, and what it makes so.
+
+An invariant that an action might break becomes a condition on the state before it: where the action makes one of two
+literals false that may not both be, it needs the other one, unless it makes that true itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import clingo
+
+from prag_asp.atom import Atom, symbol_of
+from prag_asp.errors import DomainError
+from prag_asp.planners.fact_pairs import MOST, Pairs, Values
+from prag_asp.planners.ground_action import Case, Effect, Ground, GroundAction, Proposition
+from prag_asp.program.facts import Facts
+from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.sources import Program, owned
+from prag_asp.task import Task
+
+NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "closed_invariants", "weights")
+"""Rules of the encodings that say nothing about which plans there are."""
+
+Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
+"""What actions make of fluents that they may change."""
+
+
+class _Stated(NamedTuple):
+    """An action with the values of fluents that it needs, and those that it makes."""
+
+    term: clingo.Symbol
+    before: Values
+    after: Values
+
+
+def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> Ground:
+    """Return all actions that may occur from a first state on; what it does not name is false.
+
+    With `outcomes`, effects that are unknown have these values, false where there is none.
+
+    Raises:
+        DomainError: an effect is unknown, and there are no `outcomes`.
+    """
+    found = [each for action in facts.actions if (each := _stated(action, facts, outcomes)) is not None]
+    pairs = None
+    if len(facts.fluents) <= MOST:
+        whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
+        pairs = Pairs(whole, [(each.before, each.after) for each in found])
+    graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
+    safe = (each for stated in found if (each := _safe(stated, graph, clauses, pairs)) is not None)
+    initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
+    wanted = {Proposition(fluent): value for fluent, value in goal.items()}
+    return Ground(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), wanted)
+
+
+def _action(stated: _Stated) -> GroundAction:
+    before = {Proposition(fluent): value for fluent, value in stated.before.items()}
+    effects = tuple(Effect((), (Proposition(fluent), value)) for fluent, value in stated.after.items())
+    return GroundAction(stated.term, (Case(before, (), effects),))
+
+
+def outcomes_of(task: Task, facts: Facts) -> Outcomes:
+    """Return what the actions of a task make of fluents that they may change, where that is known.
+
+    Raises:
+        DomainError: an action occurs twice, and has to make something else of a fluent each time.
+    """
+    found: dict[tuple[clingo.Symbol, clingo.Symbol], bool] = {}
+    for atom, state in zip(task.actions, task.states, strict=True):
+        action, known = symbol_of(atom), values_of(state)
+        for fluent, value in facts.postconditions.get(action, ()):
+            if value != "unknown" or fluent not in known:
+                continue
+            if found.setdefault((action, fluent), known[fluent]) != known[fluent]:
+                told = f"{action} occurs twice, and {fluent} is true after one and false after the other"
+                raise DomainError(f"{told}, which PDDL cannot say; choose another task")
+    return found
+
+
+def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
+    """Tell whether a state breaks an invariant; what it does not name is false."""
+    both = (*facts.exclusive, *facts.impossible)
+    return any(state.get(f) and state.get(g) for f, g in both) or any(
+        state.get(f) and not state.get(g) for f, g in facts.implies
+    )
+
+
+def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
+    """Yield where rules stand that say which plans there are beside what each action states."""
+    for source, own in owned(program):
+        if own or (source.path.parent.name == "rules" and source.path.stem not in NOT_OVER_TIME):
+            statements, _ = parse_sources([(source, own)])
+            yield from ((each.path, each.line) for each in statements if each.timed and each.is_rule)
+
+
+def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
+    """Return for each value the values one of which, by an invariant, holds wherever it does not."""
+    found: dict[FluentValue, list[FluentValue]] = {}
+    pairs = [((f, False), (g, False)) for f, g in (*facts.exclusive, *facts.impossible)]
+    pairs += [((f, False), (g, True)) for f, g in facts.implies if f != g]
+    for one, other in pairs:
+        found.setdefault(one, []).append(other)
+        found.setdefault(other, []).append(one)
+    return found
+
+
+def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _Stated | None:
+    """Return an action as the domain states it, None where it contradicts itself.
+
+    Raises:
+        DomainError: an effect of it is unknown.
+    """
+    after: dict[clingo.Symbol, bool] = {}
+    for fluent, value in facts.postconditions.get(action, ()):
+        if value == "unknown" and outcomes is None:
+            told = f"{action} leaves {fluent} unknown, which PDDL cannot say"
+            raise DomainError(f"{told}; let the action make it true or false, or export a task")
+    stated = facts.postconditions.get(action, ())
+    for fluent, value in (each for each in stated if each[1] != "unknown"):
+        if after.setdefault(fluent, value == "true") != (value == "true"):
+            return None
+    for fluent, _ in stated:
+        after.setdefault(fluent, bool(outcomes and outcomes.get((action, fluent))))
+    before: dict[clingo.Symbol, bool] = {}
+    for fluent, value in facts.preconditions.get(action, ()):
+        if before.setdefault(fluent, value == "true") != (value == "true"):
+            return None
+    return _Stated(action, before, after)
+
+
+def _safe(
+    action: _Stated,
+    graph: Mapping[FluentValue, tuple[FluentValue, ...]],
+    clauses: Mapping[FluentValue, list[FluentValue]],
+    pairs: Pairs | None,
+) -> _Stated | None:
+    """Return an action that also needs what keeps the invariants, None where it always breaks one."""
+    before = dict(action.before)
+    known = entailed(before.items(), graph)
+    for fluent, made in action.after.items():
+        for other, needed in clauses.get((fluent, not made), ()):
+            if action.after.get(other, needed) != needed:
+                return None
+            if other in action.after or (other, needed) in known:
+                continue
+            if pairs is not None and pairs.excludes(action.before, other, not needed):
+                continue
+            if before.setdefault(other, needed) != needed:
+                return None
+    return _Stated(action.term, before, action.after)
+
+
+def known_values(given: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
+    """Return what the contract states of fluents as truths."""
+    return {fluent: value == "true" for fluent, value in given}
+
+
+def values_of(state: Mapping[Atom, bool]) -> dict[clingo.Symbol, bool]:
+    """Return a state of a task by clingo's terms."""
+    return {symbol_of(fluent): value for fluent, value in state.items()}

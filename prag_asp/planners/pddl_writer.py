@@ -1,0 +1,288 @@
+"""Write a domain, or one task of it, as a domain and a problem of PDDL.
+
+Actions of one name whose conditions and effects are the same up to their arguments become one action with parameters,
+and a predicate says of which objects there is one; others are written one by one, without parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from prag_asp.atom import symbol_of
+from prag_asp.domain.load import Domain
+from prag_asp.errors import DomainError, EngineError, LimitReached
+from prag_asp.planners.ground_action import Case, Ground, GroundAction, Proposition, Value
+from prag_asp.planners.grounding import (
+    broken_invariant,
+    ground_plain,
+    known_values,
+    outcomes_of,
+    rules_over_time,
+    values_of,
+)
+from prag_asp.planners.lifted_actions import Clause, Instance, Literal, Written, alike, lifted, variable
+from prag_asp.planners.spelling import Spelling
+from prag_asp.planners.texts import all_of, as_text, effects, mirrored
+from prag_asp.program.facts import Facts
+from prag_asp.task import Task
+from prag_asp.wording import plural
+
+
+@dataclass(frozen=True)
+class Exported:
+    """The texts of a domain and of a problem, and the steps of the task's plan, if there is one."""
+
+    domain: str
+    problem: str
+    plan: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Schema:
+    """An action as it is written: variables and a case; `allowed` says of which objects there is one."""
+
+    name: str
+    variables: tuple[str, ...]
+    case: Written
+    allowed: str = ""
+
+
+def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> Exported:
+    """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its last state.
+
+    What a task leaves open of its initial state is false in PDDL. Without rules over time, an effect that is unknown is
+    what the task needs it to be, and false in all other actions: of the plans of the domain, PDDL has those for which
+    that is so. Comments of the problem say both.
+
+    Rules over time become conditions and effects of actions. Without `conditional`, no effect has a condition and no
+    condition a disjunction: an action has a copy for each way in which its conditions come out, so that plans keep
+    their length and their number (Nebel 2000). Without `negative`, no condition and no goal is negative: a predicate of
+    its own says what is not so.
+
+    Raises:
+        DomainError: the domain says what PDDL cannot, its first state breaks an invariant, it is an open world and no
+            task is given, or an action has too many copies.
+    """
+    name, facts = domain.name, domain.facts
+    if task is None and not facts.closed:
+        told = "its world is open, so it has no first state that PDDL can say; state one"
+        raise DomainError(f"{name}: {told} with initially(...), or export a task")
+    stated = known_values(facts.initially) if task is None else values_of(task.initial)
+    if broken_invariant(facts, stated):
+        raise DomainError(f"{name}: its first state breaks an invariant, so there is no plan; change either")
+    last = None if task is None else values_of(task.states[-1] if task.states else task.initial)
+    rule = next(rules_over_time(domain.program), None)
+    if rule is None and not facts.composites:
+        goal = known_values(facts.goal) if last is None else last
+        ground = ground_plain(facts, stated, goal, None if task is None else outcomes_of(task, facts))
+        open_effects = any(value == "unknown" for values in facts.postconditions.values() for _, value in values)
+    else:
+        ground, open_effects = _over_time(domain, stated, last, conditional=conditional), False
+    comment = _comment(len(facts.fluents) - len(stated), open_effects)
+    return _Writer(name, facts, ground, negative).written(task, comment)
+
+
+def _over_time(
+    domain: Domain,
+    stated: Mapping[clingo.Symbol, bool],
+    goal: Mapping[clingo.Symbol, bool] | None,
+    *,
+    conditional: bool,
+) -> Ground:
+    """Return a domain whose rules look at steps.
+
+    Raises:
+        DomainError: they say what PDDL cannot, or there are too many cases.
+    """
+    from prag_asp.planners.over_time import ground_over_time
+
+    try:
+        return ground_over_time(domain, stated, goal, whole=not conditional)
+    except LimitReached:
+        raise
+    except EngineError as error:
+        text = str(error)
+        where = ":".join(text.split(":", 2)[:2])
+        places = [f"{path}:{line}" for path, line in rules_over_time(domain.program)]
+        place = where if where in places else places[0] if places else domain.name
+        why = text.removeprefix(f"{place}: ").partition(";")[0]
+        hint = "leave it out, or export without it"
+        raise DomainError(f"{place}: PDDL cannot say this rule over time: {why}; {hint}") from None
+
+
+def _comment(left_open: int, open_effects: bool) -> str:
+    is_false = "is" if left_open == 1 else "are"
+    told = f"; {plural(left_open, 'fluent')} that the task leaves open {is_false} false here.\n" if left_open else ""
+    if open_effects:
+        told += "; Effects that the domain leaves open are what the task needs, and false otherwise.\n"
+    return told
+
+
+class _Writer:
+    """Names of PDDL for all that a domain has, and the texts that use them."""
+
+    def __init__(self, name: str, facts: Facts, ground: Ground, negative: bool) -> None:
+        self._ground = ground
+        self._negative = negative
+        self._spelling = Spelling()
+        self._name = Spelling().name(name, name)
+        for fluent in facts.fluents:
+            self._predicate(Proposition(fluent))
+        self._entities = [self._object(entity) for entity in facts.entities]
+        self._terms = {self._object(term): None for fluent in facts.fluents for term in fluent.arguments}
+        self._told = {each: self._literal(each, True) for each in ground.propositions}
+        self._terms.update((term, None) for _, terms, _ in self._told.values() for term in terms)
+        self._allowed: list[Literal] = []
+        self._steps: dict[clingo.Symbol, tuple[str, ...]] = {}
+        by_name: dict[tuple[str, int], list[GroundAction]] = {}
+        for action in ground.actions:
+            by_name.setdefault((action.term.name, len(action.term.arguments)), []).append(action)
+        self._schemas = [schema for key, found in by_name.items() for schema in self._schemas_of(key, found)]
+
+    def written(self, task: Task | None, comment: str) -> Exported:
+        """Return the texts for the whole domain, or for a task."""
+        goal, clauses = self._literals(self._ground.goal.items()), self._clauses(self._ground.clauses)
+        asked = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
+        opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in asked}
+        first = [(*each[:2], proposition in self._ground.initial) for proposition, each in self._told.items()]
+        initial = [each for each in (*first, *mirrored(first, opposites)) if each[2]]
+        steps = tuple(self._plan(map(symbol_of, task.actions))) if task is not None else ()
+        wanted = all_of(goal, clauses, opposites)
+        return Exported(self._domain(opposites), self._problem([*initial, *self._allowed], wanted, comment), steps)
+
+    def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
+        """Yield the steps of a plan: of an action with several cases, the one that is possible then."""
+        state = set(self._ground.initial)
+
+        def so(value: Value) -> bool:
+            return (value[0] in state) == value[1]
+
+        cases = {action.term: action.cases for action in self._ground.actions}
+        for action in actions:
+            found = [number for number, case in enumerate(cases[action]) if _possible(case, so)]
+            number = found[0] if len(cases[action]) > 1 else 0
+            effects = cases[action][number].effects
+            made = [effect.made for effect in effects if all(map(so, effect.where))]
+            state -= {each for each, _ in made}
+            state |= {each for each, value in made if value}
+            yield self._steps[action][number]
+
+    def _conditions(self, goal: Clause, clauses: Iterable[Clause]) -> Iterator[Literal]:
+        for each in (goal, *clauses):
+            yield from each
+        for schema in self._schemas:
+            yield from schema.case.conditions
+
+    def _object(self, term: clingo.Symbol) -> str:
+        return self._spelling.name(("object", term), str(term))
+
+    def _predicate(self, proposition: Proposition) -> str:
+        term, role = proposition
+        text = f"{role}-{term.name}" if role else term.name
+        return self._spelling.name(("predicate", role, term.name, len(term.arguments)), text)
+
+    def _literal(self, proposition: Proposition, value: bool) -> Literal:
+        return self._predicate(proposition), tuple(map(self._object, proposition.term.arguments)), value
+
+    def _literals(self, values: Iterable[Value]) -> Clause:
+        return tuple(sorted(self._literal(*each) for each in values))
+
+    def _clauses(self, clauses: Iterable[Sequence[Value]]) -> tuple[Clause, ...]:
+        return tuple(sorted(map(self._literals, clauses)))
+
+    def _case(self, case: Case) -> Written:
+        after = sorted((self._literals(each.where), self._literal(*each.made)) for each in case.effects)
+        return Written(self._literals(case.before.items()), self._clauses(case.clauses), tuple(after))
+
+    def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
+        """Yield the actions of a name: those that are alike as one with parameters."""
+        instances = [
+            Instance(each.term, tuple(map(self._object, each.term.arguments)), tuple(map(self._case, each.cases)))
+            for each in actions
+        ]
+        for instance in instances:
+            self._terms.update(dict.fromkeys(instance.arguments))
+        groups = alike(instances)
+        for number, group in enumerate(groups):
+            cases = lifted(group)
+            if cases is None or not key[1] or (len(group) == 1 < len(groups)):
+                for each in group:
+                    yield from self._ground_schemas(each)
+                continue
+            allowed = self._spelling.name(("can", *key, number), f"can-{key[0]}")
+            variables = tuple(map(variable, range(len(group[0].arguments))))
+            names = [self._spelling.name(("action", *key, number, which), _numbered(key[0], which, cases))
+                     for which in range(len(cases))]  # fmt: skip
+            for term, arguments, own in group:
+                self._allowed.append((allowed, arguments, True))
+                values = dict(zip(variables, arguments, strict=True))
+                which_of = {case.renamed(values).meant: name for case, name in zip(cases, names, strict=True)}
+                self._steps[term] = tuple(f"({' '.join([which_of[c.meant], *arguments])})" for c in own)
+            for name, case in zip(names, cases, strict=True):
+                yield _Schema(name, variables, case, allowed)
+
+    def _ground_schemas(self, instance: Instance) -> Iterator[_Schema]:
+        """Yield an action without parameters, each of its cases on its own."""
+        term, _, cases = instance
+        names = [self._spelling.name(("action", term, number), _numbered(str(term), number, cases))
+                 for number in range(len(cases))]  # fmt: skip
+        self._steps[term] = tuple(f"({name})" for name in names)
+        for name, case in zip(names, cases, strict=True):
+            yield _Schema(name, (), case)
+
+    def _requirements(self) -> str:
+        cases = [schema.case for schema in self._schemas]
+        found = [":strips"]
+        found += [":negative-preconditions"] * self._negative
+        found += [":disjunctive-preconditions"] * (bool(self._ground.clauses) or any(case.clauses for case in cases))
+        found += [":conditional-effects"] * any(where for case in cases for where, _ in case.after)
+        return " ".join(found)
+
+    def _domain(self, opposites: Mapping[str, str]) -> str:
+        """Return the text of the domain."""
+        predicates = {each[0]: len(each[1]) for each in self._told.values()}
+        own = {opposites[name]: arity for name, arity in predicates.items() if name in opposites}
+        allowed = {schema.allowed: len(schema.variables) for schema in self._schemas if schema.allowed}
+        lines = [
+            f"(define (domain {self._name})",
+            f"  (:requirements {self._requirements()})",
+            *([f"  (:constants {' '.join(self._terms)})"] if self._terms else []),
+            "  (:predicates",
+            *(
+                f"    ({' '.join([name, *map(variable, range(arity))])})"
+                for name, arity in {**predicates, **own, **allowed}.items()
+            ),
+            "  )",
+        ]
+        for schema in self._schemas:
+            case = schema.case
+            before = [f" ({' '.join([schema.allowed, *schema.variables])})"] if schema.allowed else []
+            before.append(all_of(case.before, case.clauses, opposites))
+            lines += ["", f"  (:action {schema.name}", f"    :parameters ({' '.join(schema.variables)})"]
+            lines += [f"    :precondition (and{''.join(before)})", f"    :effect (and{effects(case, opposites)}))"]
+        return "\n".join([*lines, ")"]) + "\n"
+
+    def _problem(self, initial: Iterable[Literal], wanted: str, comment: str) -> str:
+        """Return the text of the problem."""
+        others = [name for name in self._entities if name not in self._terms]
+        lines = [
+            f"(define (problem {self._name}-task)",
+            f"  (:domain {self._name})",
+            *([f"  (:objects {' '.join(others)})"] if others else []),
+            "  (:init",
+            *(f"   {as_text([each])}" for each in initial),
+            "  )",
+            f"  (:goal (and{wanted}))",
+        ]
+        return comment + "\n".join([*lines, ")"]) + "\n"
+
+
+def _possible(case: Case, so: Callable[[Value], bool]) -> bool:
+    return all(map(so, case.before.items())) and all(any(map(so, clause)) for clause in case.clauses)
+
+
+def _numbered(name: str, number: int, cases: Sequence[Written]) -> str:
+    return name if len(cases) == 1 else f"{name}-{number + 1}"

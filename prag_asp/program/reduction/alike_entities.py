@@ -1,0 +1,163 @@
+"""Entities that a domain's own statements cannot tell apart: the same facts up to their names, named by no rule."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import clingo
+from clingo.ast import AST, ASTType
+
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.reduction.authored_rules import is_stated
+from prag_asp.program.sources import Program, Source
+from prag_asp.program.syntax import Statement, below, children_of, with_replaced
+
+STATED = "_stated"
+"""The predicate under which facts are ground, with the number of their statement: no author's name begins so."""
+
+HOLE = "_"
+
+
+@dataclass(frozen=True)
+class Alike:
+    """The groups of two or more entities that a program's own statements treat alike, each in clingo's order of terms.
+
+    `stated` has the ground facts of each own fact of the base part.
+    """
+
+    program: Program
+    groups: tuple[tuple[clingo.Symbol, ...], ...]
+    stated: Mapping[Statement, Sequence[clingo.Symbol]]
+
+    def without(self, dropped: Collection[clingo.Symbol]) -> Program:
+        """Return the program that states nothing of some entities; each line stays where it was."""
+        left: dict[Statement, str] = {}
+        for statement, facts in self.stated.items():
+            kept = [fact for fact in facts if not any(_named(fact, dropped))]
+            if len(kept) < len(facts):
+                left[statement] = " ".join(f"{fact}." for fact in kept)
+        return Program(tuple(
+            Source(source.path, with_replaced(source.text, {s: t for s, t in left.items() if s.path == source.path}),
+                   source.includes)
+            for source in self.program.sources
+        ))  # fmt: skip
+
+
+def find_alike(program: Program, statements: Sequence[Statement]) -> Alike:
+    """Return the entities that are treated alike by the own statements of a program to which there is no objection.
+
+    Raises:
+        DomainError: clingo cannot ground one of the facts.
+    """
+    stated = _ground(statements)
+    facts = [fact for found in stated.values() for fact in found]
+    entities = {fact.arguments[0] for fact in facts if (fact.name, len(fact.arguments)) == ("entity", 2)}
+    told_apart = _told_apart(statements, entities)
+    turned = {_turned(entity): entity for entity in entities if entity.type == clingo.SymbolType.Function}
+    told_apart |= {turned[term] for fact in facts for term in _named(fact, turned)}
+    profiles: dict[clingo.Symbol, set[object]] = {entity: set() for entity in entities}
+    for fact in facts:
+        named = set(_named(fact, entities))
+        if len(named) == 1:
+            (entity,) = named
+            profiles[entity].add(_with_hole(fact, entity))
+        else:
+            told_apart |= named
+    groups: dict[frozenset[object], list[clingo.Symbol]] = {}
+    for entity in sorted(entities - told_apart):
+        groups.setdefault(frozenset(profiles[entity]), []).append(entity)
+    return Alike(program, tuple(tuple(group) for group in groups.values() if len(group) > 1), stated)
+
+
+def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symbol]]:
+    """Return the facts that each statement stands for, its pools and intervals laid out and its constants put in."""
+    facts = [each for each in statements if is_stated(each)]
+    if not facts:
+        return {}
+    lines = [f"{STATED}({number},{each.node.head})." for number, each in enumerate(facts) if each.heads]
+    lines += [each.text for each in statements if each.own and each.kind == ASTType.Definition]
+    grounder = Grounder(Program((Source(facts[0].path, "\n".join(lines)),)))
+    grounder.ground([("base", [])])
+    found: dict[Statement, list[clingo.Symbol]] = {each: [] for each in facts}
+    for atom in grounder.control.symbolic_atoms.by_signature(STATED, 2):
+        number, fact = atom.symbol.arguments
+        found[facts[number.number]].append(fact)
+    return found
+
+
+def _told_apart(statements: Iterable[Statement], entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
+    """Return the entities that a rule or a constant names, or a pattern of a rule may look into, and those within one.
+
+    Numbers and strings are told apart as well: rules compute with numbers.
+    """
+    constants: set[str] = set()
+    patterns: set[tuple[str, int]] = set()
+    for statement in statements:
+        if statement.own and not is_stated(statement) and statement.kind != ASTType.Program:
+            for term in _terms(statement.node):
+                if term.ast_type == ASTType.Function and term.arguments:
+                    patterns.add((term.name, len(term.arguments)))
+                elif term.ast_type in (ASTType.SymbolicTerm, ASTType.Function):
+                    constants.add(str(term))
+    within = {inner for entity in entities for each in _arguments(entity) for inner in _named(each, entities)}
+    outer = {entity for entity in entities if any(True for each in _arguments(entity) for _ in _named(each, entities))}
+    return (
+        within
+        | outer
+        | {
+            entity
+            for entity in entities
+            if entity.type != clingo.SymbolType.Function
+            or not entity.positive
+            or str(entity) in constants
+            or (entity.arguments and (entity.name, len(entity.arguments)) in patterns)
+        }
+    )
+
+
+def _arguments(term: clingo.Symbol) -> Sequence[clingo.Symbol]:
+    return term.arguments if term.type == clingo.SymbolType.Function else ()
+
+
+def _terms(node: AST) -> Iterator[AST]:
+    """Yield the terms of a statement: predicates are none, though they are written as functions."""
+    if node.ast_type == ASTType.SymbolicAtom:
+        inner = _predicates(node.symbol)
+        for each in (argument for predicate in inner for argument in predicate.arguments):
+            yield from below(each)
+    else:
+        if node.ast_type in (ASTType.Function, ASTType.SymbolicTerm):
+            yield node
+        for child in children_of(node):
+            yield from _terms(child)
+
+
+def _predicates(symbol: AST) -> Iterator[AST]:
+    if symbol.ast_type == ASTType.Pool:
+        for each in symbol.arguments:
+            yield from _predicates(each)
+    else:
+        yield symbol.argument if symbol.ast_type == ASTType.UnaryOperation else symbol
+
+
+def _named(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> Iterator[clingo.Symbol]:
+    if term in entities:
+        yield term
+    for argument in _arguments(term):
+        yield from _named(argument, entities)
+
+
+def _turned(entity: clingo.Symbol) -> clingo.Symbol:
+    """Return an entity with a minus, which no rule makes of it; a name that begins with one loses it."""
+    return clingo.Function(entity.name, entity.arguments, not entity.positive)
+
+
+def _with_hole(term: clingo.Symbol, entity: clingo.Symbol) -> object:
+    """Return a term with an entity's places left open, as what can be compared."""
+    if term == entity:
+        return HOLE
+    arguments = _arguments(term)
+    if not arguments:
+        return str(term)
+    return (term.name, term.positive, *(_with_hole(each, entity) for each in arguments))

@@ -1,0 +1,85 @@
+"""What cameras of a scene see of a moment, in a world of its own that is only looked at."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from prag_asp.errors import QueryError
+from prag_asp.physics.filming.episode_options import Staging
+from prag_asp.physics.filming.studio import Studio, open_studio
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Moment
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.scene import Scene
+
+Image = NDArray[np.uint8]
+
+
+class Viewer:
+    """Looks at moments; its world is built anew only where other bodies take part or they have other sizes.
+
+    `names` are the cameras whose pictures observations have. Where there are none, the first of the scene looks alone.
+
+    Raises:
+        QueryError: there is no such camera, one is named twice, or the size is none.
+    """
+
+    def __init__(self, scene: Scene, names: object, size: object, resources: ExitStack):
+        self._observed = tuple(cameras_of(scene, names, size))
+        self._cameras = cameras_of(scene, self._observed or (next(iter(scene.cameras)),), size)
+        self._resources = resources
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget the world, which was closed."""
+        self._own: ExitStack | None = None
+        self._studio: Studio | None = None
+        self._begun: tuple[Scene, tuple[str, ...]] | None = None
+
+    @property
+    def spaces(self) -> dict[str, spaces.Box]:
+        """What observations can have of each camera."""
+        sizes = {name: self._cameras[name].size for name in self._observed}
+        return {f"camera_{name}": spaces.Box(0, 255, (high, wide, 3), np.uint8) for name, (wide, high) in sizes.items()}
+
+    def pictures(self, situation: Situation) -> dict[str, Image]:
+        """Return what observations have of a moment, each of shape (height, width, 3)."""
+        if not self._observed:
+            return {}
+        studio = self._shown(situation)
+        return {f"camera_{name}": studio.take(self._cameras[name]).rgb for name in self._observed}
+
+    def picture(self, situation: Situation) -> Image:
+        """Return what the first camera sees of a moment, of shape (height, width, 3)."""
+        return self._shown(situation).take(next(iter(self._cameras.values()))).rgb
+
+    def _shown(self, situation: Situation) -> Studio:
+        """Return the world, put to a moment."""
+        begun = situation.scene, tuple(situation.poses)
+        if self._own is None:
+            self._own = self._resources.enter_context(ExitStack())
+        if self._studio is None or self._begun != begun:
+            self._own.close()
+            self._studio, self._begun = self._own.enter_context(open_studio(*begun)), begun
+        self._studio.show(Moment(situation.poses, situation.arms, situation.openings))
+        return self._studio
+
+
+def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:
+    """Return the cameras of a scene of some names; `size` is width and height in pixels.
+
+    Raises:
+        QueryError: there is no such camera, one is named twice, or the size is none.
+    """
+    if isinstance(names, str) or not isinstance(names, (tuple, list)):
+        raise QueryError(f'cameras {names!r}: give their names, such as ("{next(iter(scene.cameras))}",)')
+    sides = size if isinstance(size, (tuple, list)) else (size, size)
+    whole = len(sides) == 2 and all(isinstance(side, int) and not isinstance(side, bool) for side in sides)
+    if size is not None and not whole:
+        raise QueryError(f"size {size!r}: give width and height in pixels, such as (128, 128)")
+    staging = Staging(tuple(map(str, names)), None if size is None else (sides[0], sides[1]))
+    return staging.cameras_of(scene)

@@ -1,0 +1,117 @@
+"""What the rest of physics needs to know of a robot: an arm of seven joints with a parallel gripper.
+
+The tool is the point between the finger tips, its z axis the direction in which the fingers point, its y axis
+the one along which they open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from operator import le
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.footprint import Footprint
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.scene import Solid
+
+Joints = tuple[float, ...]
+
+
+ORIGIN = Pose((0.0, 0.0, 0.0))
+
+
+class Solver(Protocol):
+    """The kinematics of an arm in closed form; of its seven freedoms one angle is left to choose.
+
+    `last_resort` are the angles to try where no others gave a solution, `weights` how much the inverse kinematics
+    minds that each joint is away from the robot's posture.
+    """
+
+    last_resort: tuple[float, ...]
+    weights: Joints
+
+    def forward(self, joints: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the pose of the tool as a homogeneous matrix."""
+
+    def solutions(
+        self, flange: NDArray[np.float64], near: Joints, angles: Sequence[float]
+    ) -> Iterator[Sequence[float]]:
+        """Yield joint angles that bring the flange to a pose, a homogeneous matrix; some may be NaN.
+
+        None of them is checked against the limits. `near` are angles of which periodic ones may be the nearest.
+        """
+
+    def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
+        """Yield angles to try for a tool pose, the most promising first: around joints `near` where given."""
+
+
+class Hand(NamedTuple):
+    """A gripper of our own, for arms that come without: a box as the palm, and fingers that slide apart.
+
+    `parent` is the link of the arm that carries it, `at` how far ahead of that link's frame it begins and
+    `turn` how far it is turned about the axis of that, `palm` the sizes of the palm; metres and radians.
+    """
+
+    parent: str
+    at: float
+    turn: float
+    palm: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """An arm of seven joints with a parallel gripper; metres and radians.
+
+    `footprint` is what the base covers of the table, by pieces that lie wholly within it, in the robot's frame.
+    `torques` are the largest of the joints in newton metres; `speeds` and `accelerations` how fast each joint may turn
+    and gather speed, in radians a second and a second squared. `home` is where the arm waits, `posture` what the
+    inverse kinematics likes best. `tool_offset` is how far the tool is in front of the flange, `tool_turn` how far it
+    is turned about the flange's axis. `finger_depth` is how deep an object reaches between the fingers before it meets
+    the palm, `fingertip` how far the tips extend past the tool. An object is within `reach`, a ring around the base
+    seen from above, where the gripper gets to it and above it from straight above however it is turned, up to
+    `reach_height`. `payload` is what the arm may carry, in kilograms, `grip_force` what each finger presses with, in
+    newtons. `finger_names` are the links of the fingers, each with the side on which it is; `finger_boxes` make up the
+    left one, in its frame. `hand` is there where the gripper is our own. `base` is where the robot stands.
+    """
+
+    urdf: str
+    solver: Solver
+    footprint: tuple[Footprint, ...]
+    lower: Joints
+    upper: Joints
+    torques: Joints
+    speeds: Joints
+    accelerations: Joints
+    home: Joints
+    posture: Joints
+    links: tuple[int, ...]
+    arm_links: tuple[int, ...]
+    finger_joints: tuple[int, int]
+    finger_links: tuple[int, ...]
+    flange_link: int
+    tool_offset: float
+    tool_turn: float
+    opening: float
+    finger_depth: float
+    fingertip: float
+    reach: tuple[float, float]
+    reach_height: float
+    payload: float
+    grip_force: float
+    self_pairs: tuple[tuple[int, int], ...]
+    finger_names: tuple[tuple[str, float], ...]
+    finger_boxes: tuple[Solid, ...]
+    hand: Hand | None = None
+    base: Pose = ORIGIN
+
+    def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
+        """Tell whether every joint is within its limits, widened by `tolerance` radians."""
+        lower, upper = self.lower, self.upper
+        if tolerance:
+            lower, upper = tuple(low - tolerance for low in lower), tuple(high + tolerance for high in upper)
+        return all(map(le, lower, joints)) and all(map(le, joints, upper))

@@ -1,0 +1,232 @@
+"""Words, ranks and draws of an automaton whose states were merged up to renaming of interchangeable entities.
+
+A path of the merged automaton stands for many words. Walking along it, the names of its entities are composed edge by
+edge, and each edge is spread into the actions that it stands for. So words come in the order that they have in the
+automaton that was never merged. A unit of a joint group counts as an entity here, as in `Merging`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.logic.symmetry.symmetries import Unit
+from prag_asp.logic.symmetry.term_patterns import Patterns
+from prag_asp.logic.symmetry.twins import Twins
+from prag_asp.space.automaton.automaton import Automaton, Completions, Word
+from prag_asp.space.automaton.exploration import Renamings
+from prag_asp.space.automaton.walks import Choice, owner_of, words_along
+
+Names = NDArray[np.int64]
+"""For each entity of a merged state, the entity that it stands for, and -1 at the end for none."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A state before merging: a merged one, with the names of its entities."""
+
+    state: int
+    names: Names
+
+
+@dataclass(frozen=True)
+class _Branches:
+    """The edges of a place before merging, in order of their letters: the merged edge of each, and who is named."""
+
+    edges: NDArray[np.intp]
+    entities: NDArray[np.int64]
+    letters: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Merged:
+    """An automaton whose states were merged.
+
+    `base` has no weights; `own` has the weight of each edge, which each of the actions that it stands for has, or is
+    None where all weigh 1.
+    """
+
+    base: Automaton
+    renamings: Renamings
+    actions: Patterns
+    groups: tuple[tuple[Unit, ...], ...]
+    own: NDArray[Any] | None = None
+    _orbits: dict[int, tuple[NDArray[np.intp], NDArray[np.int64]]] = field(default_factory=dict, repr=False)
+
+    @property
+    def automaton(self) -> Automaton:
+        """The merged automaton; an edge weighs as much as all the actions that it stands for."""
+        found = self.renamings.multiplicities
+        weights = found if self.own is None else self.own * found.astype(object)
+        return replace(self.base, weights=weights)
+
+    @property
+    def start(self) -> Place:
+        """The initial state."""
+        return Place(0, np.array([*range(self.actions.places), -1]))
+
+    def branches(self, place: Place) -> _Branches:
+        """Return the edges of a place in order of their letters."""
+        edges, entities = self._orbit(place.state)
+        patterns = self.actions.pattern[self.base.letters[edges]]
+        letters = self.actions.find(patterns, place.names[entities])
+        order = np.argsort(letters)
+        return _Branches(edges[order], entities[order], letters[order])
+
+    def after(self, place: Place, branches: _Branches, branch: int) -> Place:
+        """Return the place that a branch leads to."""
+        edge = int(branches.edges[branch])
+        swapped = np.arange(self.actions.places)
+        first = self.actions.entities[self.base.letters[edge]]
+        for entity, named in zip(first.tolist(), branches.entities[branch].tolist(), strict=True):
+            if entity >= 0:
+                other = int(np.flatnonzero(swapped == named)[0])
+                swapped[[entity, other]] = swapped[[other, entity]]
+        order = self.renamings.orders[self.renamings.order_of[edge]]
+        return Place(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
+
+    def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+        """Return each edge of a state as often as it has renamings by twins, and the entities named in each."""
+        if state not in self._orbits:
+            automaton, actions = self.base, self.actions
+            twins = Twins.between(actions, self.renamings.twins[state : state + 1])
+            edges: list[int] = []
+            entities: list[tuple[int, ...]] = []
+            for edge in range(int(automaton.offsets[state]), int(automaton.offsets[state + 1])):
+                letter = int(automaton.letters[edge])
+                named = actions.entities[letter, : actions.arity[letter]].tolist()
+                rest = (-1,) * (actions.entities.shape[1] - len(named))
+                for chosen in product(*(twins.members(entity) for entity in named)):
+                    if len(set(chosen)) == len(chosen):
+                        edges.append(edge)
+                        entities.append((*chosen, *rest))
+            shape = (len(edges), actions.entities.shape[1])
+            found = np.array(edges, dtype=np.intp), np.array(entities, dtype=np.int64).reshape(shape)
+            self._orbits[state] = found
+        return self._orbits[state]
+
+
+def accepts_merged(merged: Merged, word: Sequence[int]) -> bool:
+    """Return whether a word belongs to the automaton before merging."""
+    automaton = merged.base
+    if not automaton.states:
+        return False
+    place = merged.start
+    for letter in word:
+        branches = merged.branches(place)
+        branch = int(np.searchsorted(branches.letters, letter))
+        if branch == len(branches.letters) or branches.letters[branch] != letter:
+            return False
+        place = merged.after(place, branches, branch)
+    return bool(automaton.accepting[place.state])
+
+
+def count_merged(merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()) -> int:
+    """Return the weight of all words of a length whose first letters are among those of `prefix`.
+
+    Places that differ only in who stands for entities that no later letter of the prefix names count as one.
+    """
+    if not completions.automaton.states or len(prefix) > length:
+        return 0
+    reached: dict[tuple[int, ...], tuple[int, Place]] = {(): (1, merged.start)}
+    for number, allowed in enumerate(prefix):
+        told = _told_apart(merged.actions, prefix[number + 1 :])
+        following: dict[tuple[int, ...], tuple[int, Place]] = {}
+        for weight, place in reached.values():
+            branches = merged.branches(place)
+            for branch in range(len(branches.letters)):
+                if int(branches.letters[branch]) not in allowed:
+                    continue
+                after = merged.after(place, branches, branch)
+                own = 1 if merged.own is None else int(merged.own[branches.edges[branch]])
+                roles = np.argsort(after.names[:-1])
+                key = (after.state, *roles[told].tolist())
+                sofar, kept = following.get(key, (0, after))
+                following[key] = (sofar + weight * own, kept)
+        reached = following
+    row = completions.last_row(length - len(prefix))
+    return sum(weight * int(row[place.state]) for weight, place in reached.values())
+
+
+def _told_apart(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
+    """Return the entities that some of these sets of letters tell apart from others of their group."""
+    found: set[int] = set()
+    for allowed in prefix:
+        letters = np.array(sorted(allowed), dtype=np.intp)
+        patterns, counts = np.unique(actions.pattern[letters], return_counts=True)
+        for pattern, number in zip(patterns, counts, strict=True):
+            if number < (actions.pattern == pattern).sum():
+                named = actions.entities[letters[actions.pattern[letters] == pattern]]
+                found.update(named[named >= 0].tolist())
+    return sorted(found)
+
+
+def merged_words(
+    merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
+) -> Iterator[Word]:
+    """Yield the words of a length in order, lazily; `prefix` as in `count_merged`."""
+    if not completions.automaton.states or len(prefix) > length:
+        return
+
+    def onward(place: Place, step: int) -> Iterator[tuple[int, Place]]:
+        branches = merged.branches(place)
+        for branch, letter in enumerate(branches.letters.tolist()):
+            if step >= len(prefix) or letter in prefix[step]:
+                after = merged.after(place, branches, branch)
+                if completions.row(length - step - 1)[after.state]:
+                    yield letter, after
+
+    if completions.row(length)[0]:
+        yield from words_along(merged.start, length, onward)
+
+
+class MergedRanking:
+    """The words of one length in the order and with the ranks that they have before merging; see `Ranking`."""
+
+    def __init__(self, merged: Merged, completions: Completions, length: int) -> None:
+        self._merged = merged
+        self._completions = completions
+        self._length = length
+        self.total = count_merged(merged, completions, length)
+        completions.row(length)
+
+    def unrank(self, rank: int) -> Word:
+        """Return the word that owns a rank from 0 to total - 1."""
+        return self.walk(owner_of(rank))[0]
+
+    def rank(self, word: Sequence[int]) -> int | None:
+        """Return the rank of a word in an automaton without weights, or None where it is no word of it."""
+        if len(word) != self._length or not accepts_merged(self._merged, word):
+            return None
+        rank, place = 0, self._merged.start
+        for left, letter in zip(range(self._length, 0, -1), word, strict=True):
+            branches = self._merged.branches(place)
+            branch = int(np.searchsorted(branches.letters, letter))
+            if branch:
+                rank += int(self._totals(place, branches, left)[branch - 1])
+            place = self._merged.after(place, branches, branch)
+        return rank
+
+    def _totals(self, place: Place, branches: _Branches, left: int) -> NDArray[Any]:
+        """Return the running totals of the weights behind the branches of a place with `left` letters to go."""
+        behind = self._completions.row(left - 1)[self._merged.base.targets[branches.edges]]
+        exact = behind.astype(self._completions.row(left).dtype)
+        return np.cumsum(exact if self._merged.own is None else exact * self._merged.own[branches.edges])
+
+    def walk(self, choose: Choice) -> tuple[Word, int]:
+        """Return a word and its weight; `choose` takes a branch of each step by the running totals of their weights."""
+        word, weight, place = [], 1, self._merged.start
+        for step in range(self._length):
+            branches = self._merged.branches(place)
+            totals = self._totals(place, branches, self._length - step)
+            branch = choose(step, totals.tolist())
+            if self._merged.own is not None:
+                weight *= int(self._merged.own[branches.edges[branch]])
+            word.append(int(branches.letters[branch]))
+            place = self._merged.after(place, branches, branch)
+        return tuple(word), weight

@@ -1,0 +1,136 @@
+"""The words of conditions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from prag_asp.atom import split_terms
+from prag_asp.errors import QueryError
+from prag_asp.integers import TOLD, shortened, too_large
+from prag_asp.space.conditions.clause_kinds import (
+    Achieves,
+    After,
+    Begins,
+    Clause,
+    Ends,
+    Has,
+    LoopFree,
+    Matches,
+    Names,
+    Nontrivial,
+    Part,
+    Range,
+    Uses,
+)  # fmt: skip
+from prag_asp.wording import unknown
+
+NUMBER = re.compile(r"(?:(?P<bound>at\s+least|at\s+most|exactly)\s+)?(?P<number>\d+)\s+(?P<rest>\S.*)$", re.DOTALL)
+AFTER = re.compile(r"(?P<steps>\d+)\s*:(?P<formula>.*)$", re.DOTALL)
+PART = re.compile(r"(?P<ranges>\d+-\d+(?:,\d+-\d+)*) of (?P<modulus>\d+) by seed (?P<seed>\d+)$")
+
+
+def parse_clause(text: str) -> Clause:
+    """Return the condition that a text spells, such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
+
+    Raises:
+        QueryError: it spells none.
+    """
+    words = " ".join(text.split())
+    keyword, _, rest = words.partition(" ")
+    if keyword == "not" and rest.partition(" ")[0] == "matches":
+        keyword, rest = "not matches", rest.partition(" ")[2]
+    if keyword not in KEYWORDS:
+        raise QueryError(f"condition {text!r}: " + unknown(keyword, KEYWORDS, "condition"))
+    if bool(rest) == (keyword in WHOLE):
+        raise QueryError(f"condition {text!r}: write it like {EXAMPLES[keyword]!r}")
+    for _, digits in too_large(words.partition(" by seed ")[0]):
+        raise QueryError(f"condition {text!r}: the number {shortened(digits)} is out of range: {TOLD}")
+    return KEYWORDS[keyword](rest)
+
+
+def _begins(rest: str) -> Clause:
+    return Begins(tuple(split_terms(rest)))
+
+
+def _has(rest: str) -> Clause:
+    wanted, pattern = _quantity(rest)
+    return Has(_pattern(pattern), wanted or Range(1))
+
+
+def _lacks(rest: str) -> Clause:
+    return Has(_pattern(rest), Range(0, 0))
+
+
+def _uses(rest: str) -> Clause:
+    wanted, kind = _quantity(rest)
+    return Names(kind, some=True) if wanted is None else Uses(kind, wanted)
+
+
+def _avoids(rest: str) -> Clause:
+    return Names(rest, some=False)
+
+
+def _after(rest: str) -> Clause:
+    match = AFTER.match(rest)
+    if match is None:
+        raise QueryError(f"condition 'after {rest}': write it like {EXAMPLES['after']!r}")
+    return After(int(match["steps"]), match["formula"].strip())
+
+
+def _part(rest: str) -> Clause:
+    match = PART.match(rest)
+    bounds = [tuple(map(int, each.split("-"))) for each in match["ranges"].split(",")] if match else []
+    residues = sorted({number for low, high in bounds for number in range(low, high + 1)})
+    if match is None or not residues or residues[-1] >= int(match["modulus"]):
+        raise QueryError(f"condition 'part {rest}': write it like {EXAMPLES['part']!r}")
+    return Part(tuple(residues), int(match["modulus"]), int(match["seed"]))
+
+
+def _quantity(text: str) -> tuple[Range | None, str]:
+    """Return the number that stands before a name, if any, and the name."""
+    match = NUMBER.match(text)
+    if match is None:
+        return None, text
+    number, bound = int(match["number"]), (match["bound"] or "exactly").split()[-1]
+    bounds = {"least": Range(number), "most": Range(0, number), "exactly": Range(number, number)}
+    return bounds[bound], match["rest"]
+
+
+def _pattern(text: str) -> str:
+    return ">".join(part.strip() for part in text.split(">"))
+
+
+KEYWORDS: dict[str, Callable[[str], Clause]] = {
+    "begins": _begins,
+    "has": _has,
+    "lacks": _lacks,
+    "uses": _uses,
+    "avoids": _avoids,
+    "matches": Matches,
+    "not matches": lambda rest: Matches(rest, inverse=True),
+    "starts": lambda rest: After(0, rest),
+    "after": _after,
+    "ends": Ends,
+    "achieves": Achieves,
+    "part": _part,
+    "nontrivial": lambda _: Nontrivial(),
+    "loop-free": lambda _: LoopFree(),
+}
+WHOLE = {"nontrivial", "loop-free"}
+EXAMPLES = {
+    "begins": "begins approach, grasp(panda,apple_1)",
+    "has": "has at least 2 grasp",
+    "lacks": "lacks grasp>drop",
+    "uses": "uses apple",
+    "avoids": "avoids can_1",
+    "matches": "matches approach (grasp . drop)* withdraw?",
+    "not matches": "not matches .* grasp drop .*",
+    "starts": "starts open(panda), not holding(panda,can_1)",
+    "after": "after 2: holding(panda,can_1)",
+    "ends": "ends holding(panda,can_1) or not open(panda)",
+    "achieves": "achieves holding(panda,can_1)",
+    "part": "part 0-79 of 100 by seed 7",
+    "nontrivial": "nontrivial",
+    "loop-free": "loop-free",
+}

@@ -1,0 +1,201 @@
+"""The choice of an engine: states are listed if that will end in the memory there is; else they become diagrams.
+
+Whether it will is estimated by what was measured: how many states each step has added so far. Where there are no states
+to list, clingo enumerates, and once that takes longer, a model counter counts as well: the first that is done answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
+
+from prag_asp.errors import EngineError, LimitReached
+from prag_asp.logic.domain_logic import Model
+from prag_asp.processes.machine import usual_memory
+from prag_asp.processes.progress_events import Note
+from prag_asp.space.automaton.bounded_count import count_within
+from prag_asp.space.automaton.exploration import Extent
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
+from prag_asp.space.engines.engine import Engine, Letters, Level, Progress
+from prag_asp.space.engines.reachability import Reach, Unfit
+from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
+from prag_asp.space.weights.weights import Weighed, Weights
+
+if TYPE_CHECKING:
+    from prag_asp.logic.formula.clause_builder import Literal
+    from prag_asp.logic.formula.cnf import Cnf
+    from prag_asp.logic.formula.counter import CountBeside
+    from prag_asp.space.engines.clingo_engine import ClingoEngine
+
+PATIENCE = 2.0
+"""Seconds for which clingo enumerates alone: it finds some 100,000 words in each."""
+
+EARLY, SURE = 64, 4
+"""No forecast counts before the states listed take this share of the memory, nor one of less than so many times it."""
+
+FAR = 1e18
+"""States beyond which nobody lists them."""
+
+
+Answer = TypeVar("Answer")
+
+
+@dataclass
+class Growth:
+    """How many states exploring has found after each number of steps, and what memory it may take, in bytes."""
+
+    memory: int
+    states: dict[int, int] = field(default_factory=dict)
+
+    def hopeless(self, extent: Extent, length: int) -> bool:
+        """Return whether, by how exploring has grown, its memory will not do for `length` steps.
+
+        Each step is taken to add as many times more states than the one before as that did, less what the ratio itself
+        has fallen: spaces that fill up grow more slowly from step to step. Memory is taken to grow with the states.
+        """
+        if self.states and extent.depth < max(self.states):
+            self.states.clear()
+        self.states[extent.depth] = extent.states
+        if extent.nbytes * EARLY < self.memory:
+            return False
+        return self.forecast(extent, length) > SURE * self.memory
+
+    def forecast(self, extent: Extent, length: int) -> int:
+        """Return the bytes that exploring will have taken after `length` steps, at a guess."""
+        depths = sorted(self.states)[:-1]  # the last one is not over
+        sizes = [self.states[depth] for depth in depths]
+        layers = [later - sooner for sooner, later in zip([0, *sizes], sizes, strict=False)]
+        if len(layers) < 3 or not (layers[-2] and layers[-3]):
+            return extent.nbytes
+        ratio, before = layers[-1] / layers[-2], layers[-2] / layers[-3]
+        falling = min(ratio / before, 1.0)
+        states, layer = float(sizes[-1]), float(layers[-1])
+        for _ in range(length - depths[-1]):
+            ratio *= falling
+            layer *= ratio
+            states += layer
+            if layer < 1 or states > FAR:
+                break
+        return int(extent.nbytes * max(states / extent.states, 1.0))
+
+
+class AutoEngine:
+    """Answers as the automaton does, or by diagrams from the length on for which its states would be too many.
+
+    Raises:
+        EngineError: the step is not a function of the state and the action.
+    """
+
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
+        self._asked = (model, level, progress, limits)
+        growth = Growth(usual_memory() if limits.memory_bytes is None else limits.memory_bytes)
+        self._listing = AutomatonEngine(model, level, progress, limits, hopeless=growth.hopeless)
+        self._diagrams: Engine | None = None
+        self._unfit: tuple[int, Reach] | None = None
+
+    @property
+    def letters(self) -> Letters:
+        """The texts of the letters, in their order."""
+        return self._listing.letters
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length.
+
+        Raises:
+            LimitReached: a limit ended the count; the error has the number of words that were found.
+        """
+        try:
+            return self._asking(length, lambda engine: engine.count(length, prefix))
+        except LimitReached as reached:
+            if not self._too_long(length):
+                raise
+            found = max(reached.at_least, 0 if prefix else self._found(length))
+            raise stopped_at(str(reached).partition(" was reached")[0], found, self._asked[1], length) from None
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily."""
+        engine = self._asking(length, lambda engine: self._explored(engine, length))
+        yield from engine.words(length, prefix)
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        return self._asking(len(word), lambda engine: engine.contains(word))
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        return self._asking(length, lambda engine: engine.unrank(length, rank))
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        return self._asking(len(word), lambda engine: engine.rank(word))
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights."""
+        return self._asking(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
+
+    def _asking(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
+        """Return what the engine answers that is fit for a length."""
+        if not self._too_long(length):
+            try:
+                return ask(self._listing)
+            except Unfit as unfit:
+                self._give_up(length, unfit)
+        return ask(self._by_diagrams())
+
+    def _explored(self, engine: Engine, length: int) -> Engine:
+        if engine is self._listing:
+            self._listing.known(length)
+        return engine
+
+    def _too_long(self, length: int) -> bool:
+        return self._unfit is not None and length >= self._unfit[0]
+
+    def _give_up(self, length: int, unfit: Unfit) -> None:
+        _, _, progress, _ = self._asked
+        self._unfit = (length, unfit.reach)
+        if progress:
+            why = f"{unfit.reach.states:,} states are listed, and {length} steps reach more than memory holds"
+            progress(Note(f"note: engine symbolic, because {why}"))
+
+    def _by_diagrams(self) -> Engine:
+        if self._diagrams is None:
+            from prag_asp.space.engines.symbolic_engine import SymbolicEngine
+
+            self._diagrams = SymbolicEngine(*self._asked)
+        return self._diagrams
+
+    def _found(self, length: int) -> int:
+        """Return how many words of a length are among the states that were listed."""
+        _, level, _, limits = self._asked
+        if level == "skeleton" or self._unfit is None:  # what was listed has no names yet
+            return 0
+        return count_within(self._unfit[1].completions, length, limits.begin().to_close().spent)[0]
+
+
+def searching_engine(
+    model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+) -> ClingoEngine:
+    """Return clingo, with a model counter beside it that counts as well where one is installed."""
+    from prag_asp.logic.formula.counter import CountBeside, has_ganak
+    from prag_asp.space.engines.clingo_engine import ClingoEngine
+    from prag_asp.space.engines.word_formula import word_formula
+
+    def beside(length: int, prefix: Letters) -> CountBeside:
+        def formula() -> tuple[Cnf, Sequence[Literal]]:
+            words = word_formula(model, level, length)
+            beginning = words.beginning(prefix)
+            if beginning is None:
+                raise EngineError("no word begins so")
+            return words.cnf, beginning
+
+        def begins() -> None:
+            if progress:
+                why = f"clingo has not found all words after {PATIENCE:g} s; the first that is done answers"
+                progress(Note(f"note: engine sharp as well, because {why}"))
+
+        return CountBeside(formula, PATIENCE, begins)
+
+    return ClingoEngine(model, level, progress, limits, beside if has_ganak() else None)

@@ -1,0 +1,334 @@
+"""The automaton engine: explore the states once, then count, rank and draw by dynamic programming."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import cached_property
+from math import lcm
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.step.transition import Transition
+from prag_asp.output.cache_files import cache_folder
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.entity_names import action_name
+from prag_asp.space.automaton.automaton import NO_PATHS, Ranking, accepts, count_words, words
+from prag_asp.space.automaton.bounded_count import count_within
+from prag_asp.space.automaton.recurrence import count_by_recurrence
+from prag_asp.space.engines.engine import Letters, Level, Progress, name_in_prefix
+from prag_asp.space.engines.independent_components import Apart
+from prag_asp.space.engines.reachability import HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights
+
+if TYPE_CHECKING:
+    from prag_asp.space.automaton.merged_states import MergedRanking
+    from prag_asp.space.automaton.shuffle_product import ShuffledWords
+    from prag_asp.space.engines.stored_automata import Shelf
+
+WORTH_KEEPING = 0.2
+"""Seconds of exploring from which what was found is kept for the next run."""
+
+RANKED = 8
+"""Lengths whose rankings are kept."""
+
+LONG = 10_000
+"""From this length on counting says how far it is."""
+
+
+class AutomatonEngine:
+    """Answers for one domain at one level; what was explored is kept for the next question.
+
+    `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
+    No answer depends on it. `explorer` is how states are found, where it is not by listing them; where `hopeless` says
+    that listing them will not end, each question raises `Unfit`.
+
+    Raises:
+        EngineError: the step is not a function of the state and the action.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        level: Level,
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+        *,
+        merge: bool | None = None,
+        explorer: Explorer | None = None,
+        hopeless: Forecast | None = None,
+    ) -> None:
+        self._model = model
+        self._level = level
+        self._limits = limits
+        self._tell = progress or (lambda words: None)
+        self._explorer: Explorer = explorer or Explorer(model, level, progress, merge, hopeless)
+        self._plain = Explorer(model, level, progress, merge=False)
+        self._shelf = _shelf_for(model, level, merge) if limits.cached and explorer is None else None
+        self._reached: Reach | None = self._shelf.read() if self._shelf else None
+        self._ranked: dict[int, Ranking | MergedRanking | ShuffledWords] = {}
+        self._apart = Apart(self._explorer, lambda: self._transition, self._tell)
+        self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
+        begun = monotonic()
+        if self._reached is None:
+            self._transition  # noqa: B018  what cannot be expressed is told at once
+        self._prepared = monotonic() - begun
+
+    @cached_property
+    def _transition(self) -> Transition:
+        return self._explorer.transition()
+
+    @cached_property
+    def letters(self) -> tuple[str, ...]:
+        """The texts of the letters, in their order."""
+        if self._reached is not None:
+            return self._reached.letters
+        if self._level == "skeleton":
+            return tuple(sorted(set(self._names)))
+        return tuple(map(str, self._transition.actions))
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        """The name of the action of each letter."""
+        if self._reached is not None:
+            return self._reached.names
+        return tuple(map(action_name, self._transition.actions))
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return {letter: number for number, letter in enumerate(self.letters)}
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length.
+
+        Raises:
+            LimitReached: a limit ended the exploration; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
+        reach = self._reach(length, budget, self._apart.spreads if prefix else self._apart.falls_apart)
+        if reach.stopped == HALTED:
+            apart = self._count_apart(length, budget, reach, prefix)
+            if apart is not None:
+                return apart
+            reach = self._reach(length, budget)
+        stage("counting")
+        if not prefix and not reach.stopped and reach.completions.automaton.horizon is None:
+            known = count_by_recurrence(reach.completions, length, budget.spent)
+            if known is not None:
+                return known
+        if prefix or (self._limits.seconds is None and length < LONG):
+            found, stopped = self._count(reach, length, prefix), reach.stopped
+        else:
+            found, stopped = count_within(reach.completions, length, budget.to_close().spent, self._tell)
+        if stopped or reach.stopped:
+            raise stopped_at(reach.stopped or stopped, found, self._level, length, reach.states)
+        return found
+
+    def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
+        """Return the number of words of a length, part by part; None where the parts are not independent after all.
+
+        `whole` is what was explored of the whole until then.
+
+        Raises:
+            LimitReached: a limit ended the count; the error has the number of words that were found.
+        """
+        if prefix:
+            words = self._apart.words(length, self._numbers, budget)
+            return words.count(self._sets(prefix)) if words else None
+        counted = self._apart.count(length, budget)
+        if counted is None:
+            return None
+        if counted.stopped:
+            least = counted.found
+            if self._level != "skeleton":  # what was explored of the whole has no names yet
+                least = max(least, count_within(whole.completions, length, budget.to_close().spent)[0])
+            raise stopped_at(counted.stopped, least, self._level, length, counted.states)
+        return counted.found
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily."""
+        reach = self.known(length)
+        sets = self._sets(prefix)
+        if not isinstance(reach, Reach):
+            found = reach.words(sets)
+        elif reach.merged:
+            from prag_asp.space.automaton.merged_states import merged_words
+
+            found = merged_words(reach.merged, reach.completions, length, sets)
+        else:
+            found = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
+        for word in found:
+            yield self._spelled(word)
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        if not all(letter in self._numbers for letter in word):
+            return False
+        reach = self.known(len(word))
+        numbers = [self._numbers[letter] for letter in word]
+        if not isinstance(reach, Reach):
+            return reach.rank(numbers) is not None
+        if reach.merged:
+            from prag_asp.space.automaton.merged_states import accepts_merged
+
+            return accepts_merged(reach.merged, numbers)
+        return accepts(reach.completions.automaton, numbers)
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        return self._spelled(self._ranking(length).unrank(rank))
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        if not all(letter in self._numbers for letter in word):
+            return None
+        return self._ranking(len(word)).rank([self._numbers[letter] for letter in word])
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, and keep the last ones made."""
+        refuse_weights(self._level, weights, self._model, length)
+        stage("weighing")
+        key = (length, weights, goals, plain)
+        if self._weighed is None or self._weighed[0] != key:
+            self._weighed = (key, self._weigh(length, weights, goals, plain))
+        return self._weighed[1]
+
+    def _spelled(self, word: Sequence[int]) -> Letters:
+        return tuple(self.letters[letter] for letter in word)
+
+    def _sets(self, prefix: Letters) -> list[frozenset[int]]:
+        return [self._matching(text) for text in prefix]
+
+    def _matching(self, text: str) -> frozenset[int]:
+        name = name_in_prefix(text, self._numbers)
+        if name is None:
+            return frozenset({self._numbers[text]})
+        names = () if self._level == "skeleton" else self._names
+        return frozenset(number for number, each in enumerate(names) if each == name)
+
+    def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
+        sets = self._sets(prefix)
+        if reach.merged:
+            from prag_asp.space.automaton.merged_states import count_merged
+
+            return count_merged(reach.merged, reach.completions, length, sets)
+        return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
+
+    def _reach(self, length: int, budget: Budget, halt: Halt | None = None) -> Reach:
+        """Return what is reached within a length, and keep it where no limit ended it."""
+        if self._reached is not None and self._reached.covers(length):
+            return self._reached
+        begun = monotonic()
+        stage("exploring")
+        found = self._explorer.reach(self._transition, length, budget, halt)
+        if found.stopped == UNFIT and halt and self._apart.finds:
+            return replace(found, stopped=HALTED)
+        if found.stopped == UNFIT:
+            raise Unfit(found)
+        if found.covers(length):
+            self._reached = found
+            if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:
+                self._shelf.write(found)
+        return found
+
+    def known(self, length: int) -> Reach | ShuffledWords:
+        """Return all that is reached within a length; or its words, where they are those of many parts.
+
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        budget = self._limits.begin()
+        halted = self._apart.has_words(length) or self._reach(length, budget, self._apart.spreads).stopped == HALTED
+        found = self._apart.words(length, self._numbers, budget) if halted else None
+        return found or self.explored(length, budget)
+
+    def explored(self, length: int, budget: Budget | None = None) -> Reach:
+        """Return all that is reached within a length.
+
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        budget = budget or self._limits.begin()
+        reach = self._reach(length, budget)
+        if not reach.covers(length):
+            found, _ = count_within(reach.completions, length, budget.to_close().spent)
+            raise stopped_at(reach.stopped, found, self._level, length, reach.states)
+        return reach
+
+    def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
+        """Return the ranking of a length, and keep the last ones made: tasks of several lengths are told by turns."""
+        if length not in self._ranked:
+            reach = self.known(length)
+            stage("ranking")
+            while len(self._ranked) >= RANKED:
+                del self._ranked[next(iter(self._ranked))]
+            self._ranked[length] = _ranking_of(reach, length) if isinstance(reach, Reach) else reach
+        return self._ranked[length]
+
+    def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
+        from prag_asp.logic.step.hindsight import Hindsight, numbered_goals
+
+        hindsight = Hindsight(self._model.step, self._model.domain.facts.fluents) if goals else None
+        read = hindsight.last_read if hindsight else ()
+        explorer = self._plain if plain or goals else self._explorer
+        if not weights and not goals and not plain:
+            known = self.known(length)
+            if not isinstance(known, Reach):
+                return Weighed(NO_PATHS, ranking=known)
+            return Weighed(known.completions, ranking=_merged_ranking(known, length))
+        if not weights and not goals:
+            whole = self.explored(length)
+            if not whole.merged:
+                return Weighed(whole.completions)
+        budget = self._limits.begin()
+        divides = weights.of_actions_alone and not (plain or goals)
+        apart = self._weigh_apart(length, weights, budget) if divides and self._apart.has_words(length) else None
+        if apart:
+            return apart
+        reach, unit, marks = explorer.weighed(length, weights, budget, read, self._apart.spreads if divides else None)
+        if divides and reach.stopped in {HALTED, UNFIT} and self._apart.finds:
+            apart = self._weigh_apart(length, weights, budget)
+            if apart:
+                return apart
+            reach, unit, marks = explorer.weighed(length, weights, budget, read)
+        if reach.stopped == UNFIT:
+            raise Unfit(reach)
+        if not reach.covers(length):
+            raise stopped_at(reach.stopped, 0, self._level, length, reach.states)
+        ends = numbered_goals(hindsight, marks) if hindsight else None
+        return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
+
+    def _weigh_apart(self, length: int, weights: Weights, budget: Budget) -> Weighed | None:
+        """Return the words with the weights of their actions by those of the parts, if these give them."""
+        words = self._apart.words(length, self._numbers, budget)
+        if words is None:
+            return None
+        by_letter, _ = edge_weights(self._transition.actions, weights)
+        scale = lcm(*(weight.denominator for weight in by_letter))
+        whole = [int(weight * scale) for weight in by_letter]
+        return Weighed(NO_PATHS, Fraction(1, scale**length), ranking=words.weighing(whole))
+
+
+def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
+    """Return the place in the cache for a level of a domain, or None where there is no cache."""
+    folder = cache_folder()
+    if folder is None:
+        return None
+    from prag_asp.space.engines.stored_automata import shelf_for
+
+    return shelf_for(folder, model, level, merge)
+
+
+def _ranking_of(reach: Reach, length: int) -> Ranking | MergedRanking:
+    return _merged_ranking(reach, length) or Ranking(reach.completions, length)
+
+
+def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
+    if not reach.merged:
+        return None
+    from prag_asp.space.automaton.merged_states import MergedRanking
+
+    return MergedRanking(reach.merged, reach.completions, length)

@@ -1,0 +1,254 @@
+"""The clingo engine: unroll all steps and enumerate answer sets. It is the reference, and takes any rules."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from itertools import islice
+from weakref import WeakValueDictionary
+
+import clingo
+
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.ground.ground_step import unrolled
+from prag_asp.processes.progress_events import stage
+from prag_asp.processes.workers import uninterrupted
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.sources import Program
+from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, name_in_prefix
+from prag_asp.space.engines.listed_words import listed
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at, within
+from prag_asp.space.weights.weights import Weighed, Weights
+
+POLL = 0.2
+"""Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
+
+
+Ask = Callable[[], "int | None"]
+"""Returns a number that somebody else has found, None as long as there is none."""
+
+Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
+"""Counts the words of a length that begin with a prefix, while clingo does so too: the first that is done answers."""
+
+
+class ClingoEngine:
+    """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
+
+    def __init__(
+        self,
+        model: Model,
+        level: Level,
+        progress: Progress | None = None,
+        limits: Limits = UNLIMITED,
+        beside: Beside | None = None,
+    ) -> None:
+        self._beside: Beside = beside or (lambda length, prefix: nullcontext(lambda: None))
+        self._model = model
+        self._limits = limits
+        self._level = level
+        self._progress = progress
+        self._unrolled: tuple[int, _Unrolled] | None = None
+        self._symbols = all_letters(model, level)
+        self.letters = tuple(self._symbols)
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length, by enumerating them all.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
+        plans = self._plans(length)
+        assumptions = plans.assume(prefix)
+        if assumptions is None:
+            return 0
+        if self._progress:
+            self._progress(f"enumerating answer sets for length {length}")
+        stage("enumerating answer sets")
+        with self._beside(length, prefix) as ask:
+            found, stopped = plans.count(assumptions, budget, ask)
+        if stopped:
+            raise stopped_at(stopped, found, self._level, length)
+        return found
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily: by one search for each way to go on.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        return within(self._limits, self._words(length, prefix), self._level, length)
+
+    def _words(self, length: int, prefix: Letters) -> Iterator[Letters]:
+        plans = self._plans(length)
+        stage("searching words")
+
+        def onward(word: Letters) -> Iterator[Letters]:
+            return ((*word, letter) for letter in plans.following(word, prefix[len(word) :]))
+
+        if length == 0:
+            yield from [()] if plans.possible(prefix) else []
+            return
+        waiting = [onward(())]
+        while waiting:
+            word = next(waiting[-1], None)
+            if word is None:
+                waiting.pop()
+            elif len(word) == length:
+                yield word
+            else:
+                waiting.append(onward(word))
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        if not all(letter in self.letters for letter in word):
+            return False
+        return self._plans(len(word)).possible(word)
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1, by enumerating the words before it."""
+        return next(islice(self.words(length), rank, None))
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        return next((rank for rank, each in enumerate(self.words(len(word))) if each == word), None)
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, by enumerating them all."""
+        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
+
+    def _plans(self, length: int) -> _Unrolled:
+        if self._unrolled is None or self._unrolled[0] != length:
+            program = self._model.program if self._level == "plan" else self._model.task_program(length)
+            shown = "named" if self._level == "skeleton" else "occurs"
+            found = _in_use.get((id(program), length, shown))
+            if found is None:
+                found = _in_use[id(program), length, shown] = _Unrolled(program, length, shown, self._symbols)
+            self._unrolled = (length, found)
+        return self._unrolled[1]
+
+
+class _Unrolled:
+    """The ground program of all plans of one length; between two questions it is as it was before."""
+
+    def __init__(self, program: Program, length: int, shown: str, letters: Mapping[str, clingo.Symbol]) -> None:
+        self._program = program  # as long as this is in use, no other program has its identity
+        self._shown = shown
+        self._letters = letters
+        projected = f"{self._shown}(X,t) : {self._shown}(X,t)"
+        grounder = Grounder(program, "0", "--project=project")
+        self._control = grounder.control
+        self._control.add("step", ["t"], f"#project {projected}.")
+        grounder.ground([("base", [])])
+        grounder.ground(unrolled(length))
+        self._length = length
+
+    def assume(self, letters: Sequence[str]) -> list[int] | None:
+        """Return the literals that say that a word begins with `letters`, or None where it cannot."""
+        if len(letters) > self._length:
+            return None
+        found = []
+        for step, letter in enumerate(letters, 1):
+            name = name_in_prefix(letter, self._letters)
+            term = self._letters[letter] if name is None else clingo.Function(name)
+            symbol = clingo.Function(self._shown if name is None else "named", [term, clingo.Number(step)])
+            atom = self._control.symbolic_atoms[symbol]
+            if atom is None:
+                return None
+            found.append(atom.literal)
+        return found
+
+    def possible(self, letters: Sequence[str]) -> bool:
+        """Return whether a word begins with `letters`."""
+        assumptions = self.assume(letters)
+        return assumptions is not None and self.satisfiable(assumptions)
+
+    def satisfiable(self, assumptions: Sequence[int]) -> bool:
+        """Return whether some answer set satisfies the literals."""
+        return self._found(assumptions, ()) is not None
+
+    def following(self, word: Letters, wanted: Letters) -> Iterator[str]:
+        """Yield the letters, in order, that follow `word` in words that go on as `wanted`, each as soon as it is known.
+
+        A letter is tried by itself. Each time one fails, twice as many searches as before, one at first, find any
+        others, or that there are none. So of n letters that follow, all take at most n + 1 searches that find some, and
+        one that fails for each doubling.
+        """
+        assumptions = self.assume((*word, *wanted))
+        if assumptions is None:
+            return
+        time = clingo.Number(len(word) + 1)
+        atoms = self._control.symbolic_atoms
+        at_step = ((name, atoms[clingo.Function(self._shown, [term, time])]) for name, term in self._letters.items())
+        literals = {letter: atom.literal for letter, atom in at_step if atom is not None}
+        found: set[int] = set()
+        searches, complete = 1, False
+        for letter, literal in literals.items():
+            if not complete and literal not in found:
+                new = self._found([*assumptions, literal], literals.values())
+                if new is not None:
+                    found |= new
+                elif searches:
+                    complete, searches = self._find_others(assumptions, literals.values(), found, searches)
+            if literal in found:
+                yield letter
+
+    def _find_others(
+        self, assumptions: Sequence[int], literals: Collection[int], found: set[int], searches: int
+    ) -> tuple[bool, int]:
+        """Add to what was `found` of some literals; return whether this is all, and how many searches are of use next.
+
+        Encodings that are no copies of ours may let a step have no action, or several: then none is of use.
+        """
+        for _ in range(searches):
+            new = self._found([*assumptions, *(-each for each in found)], literals)
+            if new is None:
+                return True, 0
+            found |= new
+            if len(new) != 1:
+                return False, 0
+        return False, 2 * searches
+
+    def _found(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
+        """Return which literals hold in an answer set that satisfies what is assumed, or None where there is none.
+
+        For an error in what it calls at the end, clingo ends the process: so nothing interrupts it.
+        """
+        self._limit(1)
+        with uninterrupted(), self._control.solve(assumptions=list(assumptions), yield_=True) as handle:
+            model = handle.model()
+            return None if model is None else {each for each in literals if model.is_true(each)}
+
+    def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, str | None]:
+        """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
+
+        Those found until then are counted, unless `ask` knows the number before all are found.
+        """
+        self._limit(0)
+        stopped, known = None, None
+        with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
+            try:
+                while not handle.wait(POLL):
+                    stopped, known = budget.spent(), ask()
+                    if stopped or known is not None:
+                        handle.cancel()
+                        break
+            except BaseException:
+                handle.cancel()
+                raise
+            handle.get()
+            # Models are numbered as they are found; the statistics say so too, but cost milliseconds to read.
+            last = handle.last()
+        if known is not None:
+            return known, None
+        return last.number if last is not None else 0, stopped
+
+    def _limit(self, models: int) -> None:
+        solving = self._control.configuration.solve
+        assert isinstance(solving, clingo.Configuration)
+        solving.models = str(models)
+
+
+_in_use: WeakValueDictionary[tuple[int, int, str], _Unrolled] = WeakValueDictionary()
+"""What engines of one domain have ground, by the program, the length and what is shown: without interchangeable
+entities, tasks are plans."""

@@ -1,0 +1,99 @@
+"""What every engine answers, and what it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import clingo
+
+from prag_asp.logic.domain_logic import Model
+from prag_asp.program.entity_names import action_name
+from prag_asp.space.limits import Limits
+
+if TYPE_CHECKING:
+    from prag_asp.space.weights.weights import Weighed, Weights
+
+Level = Literal["plan", "task", "skeleton"]
+LEVELS: tuple[Level, ...] = ("plan", "task", "skeleton")
+
+Letters = tuple[str, ...]
+"""A plan or a task as the texts of its actions, a skeleton as names."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A plan or task drawn, with the exact probability that it had."""
+
+    word: Letters
+    probability: Fraction
+
+
+class Engine(Protocol):
+    """A way to count, enumerate and draw the words of one domain at one level.
+
+    `prefix` holds, for the first steps, the text of a letter or the name of several (see `name_in_prefix`). Words come
+    in the order of their letters: actions in clingo's order of terms, names in alphabetical order.
+    """
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length."""
+        ...
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily."""
+        ...
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        ...
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        ...
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        ...
+
+    @property
+    def letters(self) -> Letters:
+        """The texts of the letters, in their order."""
+        ...
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights; with `goals`, also what is known after each.
+
+        With `plain` (or `goals`), each path is one word; otherwise it may stand for several.
+
+        Raises:
+            QueryError: the weights tell interchangeable entities apart, or skeletons are weighed.
+        """
+        ...
+
+
+Progress = Callable[[str], None]
+"""Told in a few words how far a long computation is."""
+
+ALL = "(...)"
+"""What an item of a prefix ends with that is a name though an action is spelled like it: all actions of that name."""
+
+
+def name_in_prefix(item: str, letters: Container[str]) -> str | None:
+    """Return the name that an item of a prefix stands for, or None where it is one of the letters."""
+    if item.endswith(ALL):
+        return item.removesuffix(ALL)
+    return None if item in letters else item
+
+
+MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
+
+
+def all_letters(model: Model, level: Level) -> dict[str, clingo.Symbol]:
+    """Return the letters of a level with their terms, in order: the texts of all actions tried, or their names."""
+    actions = model.domain.facts.tried
+    if level == "skeleton":
+        return {name: clingo.Function(name) for name in sorted(set(map(action_name, actions)))}
+    return {str(action): action for action in actions}

@@ -1,0 +1,184 @@
+"""A level whose domain falls into parts that have nothing in common: each is explored by itself, then all are shuffled.
+
+A plan of the whole is a plan of each part, together with which of its steps belong to which part; so the plans of
+length n are the sum, over the ways to write n as a sum of one length for each part, of the multinomial coefficient and
+the product of the parts' counts (the product formula of exponential generating functions; Stanley, Enumerative
+Combinatorics 2, 5.1). For that a part has to stay as it is while another one acts, which is tested on every state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import comb, prod
+from typing import TYPE_CHECKING
+
+from prag_asp.logic.step.transition import Transition
+from prag_asp.processes.progress_events import stage
+from prag_asp.space.automaton.automaton import Completions
+from prag_asp.space.automaton.exploration import Extent
+from prag_asp.space.engines.reachability import HALTED, Explorer, Halt, Reach
+from prag_asp.space.limits import Budget, stopped_at
+
+if TYPE_CHECKING:
+    from prag_asp.space.automaton.shuffle_product import ShuffledWords
+
+FEW_STATES = 4096
+"""States up to which a domain is counted as a whole, though it may fall into parts: it answers more questions so."""
+
+MANY_EDGES = 5_000_000
+"""Edges of the whole beyond which words are found part by part: up to that, listing them all is soon done."""
+
+LARGE_PART = 5_000_000
+"""Edges of a part beyond which nothing is won by finding its words apart."""
+
+
+@dataclass(frozen=True)
+class Counted:
+    """How many words there are, the states explored for that, and which limit ended it, in words."""
+
+    found: int
+    states: int
+    stopped: str
+
+
+class Apart:
+    """The independent parts of one level of a domain, and what is found by way of them.
+
+    `explorer` explores the whole, and `transition` returns its step function; parts are looked for when it has grown.
+    """
+
+    def __init__(self, explorer: Explorer, transition: Callable[[], Transition], tell: Callable[[str], None]) -> None:
+        self._explorer = explorer
+        self._transition = transition
+        self._tell = tell
+        self._parts: tuple[Transition, ...] | None = None
+        self._large = False
+        self._reached: tuple[int, list[Reach]] | None = None
+
+    @property
+    def counts(self) -> bool:
+        """Whether words may be counted part by part, as far as is known."""
+        if self._explorer.merge is not None:
+            return False
+        if self._parts is None:
+            from prag_asp.logic.step.independent import independent_parts
+
+            self._parts = independent_parts(self._transition(), by_name=self._explorer.level == "skeleton")
+        return bool(self._parts)
+
+    @property
+    def finds(self) -> bool:
+        """Whether words may be found part by part, as far as is known: none of the parts is large itself."""
+        return self.counts and not self._large
+
+    def falls_apart(self, extent: Extent) -> bool:
+        """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
+        return extent.states > FEW_STATES and self.counts
+
+    def spreads(self, extent: Extent) -> bool:
+        """Return whether the whole has so many edges that words are found in its parts, if it has any."""
+        return extent.edges > MANY_EDGES and self.finds
+
+    def count(self, length: int, budget: Budget) -> Counted | None:
+        """Return the number of words of a length; None where some part does not rest while another one acts.
+
+        A limit leaves words out; none is wrong. Of skeletons, no two parts have a name of actions in common, or two of
+        theirs could be shuffled to the same one.
+        """
+        reaches = self._explored(replace(self._explorer, hopeless=None), length, budget)
+        if reaches is None:
+            self._parts = ()
+            return None
+        states = sum(reach.states for reach in reaches)
+        self._tell(f"counted in {len(reaches)} independent parts with {states:,} states")
+        counts = [_terms(reach.completions, length) for reach in reaches]
+        stage("counting shuffles")
+        number, late = shuffled(counts, budget.to_close().spent)
+        return Counted(number, states, _stopped(reaches) or late)
+
+    def has_words(self, length: int) -> bool:
+        """Return whether the words of a length are found already, those of each part."""
+        return self._reached is not None and self._reached[0] >= length
+
+    def words(self, length: int, numbers: Mapping[str, int], budget: Budget) -> ShuffledWords | None:
+        """Return the words of a length by those of the parts; letters of the whole have these `numbers`.
+
+        None where the parts are not independent after all, or one of them is large itself.
+
+        Raises:
+            LimitReached: a limit ended the exploration.
+        """
+        from prag_asp.space.automaton.shuffle_product import ShuffledWords
+
+        if self._reached is None or not self.has_words(length):
+            plain = Explorer(self._explorer.model, self._explorer.level, self._explorer.tell, merge=False)
+            reaches = self._explored(plain, length, budget, _is_large)
+            if reaches is None:
+                self._large = True
+                return None
+            states, stopped = sum(reach.states for reach in reaches), _stopped(reaches)
+            if stopped:
+                raise stopped_at(stopped, 0, self._explorer.level, length, states)
+            self._reached = (length, reaches)
+            self._tell(f"found in {len(reaches)} independent parts with {states:,} states")
+        reaches = self._reached[1]
+        letters = [[numbers[letter] for letter in reach.letters] for reach in reaches]
+        return ShuffledWords([reach.completions for reach in reaches], letters, length)
+
+    def _explored(
+        self, explorer: Explorer, length: int, budget: Budget, halt: Halt | None = None
+    ) -> list[Reach] | None:
+        """Return what each part reaches; None where `halt` says so, or one does not rest while another one acts.
+
+        Once a limit ended one, no more than the first state of the others is looked at.
+        """
+        found: list[Reach] = []
+        for part in self._parts or ():
+            steps = 0 if _stopped(found) else length
+            found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
+            if found[-1].stopped == HALTED:
+                return None
+        return found
+
+
+def _is_large(extent: Extent) -> bool:
+    return extent.edges > LARGE_PART
+
+
+def _stopped(reaches: Sequence[Reach]) -> str:
+    """Return the limit that ended one of them first, in words, or ""."""
+    return next((reach.stopped for reach in reaches if reach.stopped), "")
+
+
+def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = lambda: None) -> tuple[int, str]:
+    """Return the number of shuffles of one word of each part that have the greatest length, and "".
+
+    `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. Where `spent` says that a limit is
+    reached, that is returned, and no more than the words of the parts that were shuffled until then.
+    """
+    first, *others = counts
+    whole, length = list(first), len(first) - 1
+    for place, part in enumerate(others, 1):
+        wanted = range(length + 1) if place < len(others) else range(length, length + 1)
+        used = [k for k, count in enumerate(part) if count]
+        following = []
+        for n in wanted:
+            stopped = spent()
+            if stopped:
+                return whole[length] * prod(rest[0] for rest in others[place - 1 :]), stopped
+            following.append(sum(comb(n, k) * part[k] * whole[n - k] for k in used if k <= n))
+        whole = following
+    return whole[-1], ""
+
+
+def _terms(completions: Completions, length: int) -> list[int]:
+    """Return the number of words of each length up to one."""
+    if not completions.automaton.states:
+        return [0] * (length + 1)
+    row = completions.row(0)
+    terms = [int(row[0])]
+    for _ in range(length):
+        row = completions.following(row)
+        terms.append(int(row[0]))
+    return terms

@@ -1,0 +1,157 @@
+"""The sat engine: the unrolled program as clauses, searched by a SAT solver. It is a second opinion on clingo's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from itertools import islice
+
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.formula.clause_builder import TRUE
+from prag_asp.logic.formula.solver import Solver
+from prag_asp.processes.progress_events import stage
+from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters
+from prag_asp.space.engines.listed_words import listed
+from prag_asp.space.engines.word_formula import WordFormula, word_formula
+from prag_asp.space.limits import UNLIMITED, Limits, stopped_at, within
+from prag_asp.space.weights.weights import Weighed, Weights
+
+REPORTED = 1000
+"""Words between two reports of progress."""
+
+
+class SatEngine:
+    """Answers for one domain at one level by search; each length is kept until another is asked for.
+
+    Raises:
+        EngineError: by each question, where the program has no counterpart in clauses.
+    """
+
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
+        self._model = model
+        self._limits = limits
+        self._level = level
+        self._progress = progress
+        self._search: _Search | None = None
+        self.letters = tuple(all_letters(model, level))
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length, by finding them one by one and forbidding each.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        budget = self._limits.begin()
+        found = 0
+        for _ in self._all(length, prefix):
+            found += 1
+            if self._progress and found % REPORTED == 0:
+                self._progress(f"{found:,} {self._level}s found")
+            stopped = budget.spent()
+            if stopped:
+                raise stopped_at(stopped, found, self._level, length)
+        return found
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily: by one search for each way to go on.
+
+        Raises:
+            LimitReached: a limit ended the search; the error has the number of words that were found.
+        """
+        return within(self._limits, self._searching(length).words(prefix), self._level, length)
+
+    def begins(self, length: int, prefix: Letters) -> bool:
+        """Return whether a word of a length begins with `prefix`."""
+        return self._searching(length).some_word(prefix) is not None
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        search = self._searching(len(word))
+        return all(letter in search.formula.letters for letter in word) and search.some_word(word) is not None
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1, by enumerating the words before it."""
+        return next(islice(self.words(length), rank, None))
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        if not self.contains(word):
+            return None
+        return next(rank for rank, each in enumerate(self.words(len(word))) if each == word)
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, by finding them all."""
+        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
+
+    def formula(self, length: int) -> WordFormula:
+        """Return the formula whose models are the words of a length."""
+        return self._searching(length).formula
+
+    def _all(self, length: int, prefix: Letters) -> Iterator[Letters]:
+        """Yield the words that begin with `prefix` in no order, each once: what was found is forbidden by a clause.
+
+        A word has exactly one letter at each step, so the clause that one of its letters is missing forbids it alone.
+        """
+        formula = self.formula(length)
+        beginning = formula.beginning(prefix)
+        if beginning is None:
+            return
+        with Solver(formula.cnf.variables, formula.cnf.clauses) as solver:
+            while solver.satisfiable(beginning):
+                model = solver.model()
+                yield formula.word(model)
+                solver.add([-TRUE, *(-variable for variable in formula.cnf.shown if model[variable - 1] > 0)])
+
+    def _searching(self, length: int) -> _Search:
+        if self._search is None or self._search.formula.length != length:
+            self._search = _Search(word_formula(self._model, self._level, length))
+            stage("searching words")
+        return self._search
+
+
+class _Search:
+    """A solver of the words of one level and length; it is freed with the last question that uses it."""
+
+    def __init__(self, formula: WordFormula) -> None:
+        self.formula = formula
+
+    @cached_property
+    def _solver(self) -> Solver:
+        return Solver(self.formula.cnf.variables, self.formula.cnf.clauses)
+
+    def some_word(self, prefix: Sequence[str]) -> Letters | None:
+        """Return a word that begins with `prefix`, or None where there is none."""
+        beginning = self.formula.beginning(prefix)
+        if beginning is None or not self._solver.satisfiable(beginning):
+            return None
+        return self.formula.word(self._solver.model())
+
+    def words(self, prefix: Letters) -> Iterator[Letters]:
+        """Yield the words that begin with `prefix`, in order."""
+        first = self.some_word(prefix)
+        if first is None:
+            return
+        if not first:
+            yield first
+            return
+        ways = [self._ways(0, first, prefix)]
+        while ways:
+            word = next(ways[-1], None)
+            if word is None:
+                ways.pop()
+            elif len(ways) == len(word):
+                yield word
+            else:
+                ways.append(self._ways(len(ways), word, prefix))
+
+    def _ways(self, place: int, word: Letters, prefix: Letters) -> Iterator[Letters]:
+        """Yield for each letter that can follow the first ones of a word, in order, some word that goes on so."""
+        for letter in self.formula.letters:
+            if letter == word[place]:
+                yield word
+            elif self.formula.fits(letter, prefix[place:]):
+                other = self.some_word((*word[:place], letter, *prefix[place + 1 :]))
+                if other is not None:
+                    yield other

@@ -1,0 +1,254 @@
+"""The symbolic engine: diagrams over the states instead of a list of them, for more states than memory holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from math import lcm, prod
+
+from prag_asp.errors import LimitReached
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.step.transition import Transition
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.entity_names import action_name
+from prag_asp.space.automaton.automaton import NO_PATHS, Completions
+from prag_asp.space.automaton.beam import count_along
+from prag_asp.space.automaton.layers import LayeredWords, Layers
+from prag_asp.space.automaton.state_sets import SetWords
+from prag_asp.space.engines.automaton_engine import AutomatonEngine
+from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, name_in_prefix
+from prag_asp.space.engines.reachability import Allow, Explorer, Halt, Reach
+from prag_asp.space.limits import MOST_CLOSING, UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights, weighing_facts
+
+
+class SymbolicEngine:
+    """Answers for one domain at one level; what was computed is kept for the next question.
+
+    Skeletons are the words of an automaton whose states are sets of the domain's: each set is a diagram, and few of
+    them are reached as a rule.
+
+    Raises:
+        EngineError: the step is not a function of the state and the action.
+    """
+
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
+        self._answers: Engine
+        if level == "skeleton":
+            self._answers = AutomatonEngine(
+                model, level, progress, limits, explorer=SetExplorer(model, level, progress)
+            )  # fmt: skip
+        else:
+            self._answers = _Paths(model, level, progress, limits)
+
+    @property
+    def letters(self) -> Letters:
+        """The texts of the letters, in their order."""
+        return self._answers.letters
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length.
+
+        Raises:
+            LimitReached: a limit ended the count; the error has the number of words that were found.
+        """
+        return self._answers.count(length, prefix)
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily."""
+        return self._answers.words(length, prefix)
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        return self._answers.contains(word)
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        return self._answers.unrank(length, rank)
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        return self._answers.rank(word)
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, and keep the last ones made.
+
+        With `goals` or `plain`, paths are asked for: then states are listed after all, within the same limits.
+        """
+        return self._answers.weighed(length, weights, goals=goals, plain=plain)
+
+
+class _Paths:
+    """Answers for plans or tasks, each of which is one path of states."""
+
+    def __init__(
+        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    ) -> None:
+        self._model = model
+        self._level = level
+        self._limits = limits
+        self._tell = progress or (lambda words: None)
+        self._transition = Explorer(model, level).transition()
+        self.letters = tuple(map(str, self._transition.actions))
+        self._numbers = {letter: number for number, letter in enumerate(self.letters)}
+        self._budget, self._length = limits.begin(), 0
+        self._layers: Layers | None = None
+        self._weighed: tuple[tuple[int, Weights], Weighed] | None = None
+        self._listed: AutomatonEngine | None = None
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length.
+
+        Raises:
+            LimitReached: a limit ended the count; the error has the number of words that were found.
+        """
+        try:
+            return self._words(length, prefix).total
+        except LimitReached as reached:
+            limit = str(reached).partition(" was reached")[0]
+            raise stopped_at(limit, self._found(length, prefix), self._level, length) from None
+
+    def _found(self, length: int, prefix: Letters) -> int:
+        """Return how many words there are at least, by what was found before a limit was reached."""
+        if self._layers is None or len(prefix) > length:
+            return 0
+        self._budget = closing(self._budget)
+        try:
+            sets = [self._matching(text) for text in prefix]
+            return count_along(self._layers, length, sets, self._budget.spent)
+        except LimitReached:
+            return 0
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order, lazily."""
+        for word in self._words(length, prefix):
+            yield tuple(self.letters[letter] for letter in word)
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        return self.rank(word) is not None
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Return the word of a rank from 0 to count - 1."""
+        return tuple(self.letters[letter] for letter in self._words(length).unrank(rank))
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word among those of its length, or None where it is no word."""
+        if not all(letter in self._numbers for letter in word):
+            return None
+        return self._words(len(word)).rank([self._numbers[letter] for letter in word])
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights, and keep the last ones made.
+
+        With `goals` or `plain`, paths are asked for: then states are listed after all, within the same limits.
+        """
+        refuse_weights(self._level, weights, self._model, length)
+        if goals or plain:
+            if self._listed is None:
+                self._tell("listing states, for paths are asked for")
+                self._listed = AutomatonEngine(self._model, self._level, self._tell, self._limits)
+            return self._listed.weighed(length, weights, goals=goals, plain=plain)
+        key = (length, weights)
+        if self._weighed is None or self._weighed[0] != key:
+            stage("weighing")
+            self._weighed = (key, self._weigh(length, weights))
+        return self._weighed[1]
+
+    def _weigh(self, length: int, weights: Weights) -> Weighed:
+        if not weights:
+            return Weighed(NO_PATHS, ranking=self._words(length))
+        facts, labels = weighing_facts(weights)
+        transition = self._model.transition(tasks=self._level == "task", weighed=facts, labels=labels)
+        by_letter, by_label = edge_weights(transition.actions, weights)
+        scale = prod((each.denominator for each in by_label), start=lcm(*(each.denominator for each in by_letter)))
+
+        def weigh(letter: int, true: tuple[int, ...]) -> int:
+            return int(prod((by_label[label] for label in true), start=by_letter[letter] * scale))
+
+        self._begin(length)
+        layers = Layers(transition, self._look, self._tell, weigh)
+        return Weighed(NO_PATHS, Fraction(1, scale**length), ranking=LayeredWords(layers, length))
+
+    def _words(self, length: int, prefix: Letters = ()) -> LayeredWords:
+        self._begin(length)
+        if self._layers is None:
+            self._layers = Layers(self._transition, self._look, self._tell)
+        return LayeredWords(self._layers, length, [self._matching(text) for text in prefix])
+
+    def _begin(self, length: int) -> None:
+        stage("exploring")
+        self._budget, self._length = self._limits.begin(), length
+
+    def _look(self) -> None:
+        stopped = self._budget.spent()
+        if stopped:
+            raise stopped_at(stopped, 0, self._level, self._length)
+
+    def _matching(self, text: str) -> frozenset[int]:
+        name = name_in_prefix(text, self._numbers)
+        if name is None:
+            return frozenset({self._numbers[text]})
+        return frozenset(n for n, action in enumerate(self._transition.actions) if action_name(action) == name)
+
+
+@dataclass(frozen=True)
+class SetExplorer(Explorer):
+    """Finds the skeletons of a domain: from set to set of states, each a diagram (Rabin and Scott 1959)."""
+
+    def reach(
+        self,
+        transition: Transition,
+        length: int,
+        budget: Budget,
+        halt: Halt | None = None,
+        allow: Allow | None = None,
+    ) -> Reach:
+        """Return what is reached within `length` steps, or what was found until the budget was spent."""
+        actions = list(map(action_name, transition.actions))
+        letters = tuple(sorted(set(actions)))
+        names = [letters.index(name) for name in actions]
+        watch = _Watch(budget)
+        found = SetWords()
+        try:
+            layers = Layers(transition, watch.look, self.tell or (lambda words: None))
+            if layers.inhabited:
+                try:
+                    layers.extend(length)
+                except _Spent:
+                    watch.close()
+                found.follow(layers, names, length)
+        except _Spent:
+            watch.close()
+        return Reach(letters, letters, Completions(found.automaton), None, watch.stopped, sets=True)
+
+
+class _Spent(Exception):
+    """A limit is reached."""
+
+
+@dataclass
+class _Watch:
+    """Looks at the limits; `stopped` is the first one that was reached, in words."""
+
+    budget: Budget
+    stopped: str = ""
+
+    def look(self) -> None:
+        """Raise an error where the time is over."""
+        spent = self.budget.spent()
+        if spent:
+            self.stopped = self.stopped or spent
+            raise _Spent
+
+    def close(self) -> None:
+        """Go on for a little while, to tell what was found."""
+        self.budget = closing(self.budget)
+
+
+def closing(budget: Budget) -> Budget:
+    """Return the little time in which what was found is told once a limit is reached, be it one of memory alone."""
+    return Limits(seconds=MOST_CLOSING).begin() if budget.limits.seconds is None else budget.to_close()

@@ -1,0 +1,98 @@
+"""The words of a level as a formula: which literals say that a word begins so, and which word a model is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import clingo
+
+from prag_asp.errors import EngineError
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
+from prag_asp.logic.formula.cnf import Cnf, plan_cnf
+from prag_asp.space.engines.engine import Letters, Level, all_letters, name_in_prefix
+
+SHOWN = {"plan": "occurs", "task": "occurs", "skeleton": "named"}
+"""The predicate whose atoms tell the words of a level apart."""
+
+
+@dataclass(frozen=True)
+class WordFormula:
+    """The words of one level and length: `cnf` has one model for each, once projected on what it shows."""
+
+    cnf: Cnf
+    level: Level
+    length: int
+    letters: Mapping[str, clingo.Symbol]
+
+    def beginning(self, prefix: Sequence[str]) -> list[Literal] | None:
+        """Return the literals that say that a word begins with `prefix`, or None where none can."""
+        if len(prefix) > self.length:
+            return None
+        found = [self._known.get(place) or self._literal(*place) for place in enumerate(prefix, 1)]
+        return None if -TRUE in found else found
+
+    def fits(self, letter: str, wanted: Sequence[str]) -> bool:
+        """Return whether a letter is the first of those wanted, or an action of that name, if any is wanted."""
+        return not wanted or letter == wanted[0] or _name(letter) == name_in_prefix(wanted[0], self.letters)
+
+    def word(self, model: Sequence[Literal]) -> Letters:
+        """Return the word that a model is.
+
+        Raises:
+            EngineError: the program lets a step have no action, or more than one.
+        """
+        word = list(self._always)
+        for variable in self.cnf.shown:
+            if model[variable - 1] > 0:
+                step, letter = self._meaning[variable]
+                word[step - 1] += (letter,)
+        if any(len(letters) != 1 for letters in word):
+            raise EngineError("a step does not have exactly one action; restore that rule of step.lp")
+        return tuple(letters[0] for letters in word)
+
+    @cached_property
+    def _shown(self) -> list[tuple[Literal, int, str]]:
+        name = SHOWN[self.level]
+        may_be = {TRUE, *self.cnf.shown}
+        found = ((literal, each) for each, literal in self.cnf.literals.items() if literal in may_be)
+        timed = ((literal, each.arguments) for literal, each in found if each.name == name and each.match(name, 2))
+        return [(literal, step.number, str(what)) for literal, (what, step) in timed if step.number > 0]
+
+    @cached_property
+    def _meaning(self) -> dict[Literal, tuple[int, str]]:
+        return {literal: (step, letter) for literal, step, letter in self._shown}
+
+    @cached_property
+    def _always(self) -> list[tuple[str, ...]]:
+        """The letters of each step that no model lacks."""
+        facts = [(step, letter) for literal, step, letter in self._shown if literal == TRUE]
+        return [tuple(letter for at, letter in facts if at == step) for step in range(1, self.length + 1)]
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, str], Literal]:
+        """The literals that were asked for, by step and letter."""
+        return {}
+
+    def _literal(self, step: int, letter: str) -> Literal:
+        name = name_in_prefix(letter, self.letters)
+        term = self.letters[letter] if name is None else clingo.Function(name)
+        shown = SHOWN[self.level] if name is None else "named"
+        found = self._known[step, letter] = self.cnf.literal(clingo.Function(shown, [term, clingo.Number(step)]))
+        return found
+
+
+def word_formula(model: Model, level: Level, length: int) -> WordFormula:
+    """Return the formula of the words of a level and a length.
+
+    Raises:
+        EngineError: the program has no counterpart in clauses.
+    """
+    program = model.program if level == "plan" else model.task_program(length)
+    return WordFormula(plan_cnf(program, length, SHOWN[level]), level, length, all_letters(model, level))
+
+
+def _name(letter: str) -> str:
+    return letter.partition("(")[0]

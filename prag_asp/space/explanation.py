@@ -1,0 +1,25 @@
+"""Why a sequence of actions is no plan of a domain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from prag_asp.atom import Atom
+from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.formula.explanation import Explanation
+from prag_asp.logic.formula.explanation import explain as reasons_against
+from prag_asp.space.engines.prefix import parse_plan
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+
+
+def explain(domain: Domain, actions: Sequence[str | Atom]) -> Explanation | None:
+    """Return why a sequence of actions, of any length, is no plan of a domain, or None where it is one.
+
+    Raises:
+        QueryError: one is no action of the domain, or only the name of several.
+        EngineError: the domain has no counterpart in clauses.
+    """
+    return reasons_against(Model(domain).whole, parse_plan(actions, domain.facts))

@@ -1,0 +1,39 @@
+"""The canonical name of a plan: interchangeable entities introduced in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import clingo
+
+from prag_asp.errors import QueryError
+from prag_asp.logic.symmetry.renaming import renamed
+from prag_asp.logic.symmetry.symmetries import Symmetries
+from prag_asp.program.entity_names import mentioned_entities
+
+
+def canonical_names(plan: Iterable[clingo.Symbol], symmetries: Symmetries) -> dict[clingo.Symbol, clingo.Symbol]:
+    """Return new names for the interchangeable entities that a plan uses: the first used of a group is its first."""
+    return symmetries.names(entity for action in plan for entity in mentioned_entities(action, symmetries.entities))
+
+
+def canonical_prefix(
+    prefix: Sequence[str], actions: Mapping[str, clingo.Symbol], symmetries: Symmetries
+) -> tuple[str, ...]:
+    """Return what tasks begin with where some renaming of them begins with `prefix`: `actions` by their texts or names.
+
+    Raises:
+        QueryError: after a mere name, an action speaks of an interchangeable entity for the first time.
+    """
+    renaming = canonical_names((actions[item] for item in prefix if item in actions), symmetries)
+    introduced: set[clingo.Symbol] = set()
+    for place, item in enumerate(prefix):
+        used = set(mentioned_entities(actions[item], symmetries.entities)) if item in actions else set()
+        new = {entity for entity in used if not symmetries.is_settled(entity, introduced)}
+        if new and any(earlier not in actions for earlier in prefix[:place]):
+            raise QueryError(
+                f"{item} names the interchangeable {min(map(str, new))}, but it comes after a mere name: "
+                "give the actions before it in full, or count plans"
+            )
+        introduced |= used
+    return tuple(str(renamed(actions[item], renaming)) if item in actions else item for item in prefix)

@@ -1,0 +1,128 @@
+"""Exact choices between the edges of states, for many draws at once.
+
+An edge is chosen with the probability of its weight among the edges of its state, whatever the size of these integers.
+A uniform real number U in [0, 1) chooses the first edge whose running share of the weights exceeds U. Its first 64 bits
+decide that, unless they equal the first 64 bits of some running share: then further bits of U are drawn. A guide table
+(Chen and Asau 1974) tells the edge from the leading bits of U alone for most U; the rest is searched for.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, chain, pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.random_bits import WORD, Words
+from prag_asp.space.automaton.automaton import Automaton
+
+GUIDE_CELLS = 1 << 15
+"""Cells of the guide of one table, about: it shall stay in the cache."""
+
+LARGEST = (1 << WORD) - 1
+Integers = NDArray[np.int64]
+Resolve = Callable[[int, int], int]
+"""Given the place of a draw among those drawn together and the slot of its state, the edge by further bits."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """The choices of one step: for some states, called slots 0, 1, ..., their edges and when these are chosen.
+
+    The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds`
+    floor(2^64 * running share), of which the last of each state means nothing. `guide` has 2^bits cells for each slot
+    with the edge that is chosen, or -1 where a threshold lies within the cell; it is empty where bits is 0.
+    """
+
+    states: Integers
+    first: Integers
+    edges: Integers
+    thresholds: Words
+    bits: int
+    guide: NDArray[np.int32]
+
+    def choose(self, slots: Integers, words: Words, resolve: Resolve) -> Integers:
+        """Return the edges, as numbers of this table, that random words choose at slots; shapes (draws,)."""
+        if not self.bits:
+            return self._search(slots, words, np.arange(len(slots)), resolve)
+        cells = (words >> np.uint64(WORD - self.bits)).view(np.int64)
+        cells += slots << self.bits
+        found: Integers = self.guide[cells].astype(np.int64)
+        missing = np.flatnonzero(found < 0)
+        if len(missing):
+            found[missing] = self._search(slots[missing], words[missing], missing, resolve)
+        return found
+
+    def _search(self, slots: Integers, words: Words, places: NDArray[np.intp], resolve: Resolve) -> Integers:
+        first = self.first[slots]
+        low: Integers = first.copy()
+        high = self.first[slots + 1] - 1
+        while (low < high).any():
+            middle = (low + high) >> 1
+            passed = (self.thresholds[middle] <= words) & (low < high)
+            low = np.where(passed, middle + 1, low)
+            high = np.where(passed, high, middle)
+        before = np.maximum(low - 1, 0)
+        for tie in np.flatnonzero((low > first) & (self.thresholds[before] == words)).tolist():
+            low[tie] = int(first[tie]) + resolve(int(places[tie]), int(slots[tie]))
+        return low
+
+
+def make_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, guided: bool) -> Table:
+    """Return the choices of `states`, each of which some word completes; `row` weighs what follows each state."""
+    counts = automaton.offsets[states + 1] - automaton.offsets[states]
+    first = np.concatenate([[0], np.cumsum(counts)])
+    edges = np.arange(first[-1]) + np.repeat(automaton.offsets[states] - first[:-1], counts)
+    behind = weights_behind(automaton, edges, row)
+    starts = first.tolist()
+    scaled = (_thresholds(behind[begin:end]) for begin, end in pairwise(starts))
+    thresholds = np.fromiter(chain.from_iterable(scaled), dtype=np.uint64, count=len(edges))
+    bits = max(int(GUIDE_CELLS / len(states)).bit_length() - 1, 0) if guided and len(states) else 0
+    return Table(states, first, edges, thresholds, bits, _guide(thresholds, first, bits))
+
+
+def weights_behind(automaton: Automaton, edges: Integers, row: NDArray[Any]) -> list[int]:
+    """Return the weight of all words that go on over each of some edges; `row` weighs what follows each state."""
+    behind: list[int] = row[automaton.targets[edges]].tolist()
+    if automaton.weights is None:
+        return behind
+    return [weight * each for weight, each in zip(automaton.weights[edges].tolist(), behind, strict=True)]
+
+
+def _thresholds(behind: Sequence[int]) -> Iterator[int]:
+    """Yield floor(2^64 * running share); one that is 2^64 becomes the largest word, and so a tie if it is drawn."""
+    running = list(accumulate(behind))
+    yield from (min((each << WORD) // running[-1], LARGEST) for each in running)
+
+
+def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:
+    """Return the edge for each value of the leading bits, at each slot; -1 where a threshold lies within."""
+    if not bits:
+        return np.zeros(0, dtype=np.int32)
+    slots = len(first) - 1
+    inner = np.ones(len(thresholds), dtype=np.bool_)
+    inner[first[1:] - 1] = False
+    owners = np.repeat(np.arange(slots), np.diff(first))[inner]
+    cells = (owners << bits) + (thresholds[inner] >> np.uint64(WORD - bits)).astype(np.int64)
+    within = np.bincount(cells, minlength=slots << bits)
+    passed = np.cumsum(within.reshape(slots, -1), axis=1) + first[:-1, None]
+    return np.where(within > 0, -1, passed.reshape(-1)).astype(np.int32)
+
+
+def exact_choice(running: Sequence[int], word: int, further: Callable[[], Iterator[int]]) -> int:
+    """Return the place of the first running total whose share of the last exceeds a uniform number.
+
+    The number is 0.word further... in base 2^64, and as much of it is read as decides.
+    """
+    total, number, size = running[-1], word, WORD
+    more: Iterator[int] | None = None
+    while True:
+        least = bisect_right(running, (number * total) >> size)
+        if least == bisect_right(running, ((number + 1) * total - 1) >> size):
+            return least
+        more = more or further()
+        number, size = (number << WORD) | next(more), size + WORD

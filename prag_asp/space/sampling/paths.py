@@ -1,0 +1,140 @@
+"""Paths of an automaton, drawn with a probability proportional to their weight, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import accumulate
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.random_bits import Bits, Words
+from prag_asp.space.automaton.automaton import Completions
+from prag_asp.space.sampling.choice_table import Integers, Table, exact_choice, make_table, weights_behind
+
+CHUNK_WORDS = 1 << 17
+"""Random words that are used together, about: few enough to stay in the cache."""
+
+FEW = 64
+"""Draws for which the tables of all states are not worth making."""
+
+KEPT_EDGES = 1 << 23
+"""Edges of all tables together up to which they are kept; where there are more, each chunk makes those it visits."""
+
+
+class PathDrawer:
+    """Draws paths of one length that end in an accepting state.
+
+    Each path costs one random word for each edge. Results depend neither on how many paths are drawn together nor on
+    which tables were kept: a table is an exact function of the automaton.
+    """
+
+    def __init__(self, completions: Completions, length: int, starts: Integers | None = None) -> None:
+        self._completions = completions
+        self._length = length
+        self._starts = np.zeros(1, dtype=np.int64) if starts is None else starts
+        self._tables: list[Table] | None = None
+        self._numbered: list[Integers] = []
+        self._too_many = False
+
+    def draw(self, bits: Bits, first: int, count: int) -> NDArray[np.int64]:
+        """Return the edges of paths from state 0, those of draws from `first` on; shape (length, count)."""
+        edges = np.empty((self._length, count), dtype=np.int64)
+        for begin, end in chunks(count, self._length):
+            words = bits.words(first + begin, end - begin, self._length)
+            starts = np.zeros(end - begin, dtype=np.int64)
+            edges[:, begin:end] = self.descend(starts, words, partial(_further, bits, first + begin))
+        return edges
+
+    def descend(
+        self, states: Integers, words: Words, further: Callable[[int, int], Iterator[int]]
+    ) -> NDArray[np.int64]:
+        """Return the edges of paths from states, chosen by words of shape (paths, length); shape (length, paths).
+
+        `further` gives more words for a place among these paths and a step.
+        """
+        columns = np.ascontiguousarray(words.T)
+        found = np.empty(columns.shape, dtype=np.int64)
+        tables = self._kept() if len(states) > FEW else None
+        if tables is None:
+            return self._descend_once(states, columns, further, found)
+        slots = np.searchsorted(tables[0].states, states) if tables else states
+        for step, (table, onward) in enumerate(zip(tables, self._numbered, strict=True)):
+            chosen = table.choose(slots, columns[step], self._resolver(table, columns[step], step, further))
+            found[step] = table.edges[chosen]
+            slots = onward[chosen]
+        return found
+
+    def _descend_once(
+        self,
+        states: Integers,
+        columns: Words,
+        further: Callable[[int, int], Iterator[int]],
+        found: NDArray[np.int64],
+    ) -> NDArray[np.int64]:
+        automaton = self._completions.automaton
+        for step, words in enumerate(columns):
+            visited, slots = np.unique(states, return_inverse=True)
+            row = self._completions.row(self._length - step - 1)
+            table = make_table(automaton, visited, row, guided=False)
+            found[step] = table.edges[table.choose(slots, words, self._resolver(table, words, step, further))]
+            states = automaton.targets[found[step]].astype(np.int64)
+        return found
+
+    def _resolver(
+        self, table: Table, words: Words, step: int, further: Callable[[int, int], Iterator[int]]
+    ) -> Callable[[int, int], int]:
+        def resolve(place: int, slot: int) -> int:
+            edges = table.edges[int(table.first[slot]) : int(table.first[slot + 1])]
+            behind = weights_behind(self._completions.automaton, edges, self._completions.row(self._length - step - 1))
+            return exact_choice(list(accumulate(behind)), int(words[place]), lambda: further(place, step))
+
+        return resolve
+
+    def _kept(self) -> list[Table] | None:
+        """Return the tables of all steps, or None where they would be too large."""
+        if self._tables is None and not self._too_many:
+            layers = self._layers()
+            if layers is None:
+                self._too_many = True
+                return None
+            automaton, rows = self._completions.automaton, self._completions.row
+            self._tables = [
+                make_table(automaton, states, rows(self._length - step - 1), guided=True)
+                for step, states in enumerate(layers[:-1])
+            ]
+            self._numbered = [
+                np.searchsorted(after, automaton.targets[table.edges])
+                for table, after in zip(self._tables, layers[1:], strict=True)
+            ]
+        return self._tables
+
+    def _layers(self) -> list[Integers] | None:
+        """Return the states that some path has after each step, or None where their edges are too many to keep."""
+        automaton = self._completions.automaton
+        layers, kept = [np.unique(self._starts)], 0
+        for left in range(self._length - 1, -1, -1):
+            counts = automaton.offsets[layers[-1] + 1] - automaton.offsets[layers[-1]]
+            kept += int(counts.sum())
+            if kept > KEPT_EDGES:
+                return None
+            edges = np.arange(counts.sum()) + np.repeat(
+                automaton.offsets[layers[-1]] - np.cumsum(counts) + counts, counts
+            )
+            alive = self._completions.row(left)[automaton.targets[edges]] != 0
+            if automaton.weights is not None:
+                alive &= automaton.weights[edges] != 0
+            layers.append(np.unique(automaton.targets[edges[alive.astype(np.bool_)]]).astype(np.int64))
+        return layers
+
+
+def chunks(count: int, each: int) -> Iterator[tuple[int, int]]:
+    """Yield the ranges of draws that are made together, where each takes `each` words."""
+    size = max(CHUNK_WORDS // max(each, 1), 2 * FEW)
+    for begin in range(0, count, size):
+        yield begin, min(begin + size, count)
+
+
+def _further(bits: Bits, first: int, place: int, step: int) -> Iterator[int]:
+    return bits.further(first + place, step)

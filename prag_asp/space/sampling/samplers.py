@@ -1,0 +1,279 @@
+"""Ways to draw words: by weight; uniformly over skeletons first; uniformly over goals first. All are exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property, partial
+from itertools import accumulate
+from sys import getsizeof
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.random_bits import Bits
+from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking, positive
+from prag_asp.space.automaton.skeletons import skeleton_automaton
+from prag_asp.space.sampling.choice_table import exact_choice
+from prag_asp.space.sampling.paths import PathDrawer, chunks
+from prag_asp.space.weights.weights import Walks, Weighed
+
+Over = Literal["skeletons", "goals"]
+OVER: tuple[Over, ...] = ("skeletons", "goals")
+
+KEPT_SUMS = 1 << 26
+"""Bytes of the sums of skeletons that are kept at most."""
+
+Sums = tuple[list[dict[int, list[int]]], int]
+"""For each step of a skeleton and each state the running sums of what its moves lead to; and the weight of it all."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Words as numbers of letters, shape (draws, length), and the exact probability of each where it was asked for."""
+
+    letters: NDArray[np.int32]
+    probabilities: Sequence[Fraction] = ()
+
+
+class Drawer(Protocol):
+    """A way to draw the words of one length."""
+
+    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+        """Return the draws from number `first` on; with `tell`, their probabilities too.
+
+        A draw depends on its number and the bits alone.
+        """
+        ...
+
+
+class ByWeight:
+    """Draws a word with a probability proportional to its weight."""
+
+    def __init__(self, weighed: Weighed, length: int) -> None:
+        self._automaton = weighed.automaton
+        self._paths = PathDrawer(weighed.completions, length)
+        self._total = weighed.total(length)
+
+    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+        """Return the draws from number `first` on."""
+        edges = self._paths.draw(bits, first, count)
+        letters = _letters(self._automaton, edges)
+        return Drawn(letters, _shares(self._automaton, edges, [self._total] * count) if tell else ())
+
+
+class ByWalk:
+    """Draws as `ByWeight`, the same words, one by one: where a path stands for several, or states are never listed."""
+
+    def __init__(self, ranking: Walks, length: int) -> None:
+        self._ranking = ranking
+        self._length = length
+
+    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+        """Return the draws from number `first` on."""
+        words, probabilities = [], []
+        for number in range(first, first + count):
+            drawn = bits.words(number, 1, self._length)[0].tolist()
+
+            def choose(step: int, running: Sequence[int], number: int = number, drawn: list[int] = drawn) -> int:
+                return exact_choice(running, drawn[step], partial(bits.further, number, step))
+
+            word, weight = self._ranking.walk(choose)
+            words.append(word)
+            probabilities.append(Fraction(weight, self._ranking.total))
+        letters = np.array(words, dtype=np.int32).reshape(count, self._length)
+        return Drawn(letters, probabilities if tell else ())
+
+
+class OverGoals:
+    """Draws a goal uniformly, then a word that ends there by weight.
+
+    A goal is what is known after the last action. The words that end there are drawn backward, from their last edge to
+    their first: on the automaton with its edges reversed, a state for each goal leads to the last edges that reach it.
+    """
+
+    def __init__(self, weighed: Weighed, length: int) -> None:
+        assert weighed.goals is not None, "goals are numbered where they are drawn"
+        automaton = weighed.automaton
+        self._length = length
+        self._reversed, self._letters = _reversed(automaton, weighed.goals)
+        completions = Completions(self._reversed)
+        row = completions.row(length)
+        self._starts = np.flatnonzero(row[automaton.states :] != 0) + automaton.states
+        self._totals = [int(row[state]) for state in self._starts.tolist()]
+        self._paths = PathDrawer(completions, length, self._starts)
+
+    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+        """Return the draws from number `first` on; the first word of each chooses its goal."""
+        running = list(range(1, len(self._starts) + 1))
+        edges = np.empty((self._length, count), dtype=np.int64)
+        goals = np.empty(count, dtype=np.int64)
+        for begin, end in chunks(count, self._length + 1):
+            words = bits.words(first + begin, end - begin, self._length + 1)
+            further = partial(_further, bits, first + begin)
+            goals[begin:end] = [
+                exact_choice(running, word, partial(further, place, self._length))
+                for place, word in enumerate(words[:, 0].tolist())
+            ]
+            edges[:, begin:end] = self._paths.descend(self._starts[goals[begin:end]], words[:, 1:], further)
+        letters = self._letters[edges[::-1]].T.astype(np.int32)
+        if not tell:
+            return Drawn(letters)
+        totals = [len(running) * self._totals[goal] for goal in goals.tolist()]
+        return Drawn(letters, _shares(self._reversed, edges, totals))
+
+
+def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton, NDArray[np.int64]]:
+    """Return the automaton with its edges reversed and a new state for each goal, and the letter of each edge.
+
+    Its words are those of the automaton backward; the states of goals follow the others.
+    """
+    last = np.flatnonzero(automaton.accepting[automaton.targets])
+    origins = np.concatenate([np.arange(len(automaton.letters)), last])
+    sources = np.concatenate([automaton.targets, automaton.states + goals[last]])
+    order = np.lexsort((automaton.sources[origins], automaton.letters[origins], sources))
+    states = automaton.states + int(goals.max(initial=-1)) + 1
+    letters = automaton.letters[origins[order]]
+    turned = replace(
+        automaton,
+        offsets=np.searchsorted(sources[order], np.arange(states + 1)).astype(np.int64),
+        letters=letters,
+        targets=automaton.sources[origins[order]],
+        accepting=np.arange(states) == 0,
+        weights=None if automaton.weights is None else automaton.weights[origins[order]],
+    )
+    return turned, letters
+
+
+class OverSkeletons:
+    """Draws a skeleton uniformly, of those that some word of positive weight has, then a word with it by weight.
+
+    `count` is how many such skeletons there are.
+    """
+
+    def __init__(self, weighed: Weighed, length: int, names: NDArray[np.int64]) -> None:
+        self._automaton = positive(weighed.automaton)
+        self._length = length
+        self._names = names
+        self._completions = completions = Completions(skeleton_automaton(self._automaton, names)[0])
+        self._skeletons = PathDrawer(completions, length)
+        self._skeleton_letters = completions.automaton.letters
+        self.count = int(completions.row(length)[0])
+        self._known: dict[tuple[int, ...], Sums] = {}
+        self._kept = 0
+
+    @cached_property
+    def _moves(self) -> list[dict[int, list[tuple[int, int, int]]]]:
+        """For each state and name: the edges, their targets and weights."""
+        automaton = self._automaton
+        weights = [1] * len(automaton.letters) if automaton.weights is None else automaton.weights.tolist()
+        moves: list[dict[int, list[tuple[int, int, int]]]] = [{} for _ in range(automaton.states)]
+        columns = (automaton.sources, self._names[automaton.letters], automaton.targets)
+        rows = zip(*(column.tolist() for column in columns), weights, strict=True)
+        for edge, (source, name, target, weight) in enumerate(rows):
+            moves[source].setdefault(name, []).append((edge, target, weight))
+        return moves
+
+    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+        """Return the draws from number `first` on; the first half of the words of each chooses its skeleton."""
+        edges = np.empty((self._length, count), dtype=np.int64)
+        totals: list[int] = []
+        for begin, end in chunks(count, 2 * self._length):
+            words = bits.words(first + begin, end - begin, 2 * self._length)
+            further = partial(_further, bits, first + begin)
+            starts = np.zeros(end - begin, dtype=np.int64)
+            found = self._skeletons.descend(starts, words[:, : self._length], further)
+            skeletons = self._skeleton_letters[found].T.tolist()
+            for place, (skeleton, chosen) in enumerate(zip(skeletons, words[:, self._length :].tolist(), strict=True)):
+                path, total = self._with_skeleton(tuple(skeleton), chosen, partial(further, place))
+                edges[:, begin + place] = path
+                totals.append(self.count * total)
+        return Drawn(_letters(self._automaton, edges), _shares(self._automaton, edges, totals) if tell else ())
+
+    def of_rank(self, rank: int, bits: Bits, number: int) -> tuple[list[int], Fraction]:
+        """Return the draw of a number among the words of one skeleton by weight, and its probability among these.
+
+        The skeleton is the one of a rank from 0 to `count` - 1.
+        """
+        words = bits.words(number, 1, self._length)[0].tolist()
+        path, total = self._with_skeleton(tuple(self._ranking.unrank(rank)), words, partial(bits.further, number))
+        edges = np.array(path, dtype=np.int64)[:, None]
+        return _letters(self._automaton, edges)[0].tolist(), _shares(self._automaton, edges, [total])[0]
+
+    @cached_property
+    def _ranking(self) -> Ranking:
+        """The skeletons in their order."""
+        return Ranking(self._completions, self._length)
+
+    def _with_skeleton(
+        self, skeleton: tuple[int, ...], words: Sequence[int], further: Callable[[int], Iterator[int]]
+    ) -> tuple[list[int], int]:
+        """Return the edges of a word with a skeleton, chosen by words, and the weight of all words that have it."""
+        sums, total = self._sums(skeleton)
+        state, path = 0, []
+        for step, name in enumerate(skeleton):
+            chosen = exact_choice(sums[step][state], words[step], partial(further, self._length + step))
+            edge, state, _ = self._moves[state][name][chosen]
+            path.append(edge)
+        return path, total
+
+    def _sums(self, skeleton: tuple[int, ...]) -> Sums:
+        """Return the sums of a skeleton, which are kept: short skeletons are drawn often."""
+        known = self._known.get(skeleton)
+        if known is None:
+            known = self._summed(skeleton)
+            size = _bytes_of(known)
+            if self._kept + size > KEPT_SUMS:
+                self._known, self._kept = {}, 0
+            if size <= KEPT_SUMS:
+                self._known[skeleton] = known
+                self._kept += size
+        return known
+
+    def _summed(self, skeleton: tuple[int, ...]) -> Sums:
+        """Return for each step and state the running sums of the moves, and the weight of all words."""
+        layers: list[set[int]] = [{0}]
+        for name in skeleton:
+            layers.append({move[1] for state in layers[-1] for move in self._moves[state].get(name, ())})
+        behind = {state: int(self._automaton.accepting[state]) for state in layers[-1]}
+        sums: list[dict[int, list[int]]] = []
+        for name, layer in zip(reversed(skeleton), reversed(layers[:-1]), strict=True):
+            here = {
+                state: list(accumulate(weight * behind[target] for _, target, weight in self._moves[state][name]))
+                for state in layer
+                if name in self._moves[state]
+            }
+            behind = {state: here[state][-1] if state in here else 0 for state in layer}
+            sums.append(here)
+        return sums[::-1], behind[0]
+
+
+def _bytes_of(sums: Sums) -> int:
+    """Return how much memory the sums of a skeleton take at most; of those that run, the last is the largest."""
+    states = sum(getsizeof(here) + sum(map(getsizeof, here)) for here in sums[0])
+    numbers = (running for here in sums[0] for running in here.values())
+    summed = sum(getsizeof(running) + len(running) * getsizeof(running[-1]) for running in numbers)
+    return getsizeof(sums) + getsizeof(sums[0]) + getsizeof(sums[1]) + states + summed
+
+
+def _letters(automaton: Automaton, edges: NDArray[np.int64]) -> NDArray[np.int32]:
+    return np.ascontiguousarray(automaton.letters.astype(np.int32)[edges].T)
+
+
+def _shares(automaton: Automaton, edges: NDArray[np.int64], totals: Sequence[int]) -> list[Fraction]:
+    """Return the weights of paths, the columns of `edges`, as shares of totals."""
+    weights = [1] * edges.shape[1]
+    if automaton.weights is not None:
+        for step in automaton.weights[edges]:
+            weights = [weight * each for weight, each in zip(weights, step.tolist(), strict=True)]
+    known: dict[tuple[int, int], Fraction] = {}
+    for pair in zip(weights, totals, strict=True):
+        if pair not in known:
+            known[pair] = Fraction(*pair)
+    return [known[pair] for pair in zip(weights, totals, strict=True)]
+
+
+def _further(bits: Bits, first: int, place: int, step: int) -> Iterator[int]:
+    return bits.further(first + place, step)

@@ -1,0 +1,263 @@
+"""What the words of a level are like on average, where they are drawn by weight: exact sums over all of them.
+
+No word is enumerated: the weight of all words that pass an edge is the weight of all ways to it times that of all ways
+on from it (forward-backward sums over paths, Baum et al. 1970), here in integers of any size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
+from fractions import Fraction
+from itertools import compress
+from typing import Any
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import QueryError
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.entity_names import action_name, mentioned_entities
+from prag_asp.program.facts import Facts
+from prag_asp.space.automaton.automaton import Automaton, Completions, avoiding, positive
+from prag_asp.space.engines.engine import Engine, Level
+from prag_asp.space.sampling.draws import weighed_words
+from prag_asp.space.weights.weights import Weights
+from prag_asp.wording import unknown
+
+ENTROPY_PLACES = 30
+"""Decimal places of an entropy that are right."""
+
+Objects = NDArray[np.object_]
+"""Integers of any size."""
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Exact figures on a random word of a level: a plan, a task or a skeleton of `length`, drawn by weight.
+
+    `words` counts those of positive weight and `total_weight` sums their weights. `entropy` is in bits, with 30 decimal
+    places. The `expected` mappings hold the expected numbers of occurrences of an action, a name and two consecutive
+    names; the `contains` mappings the probability that a word has an action, a name, an entity, or an entity of a
+    class, at all. Actions, names and pairs that never occur are in none of them; all entities and classes are in
+    theirs. Skeletons have names and pairs alone.
+    """
+
+    by: Level
+    length: int
+    words: int
+    total_weight: Fraction
+    entropy: Decimal
+    expected_actions: Mapping[str, Fraction]
+    expected_names: Mapping[str, Fraction]
+    expected_pairs: Mapping[tuple[str, str], Fraction]
+    contains_action: Mapping[str, Fraction]
+    contains_name: Mapping[str, Fraction]
+    contains_entity: Mapping[str, Fraction]
+    contains_class: Mapping[str, Fraction]
+
+
+def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights: Weights) -> Statistics:
+    """Return the statistics of the words of a level and a length, drawn by weights.
+
+    Raises:
+        QueryError: there is nothing to draw.
+    """
+    weighed = weighed_words(engine, by, length, weights, plain=True)
+    stage("summing up statistics")
+    letters = engine.letters
+    name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
+    names = sorted(set(name_of))
+    numbers = np.array([names.index(name) for name in name_of], dtype=np.int64)
+    passing = crossings(weighed.completions, length)
+    total = weighed.total(length)
+    occurring = _summed(passing, weighed.automaton.letters, len(letters))
+    by_name = _summed(passing, numbers[weighed.automaton.letters], len(names))
+    pairs = consecutive(weighed.completions, length, numbers)
+    own = {letter: {number} for number, letter in enumerate(letters)}
+    entities, classes = ({}, {}) if by == "skeleton" else _mentions(facts, letters)
+
+    def shares(weights: Sequence[int], keys: Sequence[Any]) -> dict[Any, Fraction]:
+        return {key: Fraction(weight, total) for key, weight in zip(keys, weights, strict=True) if weight}
+
+    def containing(sets: Mapping[str, Collection[int]]) -> dict[str, Fraction]:
+        others = {key: Completions(avoiding(weighed.automaton, found)) for key, found in sets.items()}
+        return {key: 1 - Fraction(int(other.last_row(length)[0]), total) for key, other in others.items()}
+
+    actions = {} if by == "skeleton" else shares(occurring, letters)
+    named = shares(by_name, names)
+    return Statistics(
+        by,
+        length,
+        int(Completions(replace(positive(weighed.automaton), weights=None)).last_row(length)[0]),
+        total * weighed.unit,
+        entropy(weighed.automaton, passing, total),
+        actions,
+        named,
+        {(names[one], names[two]): Fraction(weight, total) for (one, two), weight in sorted(pairs.items())},
+        containing({action: own[action] for action in actions}),
+        containing({name: set(np.flatnonzero(numbers == names.index(name)).tolist()) for name in named}),
+        containing(entities),
+        containing(classes),
+    )
+
+
+def weight_of_words_without(
+    engine: Engine, facts: Facts, by: Level, length: int, weights: Weights, what: Collection[str]
+) -> Fraction:
+    """Return the weight of all words of a level and a length that have none of some names and pairs of names.
+
+    Raises:
+        QueryError: one of them is no action's name, nor a pair of such.
+    """
+    weighed = engine.weighed(length, weights, plain=True)
+    letters = engine.letters
+    name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
+    numbers = {name: number for number, name in enumerate(sorted(set(name_of)))}
+    asked = [tuple(part.strip() for part in each.split(">")) for each in what]
+    known = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.left_out)}
+    for name in (name for each in asked for name in each):
+        if name not in known:
+            raise QueryError(unknown(name, sorted(known), "action"))
+    asked = [each for each in asked if numbers.keys() >= {*each}]  # others never occur
+    single = {numbers[each[0]] for each in asked if len(each) == 1}
+    pairs = {(numbers[one], numbers[two]) for one, two in (each for each in asked if len(each) == 2)}
+    places = np.array([numbers[name] for name in name_of], dtype=np.int64)
+    return weight_without(weighed.automaton, length, places, single, pairs) * weighed.unit
+
+
+def _names(facts: Facts, letters: Sequence[str]) -> Iterator[str]:
+    names = {str(action): action_name(action) for action in facts.actions}
+    return (names[letter] for letter in letters)
+
+
+def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]], dict[str, set[int]]]:
+    """Return the letters that name each entity, and those that name one of each class."""
+    symbols = {str(action): action for action in facts.actions}
+    by_entity: dict[str, set[int]] = {str(entity): set() for entity in facts.entities}
+    by_class: dict[str, set[int]] = {str(name): set() for _, name in sorted(facts.memberships, key=str)}
+    classes: dict[clingo.Symbol, list[str]] = {}
+    for entity, name in facts.memberships:
+        classes.setdefault(entity, []).append(str(name))
+    for number, letter in enumerate(letters):
+        for entity in mentioned_entities(symbols[letter], facts.entities):
+            by_entity[str(entity)].add(number)
+            for kind in classes.get(entity, ()):
+                by_class[kind].add(number)
+    return by_entity, by_class
+
+
+def crossings(completions: Completions, length: int) -> list[int]:
+    """Return for each edge the weight of all words that pass it, as often as they do."""
+    automaton = completions.automaton
+    passing = np.zeros(len(automaton.letters), dtype=object)
+    for step, over in enumerate(_forward(automaton, length)):
+        passing += over * completions.row(length - step - 1)[automaton.targets].astype(object)
+    return list(passing)
+
+
+def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
+    """Return for two names the weight of all words in which the second follows the first, as often as it does.
+
+    `names` maps letters to numbers of names.
+    """
+    automaton = completions.automaton
+    if not len(automaton.letters):
+        return {}
+    named = names[automaton.letters]
+    width = int(names.max()) + 1
+    coming, into = np.unique(automaton.targets * width + named, return_inverse=True)
+    leaving, out_of = np.unique(automaton.sources * width + named, return_inverse=True)
+    first = np.searchsorted(leaving, coming // width * width)
+    counts = np.searchsorted(leaving, (coming // width + 1) * width) - first
+    left = np.repeat(np.arange(len(coming)), counts)
+    right = np.arange(len(left)) + np.repeat(first - np.cumsum(counts) + counts, counts)
+    sums = np.zeros(len(left), dtype=object)
+    factors = _factors(automaton)
+    for step, over in enumerate(_forward(automaton, length - 1)):
+        behind = factors * completions.row(length - step - 2)[automaton.targets].astype(object)
+        before, after = _summed(over, into, len(coming)), _summed(behind, out_of, len(leaving))
+        sums += np.array(before, dtype=object)[left] * np.array(after, dtype=object)[right]
+    found: dict[tuple[int, int], int] = {}
+    for one, two, weight in zip((coming[left] % width).tolist(), (leaving[right] % width).tolist(), sums, strict=True):
+        if weight:
+            found[one, two] = found.get((one, two), 0) + int(weight)
+    return found
+
+
+def weight_without(
+    automaton: Automaton,
+    length: int,
+    names: NDArray[np.int64],
+    single: Collection[int],
+    pairs: Collection[tuple[int, int]],
+) -> int:
+    """Return the weight of all words that have none of some `single` names, nor some `pairs` of consecutive ones.
+
+    `names` maps letters to numbers of names. States are told apart by the name that led to them, and by none at first.
+    """
+    if not automaton.states:
+        return 0
+    width = int(names.max(initial=-1)) + 1
+    may_follow = np.ones((width + 1, width), dtype=np.bool_)
+    for one, two in pairs:
+        may_follow[one, two] = False
+    may_follow[:, list(single)] = False
+    named = names[automaton.letters]
+    coming, into = np.unique(automaton.targets * (width + 1) + named, return_inverse=True)
+    states, before = np.divmod(np.concatenate([[width], coming]), width + 1)
+    degrees = np.diff(automaton.offsets)[states]
+    begins = np.cumsum(degrees) - degrees
+    edges = np.arange(degrees.sum()) + np.repeat(automaton.offsets[states] - begins, degrees)
+    kept = may_follow[np.repeat(before, degrees), named[edges]]
+    left = edges[kept]
+    apart = Automaton(
+        np.concatenate([[0], np.cumsum(kept)])[np.append(begins, len(edges))],
+        automaton.letters[left],
+        into[left] + 1,
+        automaton.accepting[states],
+        None if automaton.weights is None else automaton.weights[left],
+    )
+    return int(Completions(apart).last_row(length)[0])
+
+
+def entropy(automaton: Automaton, passing: Sequence[int], total: int) -> Decimal:
+    """Return the entropy in bits of a word drawn by weight: log2 of the total less the expected log2 of a weight.
+
+    `passing` are the `crossings`. The expected number of edges of each weight is exact; only logarithms are rounded.
+    """
+    by_weight: dict[int, int] = {}
+    for weight, passed in zip(_factors(automaton).tolist(), passing, strict=True):
+        if passed:
+            by_weight[weight] = by_weight.get(weight, 0) + passed
+    with localcontext(Context(prec=2 * ENTROPY_PLACES + 20, Emax=MAX_EMAX, Emin=MIN_EMIN)):
+        spent = sum((Decimal(passed) / total * Decimal(weight).ln() for weight, passed in by_weight.items()), Decimal())
+        bits = (Decimal(total).ln() - spent) / Decimal(2).ln()
+        return abs(bits.quantize(Decimal(1).scaleb(-ENTROPY_PLACES)))
+
+
+def _forward(automaton: Automaton, length: int) -> Iterator[Objects]:
+    """Yield for each step the weight of all ways that end with each edge."""
+    row = np.zeros(automaton.states, dtype=object)
+    row[0] = 1
+    factors = _factors(automaton)
+    for _ in range(length):
+        over = row[automaton.sources] * factors
+        yield over
+        row = np.array(_summed(over, automaton.targets, automaton.states), dtype=object)
+
+
+def _factors(automaton: Automaton) -> Objects:
+    if automaton.weights is not None:
+        return automaton.weights.astype(object)
+    return np.ones(len(automaton.letters), dtype=np.int64).astype(object)
+
+
+def _summed(values: Sequence[int] | Objects, places: NDArray[np.int64], size: int) -> list[int]:
+    """Return the sums of the values at each place."""
+    sums = [0] * size
+    for place, value in compress(zip(places.tolist(), values, strict=True), values):
+        sums[place] += value
+    return sums

@@ -1,0 +1,72 @@
+"""The temperature of weights: from exploitation, the weights themselves, to exploration, where all count the same."""
+
+from __future__ import annotations
+
+from decimal import Context, Decimal, localcontext
+from fractions import Fraction
+
+from prag_asp.errors import QueryError
+from prag_asp.space.weights.weights import Number, Weights, parse_number
+
+INFINITE = "inf"
+LARGEST_DENOMINATOR = 10_000
+DIGITS = 40
+"""Decimal digits after the point: far more than tell fractions with such denominators apart."""
+
+LARGEST_EXPONENT = 1000
+"""Powers of ten beyond which a weight is refused."""
+
+Temperature = Number
+"""A number above 0, or ``inf``."""
+
+
+def tempered(weights: Weights, temperature: Temperature) -> Weights:
+    """Return the weights at a temperature T: each weight w, of an entity with its classes, becomes about w^(1/T).
+
+    T = 1 leaves them, T below 1 sharpens them, and where T is ``inf`` whatever weighs more than 0 weighs the same.
+    0 stays 0. A power with a whole exponent is exact; any other becomes the nearest fraction with a denominator of at
+    most 10000, or where it is below 1 the inverse of that for its inverse. The power is computed in decimal digits,
+    so it is the same on every machine, and everything from then on is exact.
+
+    Raises:
+        QueryError: the temperature is no number above 0, or too low.
+    """
+    exponent = _exponent(temperature)
+    return Weights(
+        {key: power(weight, exponent) for key, weight in weights.names.items()},
+        {key: power(weight, exponent) for key, weight in weights.pairs.items()},
+        {key: power(weight, exponent) for key, weight in weights.actions.items()},
+        {key: power(weight, exponent) for key, weight in weights.entities.items()},
+    )
+
+
+def power(weight: Fraction, exponent: Fraction) -> Fraction:
+    """Return `weight` to the power of an exponent of at least 0, as `tempered` says.
+
+    Raises:
+        QueryError: the power has more than a thousand digits.
+    """
+    if weight in (0, 1):
+        return weight
+    if weight < 1:
+        return 1 / power(1 / weight, exponent)
+    with localcontext(Context(prec=2 * DIGITS, Emax=10**9, Emin=-(10**9))) as context:
+        logarithm = (Decimal(weight.numerator) / weight.denominator).ln() * exponent.numerator / exponent.denominator
+        size = int(logarithm / Decimal(10).ln())
+        if size > LARGEST_EXPONENT:
+            raise QueryError(f"a weight of {weight} to the power of {exponent} is too large; raise the temperature")
+        if exponent.denominator == 1:
+            return weight**exponent.numerator
+        context.prec = size + 2 * DIGITS
+        base = Decimal(weight.numerator) / weight.denominator
+        exact = (base.ln() * exponent.numerator / exponent.denominator).exp()
+        return Fraction(exact.quantize(Decimal(1).scaleb(-DIGITS))).limit_denominator(LARGEST_DENOMINATOR)
+
+
+def _exponent(temperature: Temperature) -> Fraction:
+    if temperature == INFINITE:
+        return Fraction(0)
+    number = parse_number("temperature", temperature)
+    if number <= 0:
+        raise QueryError(f"temperature {temperature}: it is above 0, or {INFINITE} for a uniform draw")
+    return 1 / number

@@ -1,0 +1,269 @@
+"""Weights: how much more often than another a task is drawn, as exact fractions.
+
+The weight of a plan is the product of the weights of its actions, of its pairs of consecutive actions, and of each
+entity that it uses, once; an entity weighs what it and all its classes weigh together.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from fractions import Fraction
+from itertools import pairwise
+from math import lcm, prod
+from typing import Any, Protocol
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import QueryError
+from prag_asp.integers import shortened
+from prag_asp.logic.domain_logic import Model
+from prag_asp.program.entity_names import action_name, mentioned_entities, refuse_ambiguous, shared_names
+from prag_asp.program.facts import Facts
+from prag_asp.program.settings import MAX_EXPONENT
+from prag_asp.space.automaton.automaton import Automaton, Completions, Word
+from prag_asp.space.automaton.walks import Choice
+from prag_asp.wording import unknown
+
+Number = int | Fraction | Decimal | str
+
+EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
+"""A number as text; what follows an exponent of 18 digits does not matter any more."""
+
+MANY_KINDS = 1 << 61
+"""Where the number of a kind of edges is beyond this, kinds are numbered anew: twice as much still has 64 bits."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """The weights that differ from 1: of action names, of pairs of names, of single actions, and of entities."""
+
+    names: Mapping[str, Fraction] = field(default_factory=dict)
+    pairs: Mapping[tuple[str, str], Fraction] = field(default_factory=dict)
+    actions: Mapping[clingo.Symbol, Fraction] = field(default_factory=dict)
+    entities: Mapping[clingo.Symbol, Fraction] = field(default_factory=dict)
+
+    def __bool__(self) -> bool:
+        return any((self.names, self.pairs, self.actions, self.entities))
+
+    @property
+    def of_actions_alone(self) -> bool:
+        """Whether a plan weighs no more than the product of what its actions weigh, each by itself."""
+        return not self.pairs and not self.entities
+
+    def of_action(self, action: clingo.Symbol) -> Fraction:
+        """Return the weight of a single occurrence of an action."""
+        return self.names.get(action_name(action), Fraction(1)) * self.actions.get(action, Fraction(1))
+
+    def of_plan(self, plan: Sequence[clingo.Symbol]) -> Fraction:
+        """Return the weight of a whole plan."""
+        weight = prod(map(self.of_action, plan), start=Fraction(1))
+        names = [action_name(action) for action in plan]
+        for pair in pairwise(names):
+            weight *= self.pairs.get(pair, Fraction(1))
+        used = {entity for action in plan for entity in mentioned_entities(action, self.entities)}
+        return prod((self.entities[entity] for entity in used), start=weight)
+
+
+def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
+    """Return the weights that `given` states for keys such as ``grasp``, ``grasp>move``, ``apple`` or ``apple_1``.
+
+    A key is an action's name, a pair of names, a single action, an entity or a class; a float is refused, because its
+    decimal digits are not its value.
+
+    Raises:
+        QueryError: a key is unknown or ambiguous, or a weight is not a number of at least 0.
+    """
+    names = {action_name(action) for action in facts.declared_actions}
+    classes = {str(name): name for name in facts.classes}
+    entities = {str(entity): entity for entity in facts.entities}
+    actions = {str(action): action for action in facts.declared_actions}
+    shared = shared_names(facts)
+    found_names: dict[str, Fraction] = {}
+    pairs: dict[tuple[str, str], Fraction] = {}
+    singles: dict[clingo.Symbol, Fraction] = {}
+    by_entity = dict.fromkeys(facts.entities, Fraction(1))
+    for key, number in given.items():
+        weight = parse_weight(key, number)
+        first, arrow, second = (part.strip() for part in key.partition(">"))
+        if arrow:
+            if first not in names or second not in names:
+                raise QueryError(unknown(first if first not in names else second, sorted(names), "action"))
+            pairs[first, second] = weight
+        elif key in shared:
+            refuse_ambiguous(key, facts)
+        elif key in names:
+            found_names[key] = weight
+        elif key in actions:
+            singles[actions[key]] = weight
+        elif key in entities:
+            by_entity[entities[key]] *= weight
+        elif key in classes:
+            for entity in facts.entities:
+                if (entity, classes[key]) in facts.memberships:
+                    by_entity[entity] *= weight
+        else:
+            raise QueryError(unknown(key, sorted({*names, *classes, *entities}), "action, class or entity"))
+    return Weights(
+        {key: weight for key, weight in found_names.items() if weight != 1},
+        {key: weight for key, weight in pairs.items() if weight != 1},
+        {key: weight for key, weight in singles.items() if weight != 1},
+        {key: weight for key, weight in by_entity.items() if weight != 1},
+    )
+
+
+def parse_weight(key: str, number: Number) -> Fraction:
+    """Return a weight as a fraction, read from decimal digits or from p/q.
+
+    Raises:
+        QueryError: it is not a number of at least 0.
+    """
+    weight = parse_number(f"weight of {key!r}", number)
+    if weight < 0:
+        raise QueryError(f"weight of {key!r}: {number} is below 0; weights start at 0, which means never")
+    return weight
+
+
+def parse_number(what: str, number: Number) -> Fraction:
+    """Return an exact number as a fraction, read from decimal digits or from p/q; `what` is how errors call it.
+
+    Raises:
+        QueryError: it is no exact number.
+    """
+    try:
+        if isinstance(number, (float, bool)):
+            raise ValueError
+        if _exponent(number) > MAX_EXPONENT:
+            raise QueryError(f"{what}: {shortened(str(number))} is out of range; write a number up to 1e{MAX_EXPONENT}")
+        return Fraction(number)
+    except (ValueError, ZeroDivisionError, TypeError, OverflowError):
+        raise QueryError(f"{what}: {number!r} is no exact number; write 2, '0.5' or '1/3'") from None
+
+
+def _exponent(number: Number) -> int:
+    """Return how many digits stand before or behind the point of a number, at most, without writing them."""
+    if isinstance(number, Decimal):
+        return abs(number.adjusted()) if number.is_finite() else 0
+    if isinstance(number, str):
+        parts = [EXPONENT.fullmatch(part.strip()) for part in number.split("/")]
+        return max((len(part["digits"]) - 1 + abs(int(part["exponent"] or 0)) for part in parts if part), default=0)
+    return max(abs(number.numerator).bit_length(), number.denominator.bit_length()) * 3 // 10
+
+
+def refuse_weights(level: str, weights: Weights, model: Model, length: int) -> None:
+    """Refuse weights that a level cannot have.
+
+    Raises:
+        QueryError: skeletons are weighed, or two interchangeable entities of tasks weigh differently.
+    """
+    if weights and level == "skeleton":
+        raise QueryError("skeletons have no weights; choose task or plan, or give weights={} (--uniform)")
+    if weights and level == "task":
+        refuse_unequal(weights, model.symmetries(length).orbits)
+
+
+def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) -> None:
+    """Refuse weights that tell interchangeable entities apart, because a task does not.
+
+    Raises:
+        QueryError: two interchangeable entities weigh differently.
+    """
+    for group in groups:
+        first = weights.entities.get(group[0], Fraction(1))
+        for entity in group:
+            if weights.entities.get(entity, Fraction(1)) != first:
+                raise QueryError(
+                    f"{group[0]} and {entity} are interchangeable, so a task cannot prefer one of them; "
+                    "weigh their class, or draw plans"
+                )
+        named = {str(entity) for entity in group}
+        for action in weights.actions:
+            if named & {str(entity) for entity in mentioned_entities(action, set(group))}:
+                raise QueryError(
+                    f"{action} names one of the interchangeable {', '.join(sorted(named))}; draw plans instead"
+                )
+
+
+def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
+    """Return the facts for ``rules/weights.lp``, and the atoms that then tell what an edge weighs."""
+    pairs = [clingo.Function("weighed", list(map(clingo.Function, pair))) for pair in sorted(weights.pairs)]
+    entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
+    found = [clingo.Function("follows", pair.arguments) for pair in pairs]
+    found += [clingo.Function("first_use", entity.arguments) for entity in entities]
+    return [f"asked({each})." for each in (*pairs, *entities)], [clingo.Function("tested", [each]) for each in found]
+
+
+class Walks(Protocol):
+    """Words of one length that are found by choosing letter by letter; `total` is the sum of their weights."""
+
+    total: int
+
+    def walk(self, choose: Choice) -> tuple[Word, int]:
+        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        ...
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """The words of a level as paths of an automaton: a word weighs the product of its edges, times `unit`.
+
+    `goals` numbers what is known after an edge that is the last of a word, shape (edges,); None where nobody asked.
+    `ranking` walks along the words where a path stands for several, or where states are never listed, so that the
+    automaton is empty; it is None where each path is one word.
+    """
+
+    completions: Completions
+    unit: Fraction = Fraction(1)
+    goals: NDArray[np.int64] | None = None
+    ranking: Walks | None = None
+
+    @property
+    def automaton(self) -> Automaton:
+        """The automaton."""
+        return self.completions.automaton
+
+    def total(self, length: int) -> int:
+        """Return the sum of the weights of all words of a length, in units."""
+        if self.ranking is not None:
+            return self.ranking.total
+        return int(self.completions.row(length)[0]) if self.automaton.states else 0
+
+
+def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[list[Fraction], list[Fraction]]:
+    """Return what an edge weighs by its letter, and by each of the labels of `weighing_facts` that is true."""
+    by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
+    by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
+    return [weights.of_action(action) for action in actions], by_label
+
+
+def weigh(
+    automaton: Automaton, labels: NDArray[np.bool_], actions: Sequence[clingo.Symbol], weights: Weights
+) -> tuple[Automaton, int]:
+    """Return the automaton with a whole number on each edge, and how much more that is than the edge's weight.
+
+    `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
+    """
+    by_letter, by_label = edge_weights(actions, weights)
+    first, kinds = _kinds(automaton.letters, labels)
+    fractions = [
+        prod((by_label[label] for label in np.flatnonzero(labels[edge])), start=by_letter[int(automaton.letters[edge])])
+        for edge in first
+    ]
+    scale = lcm(*(fraction.denominator for fraction in fractions))
+    whole = np.array([int(fraction * scale) for fraction in fractions], dtype=object)
+    return replace(automaton, weights=whole[kinds]), scale
+
+
+def _kinds(letters: NDArray[np.integer[Any]], labels: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the first edge of each kind and the kind of each edge; those of a kind have the same letter and labels."""
+    kinds = letters.astype(np.int64)
+    for column in labels.T:
+        kinds = 2 * kinds + column
+        if kinds.max(initial=0) > MANY_KINDS:
+            kinds = np.unique(kinds, return_inverse=True)[1]
+    _, first, kinds = np.unique(kinds, return_index=True, return_inverse=True)
+    return first, kinds

@@ -1,0 +1,71 @@
+"""What a step is ground for: all that may be carried along, and nothing without end."""
+
+from __future__ import annotations
+
+from math import comb
+
+import pytest
+
+from prag_asp import EngineError, TaskSpace
+from prag_asp.logic.domain_logic import Model
+from tests.domains import domain_of
+from tests.spaces import with_engines
+
+TWO = "fluent(f). action(a). action(b). postcondition(a,f,true). postcondition(b,f,false). initially(f,false)."
+COUNTER = TWO + "\n#program base.\nn(0,0).\n#program step(t).\nn(N+1,t) :- n(N,t-1), occurs(a,t){end}.\n" + (
+    "n(N,t) :- n(N,t-1), occurs(b,t). :- n({most},t-1), occurs(a,t).\n"
+)  # fmt: skip
+
+
+def counter(end: str, most: int) -> str:
+    return COUNTER.replace("{end}", end).replace("{most}", str(most))
+
+
+def test_a_counter_without_a_bound_is_told_with_its_line_and_left_to_clingo() -> None:
+    domain = domain_of(counter("", 3))
+    with pytest.raises(EngineError, match=r"^domain\.lp:5: n/2 takes new values at every step without end; add a cond"):
+        TaskSpace(domain, 4, engine="automaton").count("plan")
+    told: list[str] = []
+    auto = TaskSpace(domain, 5, progress=told.append)
+    bounded = TaskSpace(domain_of(counter(", N < 5", 3)), 5, engine="automaton")
+    assert [auto.count(by) for by in ("plan", "task")] == [bounded.count(by) for by in ("plan", "task")] == [26, 26]
+    assert any("because domain.lp:5: n/2" in words for words in told)
+    assert next(iter(auto)).states
+
+
+def test_a_disjunction_in_the_base_is_a_choice_that_is_left_to_clingo() -> None:
+    domain = domain_of(TWO + "x ; y.\n#program step(t).\n:- occurs(a,t), x. :- occurs(b,t), y.")
+    with pytest.raises(EngineError, match="the base part makes a choice"):
+        TaskSpace(domain, 3, engine="automaton").count("plan")
+    assert TaskSpace(domain, 3).count("plan") == TaskSpace(domain, 3, engine="clingo").count("plan") == 2
+
+
+def test_what_a_step_doubles_is_told_before_it_fills_the_memory() -> None:
+    doubled = "\n#program base.\nn(z,0).\n#program step(t).\nn((X,X),t) :- n(X,t-1), occurs(a,t).\n"
+    domain = domain_of(f"{TWO}{doubled}n(X,t) :- n(X,t-1), occurs(b,t).")
+    with pytest.raises(EngineError, match=r"^domain\.lp:5: n/2 takes new values at every step without end"):
+        TaskSpace(domain, 3, engine="automaton").count("plan")
+    assert [TaskSpace(domain, length).count("plan") for length in (3, 10)] == [8, 1024]
+
+
+@pytest.mark.slow
+def test_a_counter_with_a_bound_is_carried_as_far_as_that() -> None:
+    model = Model(domain_of(counter(", N < 150", 150)))
+    assert not model.ground.obstacles
+    assert sum(symbol.name == "n" for symbol in model.ground.before) == 151
+    space = TaskSpace(model.domain, 160, engine="automaton")
+    assert space.count("plan") == sum(comb(160, a) for a in range(151))
+
+
+def test_what_only_several_carried_atoms_make_together_is_found() -> None:
+    # Neither p nor q alone makes r; they come from different first steps, so no single run of steps has them all.
+    rules = """
+    p(t) :- occurs(a,t). p(t) :- p(t-1). q(t) :- occurs(b,t). q(t) :- q(t-1). r(t) :- p(t-1), q(t-1). r(t) :- r(t-1).
+    s(t) :- r(t-1), not p(t-1). s(t) :- r(t-1), occurs(a,t). :- s(t-1), occurs(b,t).
+    """
+    domain = domain_of(TWO + "\n#program step(t).\n" + rules)
+    names = {symbol.name for symbol in Model(domain).ground.before}
+    assert names >= {"p", "q", "r", "s"}
+    automaton, clingo = with_engines(domain, "automaton", "clingo")
+    for length in range(7):
+        assert automaton.at(length).count("plan") == clingo.at(length).count("plan")

@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prag_asp.physics import Demonstration, Staging, Variation, check_footage, film
+from prag_asp.physics.demonstration.packing import Packer
+from prag_asp.scene.scene import Mount
+
+RECORDINGS = Path(__file__).parents[1] / "old_form"
+
+
+@pytest.fixture(scope="module")
+def filmed(tabletop):
+    shown = Demonstration.load(RECORDINGS / "one_robot.npz")
+    drawn = Variation(light=(0.0, 0.0, 1.0), colours={"cube_1": "#112233"})
+    return film(replace(shown, variation=drawn), tabletop, Staging(("front", "wrist"), (48, 32), rate=2))
+
+
+def changed(filmed, **fields):
+    return replace(filmed, footage=replace(filmed.footage, **fields))
+
+
+def with_film(filmed, camera, **fields):
+    films = {**filmed.footage.films, camera: replace(filmed.footage.films[camera], **fields)}
+    return changed(filmed, films=films)
+
+
+def repacked(array):
+    packer = Packer(len(array), array.shape[1:], array.dtype.str)
+    for row in array:
+        packer.add(row)
+    return packer.finish()
+
+
+def test_films_are_right_in_the_world_in_which_they_were_taken_and_in_no_other(filmed, tabletop):
+    assert check_footage(filmed, tabletop) == []
+    assert check_footage(replace(filmed, footage=None), tabletop) == []
+    (told, *_) = check_footage(replace(filmed, variation=None), tabletop)
+    assert told.startswith("front: picture 0 differs in colours by ")
+    assert check_footage(filmed, replace(tabletop, robots={"left": Mount("panda")})) == [
+        "it shows the robots panda; the scene has left"
+    ]
+
+
+@pytest.mark.parametrize("name", ["tools", "deltas", "grippers", "subgoals"])
+def test_a_list_that_was_changed_is_told(filmed, tabletop, name):
+    wrong = getattr(filmed.footage, name).copy()
+    wrong.flat[1] += 1
+    assert check_footage(changed(filmed, **{name: wrong}), tabletop) == [f"{name} is not what the recording says"]
+
+
+def test_a_legend_or_a_camera_that_is_another_is_told(filmed, tabletop):
+    legend = filmed.footage.legend
+    assert check_footage(changed(filmed, legend=(*legend[:-2], legend[-1], legend[-2])), tabletop) == [
+        "legend is not what the recording says"
+    ]
+    films = {"side": filmed.footage.films["front"]}
+    assert check_footage(changed(filmed, films=films), tabletop) == ["the scene has no camera side"]
+    shot = filmed.footage.films["front"]
+    assert check_footage(with_film(filmed, "front", intrinsics=shot.intrinsics + 1), tabletop) == [
+        "front/intrinsics is not that of the camera"
+    ]
+
+
+@pytest.mark.parametrize(("position", "what"), [(0, "colours"), (1, "depth"), (2, "entities")])
+def test_a_picture_that_was_changed_is_told_with_its_camera_and_its_number(filmed, tabletop, position, what):
+    packed = list(filmed.footage.films["wrist"].packed)
+    array = packed[position].array()
+    array[2] = np.where(array[2] > 1, 0, array[2] + 2)
+    packed[position] = repacked(array)
+    (told,) = check_footage(with_film(filmed, "wrist", packed=tuple(packed)), tabletop)
+    assert told.startswith(f"wrist: picture 2 differs in {what} by ")
+
+
+def test_a_film_that_was_cut_off_is_told(filmed, tabletop):
+    packed = filmed.footage.films["front"].packed
+    cut = (replace(packed[0], stream=packed[0].stream[:-20]), *packed[1:])
+    (told,) = check_footage(with_film(filmed, "front", packed=cut), tabletop)
+    assert told == "front: the pictures of a recording were cut off or changed; record it anew"
