@@ -19,6 +19,8 @@ PragError
 
 from __future__ import annotations
 
+from prag_asp.stop_reason import StopReason
+
 LONGEST = 500
 """Characters of a line of a message, whatever it quotes."""
 
@@ -68,15 +70,25 @@ class QueryError(PragError):
 
 
 class EngineError(PragError):
-    """An engine cannot express the domain."""
+    """An engine cannot express the domain: `what` is wrong, at a `place` (``file:line``) where it is known."""
+
+    def __init__(self, what: str, *, place: str = "", remedy: str = "") -> None:
+        super().__init__(f"{f'{place}: ' if place else ''}{what}{f'; {remedy}' if remedy else ''}")
+        self.what = what
+        self.place = place
+        self.remedy = remedy
 
 
 class LimitReached(EngineError):
-    """A limit on memory or time was reached; there are at least `at_least` of what was counted."""
+    """A limit was reached for a `reason`; there are at least `at_least` of what was counted."""
 
-    def __init__(self, message: str, at_least: int) -> None:
+    def __init__(self, message: str, at_least: int, reason: StopReason) -> None:
         super().__init__(message)
         self.at_least = at_least
+        self.reason = reason
+
+    def __reduce__(self) -> tuple[type[LimitReached], tuple[str, int, StopReason]]:
+        return type(self), (self.what, self.at_least, self.reason)
 
 
 class SceneError(PragError):

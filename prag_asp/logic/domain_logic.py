@@ -9,10 +9,9 @@ from functools import cached_property
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground_step import GroundStep, ground_plan, ground_step
 from prag_asp.logic.ground.program import canonical_program, closed_program, weighing_program, whole_program
-from prag_asp.logic.ground.stationary import StepReads, read_step
+from prag_asp.logic.ground.stationary import Obstacle, StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
@@ -71,11 +70,11 @@ class Model:
             EngineError: a step reads more than the step before it.
         """
         if self.reads.obstacles:
-            raise EngineError(self.reads.obstacles[0])
+            raise self.reads.obstacles[0].error()
         return ground_step(self.program, self.domain.facts, self.reads)
 
     @property
-    def obstacles(self) -> tuple[str, ...]:
+    def obstacles(self) -> tuple[Obstacle, ...]:
         """Why a step is not a function of the state and the action, where it is not."""
         return self.reads.obstacles or self.ground.obstacles
 
@@ -187,7 +186,7 @@ class Model:
             EngineError: the step is not a function of the state and the action.
         """
         if self.obstacles:
-            raise EngineError(self.obstacles[0])
+            raise self.obstacles[0].error()
         tells_apart = tasks and bool(self.symmetries(0))
         if not weighed and not labels:
             return self._task_transition if tells_apart else self._plan_transition

@@ -104,11 +104,9 @@ def _over_time(
     except LimitReached:
         raise
     except EngineError as error:
-        text = str(error)
-        where = ":".join(text.split(":", 2)[:2])
         places = [f"{path}:{line}" for path, line in rules_over_time(domain.program)]
-        place = where if where in places else places[0] if places else domain.name
-        why = text.removeprefix(f"{place}: ").partition(";")[0]
+        place = error.place if error.place in places else places[0] if places else domain.name
+        why = error.what if error.place in ("", place) else f"{error.place}: {error.what}"
         hint = "leave it out, or export without it"
         raise DomainError(f"{place}: PDDL cannot say this rule over time: {why}; {hint}") from None
 

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.machine import memory_in_use
+from prag_asp.stop_reason import StopKind, StopReason
 
 UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
@@ -51,13 +52,13 @@ class Budget:
     begun: float
     closing: float = 0.0
 
-    def spent(self, more_bytes: int = 0) -> str | None:
-        """Return which limit is reached, in words, or None; `more_bytes` are about to be taken."""
+    def reached(self, more_bytes: int = 0) -> StopReason | None:
+        """Return which limit is reached, or None; `more_bytes` are about to be allocated."""
         seconds, memory = self.limits.seconds, self.limits.memory_bytes
         if seconds is not None and monotonic() - self.begun > seconds + self.closing:
-            return f"the time limit of {seconds:g} s"
+            return StopReason(StopKind.TIME, seconds)
         if memory is not None and memory_in_use() + more_bytes > memory:
-            return f"the memory limit of {memory / 10**6:,.0f} MB"
+            return StopReason(StopKind.MEMORY, memory)
         return None
 
     def left(self) -> float | None:
@@ -79,35 +80,32 @@ class Budget:
 
 
 def within(limits: Limits, words: Iterator[Found], level: str, length: int) -> Iterator[Found]:
-    """Yield words, until a limit is reached.
+    """Yield words until a limit is reached.
 
     Raises:
-        LimitReached: it is; the error has the number of words that were found.
+        LimitReached: a limit is reached; the error has the number of words that were found.
     """
     budget = limits.begin()
     for found, word in enumerate(words):
-        stopped = budget.spent()
-        if stopped:
-            raise stopped_at(stopped, found, level, length)
+        reason = budget.reached()
+        if reason:
+            raise limit_error(reason, found, level, length)
         yield word
 
 
-def stopped_at(limit: str, found: int, level: str, length: int, states: int = 0) -> LimitReached:
-    """Return the error for a limit, given in words, that ended a count when `found` words were found.
+def limit_error(reason: StopReason, found: int, level: str, length: int, states: int = 0) -> LimitReached:
+    """Return the error for a limit that ended a count when `found` words were found.
 
-    Where states are listed, it says how many were.
+    The message names the number of explored states where there are any.
     """
     explored = f" with {states:,} states explored" if states else ""
+    option = "time" if reason.kind == StopKind.TIME else "memory"
     return LimitReached(
-        f"{limit} was reached{explored}: there are at least {found} {level}s of length {length}; {allow_more(limit)}, "
-        "or ask for shorter ones",
+        f"{reason.prose()} was reached{explored}: there are at least {found} {level}s of length {length}; "
+        f"allow more (--{option}), or ask for shorter ones",
         found,
+        reason,
     )
-
-
-def allow_more(limit: str) -> str:
-    """Return what to do about a limit, given in words: the command's option that moves it."""
-    return f"allow more (--{'time' if limit.startswith('the time') else 'memory'})"
 
 
 def parse_memory(text: str) -> int:

@@ -12,7 +12,7 @@ import clingo
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.derivable import may_derive
 from prag_asp.logic.ground.growth import locate_head
-from prag_asp.logic.ground.stationary import StepReads
+from prag_asp.logic.ground.stationary import Obstacle, StepReads
 from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.facts import Facts
 from prag_asp.program.finite.checks import BoundReached, measured
@@ -72,7 +72,7 @@ class GroundStep:
     now: Mapping[clingo.Symbol, int]
     initial: frozenset[clingo.Symbol]
     consistent: bool
-    obstacles: tuple[str, ...]
+    obstacles: tuple[Obstacle, ...]
     after_steps_alone: bool = False
 
 
@@ -89,7 +89,8 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
         return _ground_step(program, facts, reads)
     except BoundReached as error:
         # No plan of some length needs to come so far: the engines that ground each step by itself find out.
-        return _unbounded(str(error), reads)
+        place = f"{error.problem.path}:{error.problem.line}"
+        return _unbounded(Obstacle(error.problem.text, place), reads)
 
 
 def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
@@ -110,13 +111,13 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
         started = _start(program, reads)
     name, arity = endless or _signature(min(new))
     where = locate_head(program, (name, arity))
-    told = f"{where}: {name}/{arity} takes new values at every step without end; add a condition that ends it"
-    return _unbounded(told, reads)
+    what = f"{name}/{arity} takes new values at every step without end"
+    return _unbounded(Obstacle(what, where, "add a condition that ends it"), reads)
 
 
-def _unbounded(told: str, reads: StepReads) -> GroundStep:
+def _unbounded(obstacle: Obstacle, reads: StepReads) -> GroundStep:
     """Return a step of which nothing is known but that it may make ever more."""
-    return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, told))
+    return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, obstacle))
 
 
 def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
@@ -244,7 +245,7 @@ class _Recorder(clingo.Observer):
     def __init__(self) -> None:
         self.part = "base"
         self.rules: dict[str, list[Rule]] = {}
-        self.obstacles: list[str] = []
+        self.obstacles: list[Obstacle] = []
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         if body or choice or len(head) != 1 or self.part != "base":
@@ -256,7 +257,7 @@ class _Recorder(clingo.Observer):
         self.rules.setdefault(self.part, []).append(found)
 
     def theory_atom(self, *_: object) -> None:
-        self.obstacles.append("the program uses a theory")
+        self.obstacles.append(Obstacle("the program uses a theory"))
 
 
 def _ground_once(started: _Started, program: Program, seeds: Seeds, facts: Facts, reads: StepReads) -> GroundStep:
@@ -372,7 +373,7 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
             if time == START:
                 initial.add(clingo.Function(name, others))
                 if not is_fact:
-                    obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
+                    obstacles.append(Obstacle(f"{symbol} depends on a choice: plans do not begin in one state"))
                 continue
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
                 always.append(clingo.Function(name, others))
@@ -380,7 +381,7 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
             if time in found:
                 found[time][clingo.Function(name, others)] = literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
-        obstacles.append("the base part makes a choice")
+        obstacles.append(Obstacle("the base part makes a choice"))
     return GroundStep(
         {part: tuple(rules) for part, rules in recorder.rules.items()},
         names, found[BEFORE], found[NOW], frozenset(initial),

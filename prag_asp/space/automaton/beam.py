@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from heapq import nlargest
 
 from prag_asp.logic.diagram.diagrams import Word as State
 from prag_asp.space.automaton.layers import Layers
+from prag_asp.stop_reason import LimitCheck
 
 WIDER = 4
 """Times as many states are followed in the next round, as long as there is time."""
 
 
-def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], spent: Callable[[], str | None]) -> int:
-    """Return a number of words of a length that there are at least, found until `spent` says that a limit is reached.
+def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], check: LimitCheck) -> int:
+    """Return a number of words of a length that there are at least, found until `check` says that a limit is reached.
 
     From step to step, those states go on that most ways lead to: first one, then four, and so on (beam search). Where
     it is known what completes them, that is taken. What diagrams have found is true, if not all, and each way that is
@@ -28,7 +29,7 @@ def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], 
         for step in range(length - left):
             following: dict[State, int] = {}
             for state, number in ways.items():
-                if spent():
+                if check():
                     return best
                 for edge in layers.onward(state):
                     if step >= len(prefix) or edge.letter in prefix[step]:

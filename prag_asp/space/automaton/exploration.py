@@ -18,6 +18,7 @@ from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Successors, Transition
 from prag_asp.space.automaton.automaton import Automaton
 from prag_asp.space.automaton.numbering import Numbering
+from prag_asp.stop_reason import StopReason
 
 if TYPE_CHECKING:
     from prag_asp.logic.step.relaxation import Relaxation
@@ -47,8 +48,8 @@ class Extent:
     nbytes: int
 
 
-Watch = Callable[[Extent], "str | None"]
-"""Told now and then how far exploring has come; a text that it returns says why exploring has to stop."""
+Watch = Callable[[Extent], "StopReason | None"]
+"""Called now and then with the extent of the exploration; returns why it has to stop, None as long as it may go on."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,13 @@ class Renamings:
 class Explored:
     """The automaton of the plans of a step function.
 
-    `labels` has shape (edges, number of labels). `stopped` says why exploring had to stop early, if it had: some states
+    `labels` has shape (edges, number of labels). `stop` is why exploration ended early, if it did: some states
     then have no edges, so that words are missing, none wrong.
     """
 
     automaton: Automaton
     labels: NDArray[np.bool_]
-    stopped: str = ""
+    stop: StopReason | None = None
     renamings: Renamings | None = None
 
 
@@ -86,31 +87,32 @@ def explore(
     watch: Watch | None = None,
     *,
     merging: Merging | None = None,
-    object_to: Callable[[Rows], str] | None = None,
+    object_to: Callable[[Rows], StopReason | None] | None = None,
 ) -> Explored:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
     Letters are numbers of `transition.actions`. Where plans end in some states alone, and there are `MANY` states, a
     state is not expanded from which no plan ends within the steps left. A state is found first where most steps are
-    left, so words of more than `length` actions alone may be missing. `object_to` sees all states; a text that it
-    returns says why exploring has to stop.
+    left, so words of more than `length` actions alone may be missing. `object_to` sees all states, and
+    returns why exploration has to stop, if it has to.
     """
     search = _Search(transition, merging)
-    first, depth, stopped = 0, 0, ""
+    first, depth = 0, 0
+    stop: StopReason | None = None
     while first < len(search.states):
         last = len(search.states)
         while first < last:
             rows = search.states.rows[first : min(first + search.together, last)]
-            search.take(rows, 0 if stopped else length - depth)
+            search.take(rows, 0 if stop else length - depth)
             first += len(rows)
             if object_to:
-                stopped = object_to(rows) or stopped
-            if watch and not stopped:
-                stopped = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes)) or ""
+                stop = object_to(rows) or stop
+            if watch and not stop:
+                stop = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes))
         if depth == length:
-            return search.explored(length, stopped)
+            return search.explored(length, stop)
         depth += 1
-    return search.explored(length if search.cut else None, stopped)
+    return search.explored(length if search.cut else None, stop)
 
 
 class _Search:
@@ -198,7 +200,7 @@ class _Search:
         multiplicities = np.concatenate([twins.multiplicity(each.letter, each.sources) for each in found])[order]
         return _Edges(letters, targets, labels, multiplicities, self._orders.add(_packed(orders)).astype(np.int32))
 
-    def explored(self, horizon: int | None, stopped: str) -> Explored:
+    def explored(self, horizon: int | None, stop: StopReason | None) -> Explored:
         """Return all that was found; without a horizon, every word is."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:
@@ -210,14 +212,14 @@ class _Search:
         automaton = Automaton(offsets, letters, targets, ends, horizon=horizon)
         labels = np.concatenate([each.labels for each in edges])
         if self._merging is None or self._orders is None:
-            return Explored(automaton, labels, stopped)
+            return Explored(automaton, labels, stop)
         renamings = Renamings(
             np.concatenate([each.multiplicities for each in edges]),
             np.concatenate([each.order_of for each in edges]),
             _unpacked(self._orders.rows, self._merging.size),
             np.concatenate([np.zeros((0, self._merging.size), dtype=np.bool_), *self._twins]),
         )
-        return Explored(automaton, labels, stopped, renamings)
+        return Explored(automaton, labels, stop, renamings)
 
 
 def _packed(orders: Orders) -> Rows:

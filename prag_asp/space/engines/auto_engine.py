@@ -19,7 +19,7 @@ from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress
 from prag_asp.space.engines.reachability import Reach, Unfit
-from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
+from prag_asp.space.limits import UNLIMITED, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ class AutoEngine:
             if not self._too_long(length):
                 raise
             found = max(reached.at_least, 0 if prefix else self._found(length))
-            raise stopped_at(str(reached).partition(" was reached")[0], found, self._asked[1], length) from None
+            raise limit_error(reached.reason, found, self._asked[1], length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -172,7 +172,7 @@ class AutoEngine:
         _, level, _, limits = self._asked
         if level == "skeleton" or self._unfit is None:  # what was listed has no names yet
             return 0
-        return count_within(self._unfit[1].completions, length, limits.begin().to_close().spent)[0]
+        return count_within(self._unfit[1].completions, length, limits.begin().to_close().reached)[0]
 
 
 def searching_engine(

@@ -21,7 +21,7 @@ from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.engine import Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.independent_components import Apart
 from prag_asp.space.engines.reachability import HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights
 
 if TYPE_CHECKING:
@@ -109,22 +109,23 @@ class AutomatonEngine:
         """
         budget = self._limits.begin()
         reach = self._reach(length, budget, self._apart.spreads if prefix else self._apart.falls_apart)
-        if reach.stopped == HALTED:
+        if reach.stop == HALTED:
             apart = self._count_apart(length, budget, reach, prefix)
             if apart is not None:
                 return apart
             reach = self._reach(length, budget)
         stage("counting")
-        if not prefix and not reach.stopped and reach.completions.automaton.horizon is None:
-            known = count_by_recurrence(reach.completions, length, budget.spent)
+        if not prefix and not reach.stop and reach.completions.automaton.horizon is None:
+            known = count_by_recurrence(reach.completions, length, budget.reached)
             if known is not None:
                 return known
         if prefix or (self._limits.seconds is None and length < LONG):
-            found, stopped = self._count(reach, length, prefix), reach.stopped
+            found, stop = self._count(reach, length, prefix), reach.stop
         else:
-            found, stopped = count_within(reach.completions, length, budget.to_close().spent, self._tell)
-        if stopped or reach.stopped:
-            raise stopped_at(reach.stopped or stopped, found, self._level, length, reach.states)
+            found, stop = count_within(reach.completions, length, budget.to_close().reached, self._tell)
+        reason = reach.stop or stop
+        if reason:
+            raise limit_error(reason, found, self._level, length, reach.states)
         return found
 
     def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
@@ -141,11 +142,11 @@ class AutomatonEngine:
         counted = self._apart.count(length, budget)
         if counted is None:
             return None
-        if counted.stopped:
+        if counted.stop:
             least = counted.found
             if self._level != "skeleton":  # what was explored of the whole has no names yet
-                least = max(least, count_within(whole.completions, length, budget.to_close().spent)[0])
-            raise stopped_at(counted.stopped, least, self._level, length, counted.states)
+                least = max(least, count_within(whole.completions, length, budget.to_close().reached)[0])
+            raise limit_error(counted.stop, least, self._level, length, counted.states)
         return counted.found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -224,9 +225,9 @@ class AutomatonEngine:
         begun = monotonic()
         stage("exploring")
         found = self._explorer.reach(self._transition, length, budget, halt)
-        if found.stopped == UNFIT and halt and self._apart.finds:
-            return replace(found, stopped=HALTED)
-        if found.stopped == UNFIT:
+        if found.stop == UNFIT and halt and self._apart.finds:
+            return replace(found, stop=HALTED)
+        if found.stop == UNFIT:
             raise Unfit(found)
         if found.covers(length):
             self._reached = found
@@ -241,7 +242,7 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration.
         """
         budget = self._limits.begin()
-        halted = self._apart.has_words(length) or self._reach(length, budget, self._apart.spreads).stopped == HALTED
+        halted = self._apart.has_words(length) or self._reach(length, budget, self._apart.spreads).stop == HALTED
         found = self._apart.words(length, self._numbers, budget) if halted else None
         return found or self.explored(length, budget)
 
@@ -253,9 +254,9 @@ class AutomatonEngine:
         """
         budget = budget or self._limits.begin()
         reach = self._reach(length, budget)
-        if not reach.covers(length):
-            found, _ = count_within(reach.completions, length, budget.to_close().spent)
-            raise stopped_at(reach.stopped, found, self._level, length, reach.states)
+        if reach.stop:
+            found, _ = count_within(reach.completions, length, budget.to_close().reached)
+            raise limit_error(reach.stop, found, self._level, length, reach.states)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
@@ -289,15 +290,15 @@ class AutomatonEngine:
         if apart:
             return apart
         reach, unit, marks = explorer.weighed(length, weights, budget, read, self._apart.spreads if divides else None)
-        if divides and reach.stopped in {HALTED, UNFIT} and self._apart.finds:
+        if divides and reach.stop in {HALTED, UNFIT} and self._apart.finds:
             apart = self._weigh_apart(length, weights, budget)
             if apart:
                 return apart
             reach, unit, marks = explorer.weighed(length, weights, budget, read)
-        if reach.stopped == UNFIT:
+        if reach.stop == UNFIT:
             raise Unfit(reach)
-        if not reach.covers(length):
-            raise stopped_at(reach.stopped, 0, self._level, length, reach.states)
+        if reach.stop:
+            raise limit_error(reach.stop, 0, self._level, length, reach.states)
         ends = numbered_goals(hindsight, marks) if hindsight else None
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 

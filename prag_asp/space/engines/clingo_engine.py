@@ -17,8 +17,9 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, name_in_prefix
 from prag_asp.space.engines.listed_words import listed
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at, within
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
+from prag_asp.stop_reason import StopReason
 
 POLL = 0.2
 """Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
@@ -66,9 +67,9 @@ class ClingoEngine:
             self._progress(f"enumerating answer sets for length {length}")
         stage("enumerating answer sets")
         with self._beside(length, prefix) as ask:
-            found, stopped = plans.count(assumptions, budget, ask)
-        if stopped:
-            raise stopped_at(stopped, found, self._level, length)
+            found, stop = plans.count(assumptions, budget, ask)
+        if stop:
+            raise limit_error(stop, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -219,18 +220,19 @@ class _Unrolled:
             model = handle.model()
             return None if model is None else {each for each in literals if model.is_true(each)}
 
-    def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, str | None]:
+    def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, StopReason | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
 
         Those found until then are counted, unless `ask` knows the number before all are found.
         """
         self._limit(0)
-        stopped, known = None, None
+        stop: StopReason | None = None
+        known: int | None = None
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    stopped, known = budget.spent(), ask()
-                    if stopped or known is not None:
+                    stop, known = budget.reached(), ask()
+                    if stop or known is not None:
                         handle.cancel()
                         break
             except BaseException:
@@ -241,7 +243,7 @@ class _Unrolled:
             last = handle.last()
         if known is not None:
             return known, None
-        return last.number if last is not None else 0, stopped
+        return last.number if last is not None else 0, stop
 
     def _limit(self, models: int) -> None:
         solving = self._control.configuration.solve

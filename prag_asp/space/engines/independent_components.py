@@ -18,7 +18,8 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.space.automaton.automaton import Completions
 from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines.reachability import HALTED, Explorer, Halt, Reach
-from prag_asp.space.limits import Budget, stopped_at
+from prag_asp.space.limits import Budget, limit_error
+from prag_asp.stop_reason import LimitCheck, StopReason
 
 if TYPE_CHECKING:
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
@@ -35,11 +36,11 @@ LARGE_PART = 5_000_000
 
 @dataclass(frozen=True)
 class Counted:
-    """How many words there are, the states explored for that, and which limit ended it, in words."""
+    """The number of words, the number of states explored for it, and which limit ended the count, if any."""
 
     found: int
     states: int
-    stopped: str
+    stop: StopReason | None
 
 
 class Apart:
@@ -94,8 +95,8 @@ class Apart:
         self._tell(f"counted in {len(reaches)} independent parts with {states:,} states")
         counts = [_terms(reach.completions, length) for reach in reaches]
         stage("counting shuffles")
-        number, late = shuffled(counts, budget.to_close().spent)
-        return Counted(number, states, _stopped(reaches) or late)
+        number, late = count_shuffles(counts, budget.to_close().reached)
+        return Counted(number, states, _first_stop(reaches) or late)
 
     def has_words(self, length: int) -> bool:
         """Return whether the words of a length are found already, those of each part."""
@@ -117,9 +118,9 @@ class Apart:
             if reaches is None:
                 self._large = True
                 return None
-            states, stopped = sum(reach.states for reach in reaches), _stopped(reaches)
-            if stopped:
-                raise stopped_at(stopped, 0, self._explorer.level, length, states)
+            states, stop = sum(reach.states for reach in reaches), _first_stop(reaches)
+            if stop:
+                raise limit_error(stop, 0, self._explorer.level, length, states)
             self._reached = (length, reaches)
             self._tell(f"found in {len(reaches)} independent parts with {states:,} states")
         reaches = self._reached[1]
@@ -135,9 +136,9 @@ class Apart:
         """
         found: list[Reach] = []
         for part in self._parts or ():
-            steps = 0 if _stopped(found) else length
+            steps = 0 if _first_stop(found) else length
             found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
-            if found[-1].stopped == HALTED:
+            if found[-1].stop == HALTED:
                 return None
         return found
 
@@ -146,16 +147,16 @@ def _is_large(extent: Extent) -> bool:
     return extent.edges > LARGE_PART
 
 
-def _stopped(reaches: Sequence[Reach]) -> str:
-    """Return the limit that ended one of them first, in words, or ""."""
-    return next((reach.stopped for reach in reaches if reach.stopped), "")
+def _first_stop(reaches: Sequence[Reach]) -> StopReason | None:
+    """Return why the first of them that ended early did."""
+    return next((reach.stop for reach in reaches if reach.stop), None)
 
 
-def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = lambda: None) -> tuple[int, str]:
-    """Return the number of shuffles of one word of each part that have the greatest length, and "".
+def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: None) -> tuple[int, StopReason | None]:
+    """Return the number of shuffles of one word of each part that have the greatest length, and None.
 
-    `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. Where `spent` says that a limit is
-    reached, that is returned, and no more than the words of the parts that were shuffled until then.
+    `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. Where `check` says that a limit is
+    reached, that limit is returned with no more than the words of the parts that were shuffled until then.
     """
     first, *others = counts
     whole, length = list(first), len(first) - 1
@@ -164,12 +165,12 @@ def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = 
         used = [k for k, count in enumerate(part) if count]
         following = []
         for n in wanted:
-            stopped = spent()
-            if stopped:
-                return whole[length] * prod(rest[0] for rest in others[place - 1 :]), stopped
+            stop = check()
+            if stop:
+                return whole[length] * prod(rest[0] for rest in others[place - 1 :]), stop
             following.append(sum(comb(n, k) * part[k] * whole[n - k] for k in used if k <= n))
         whole = following
-    return whole[-1], ""
+    return whole[-1], None
 
 
 def _terms(completions: Completions, length: int) -> list[int]:

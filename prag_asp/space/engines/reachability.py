@@ -25,6 +25,7 @@ from prag_asp.space.automaton.exploration import Explored, Extent, Watch, explor
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import Budget
 from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
+from prag_asp.stop_reason import StopKind, StopReason
 
 if TYPE_CHECKING:
     from prag_asp.logic.symmetry.canonical_states import Merging
@@ -40,8 +41,8 @@ FEW_STATES, FEW_EDGES = 4096, 50_000
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
 
-OUTGROWN, HALTED, UNFIT = "outgrown", "halted", "unfit"
-"""Why exploring stopped where no limit ended it."""
+OUTGROWN, HALTED, UNFIT = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), StopReason(StopKind.FORECAST)
+"""Why exploration ended where no limit did."""
 
 Halt = Callable[[Extent], bool]
 """Tells, by how far exploring has come, whether to leave it."""
@@ -60,7 +61,7 @@ class Reach:
     """What is known of the words of a level.
 
     `letters` are the texts of the letters and `names` those of their actions' names. `merged` is what walks along words
-    where states were merged; `stopped` says which limit ended the exploration, in words, and is empty where nothing is
+    where states were merged; `stop` says what ended the exploration, and is None where nothing is
     missing up to the automaton's horizon. With `sets`, the automaton's states are sets of the domain's.
     """
 
@@ -68,13 +69,15 @@ class Reach:
     names: tuple[str, ...]
     completions: Completions
     merged: Merged | None = None
-    stopped: str = ""
+    stop: StopReason | None = None
     sets: bool = False
 
     @classmethod
-    def of_merged(cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stopped: str = "") -> Reach:
+    def of_merged(
+        cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stop: StopReason | None = None
+    ) -> Reach:
         """Return what is known where states were merged."""
-        return cls(letters, names, Completions(merged.automaton), merged, stopped)
+        return cls(letters, names, Completions(merged.automaton), merged, stop)
 
     @property
     def states(self) -> int:
@@ -84,14 +87,14 @@ class Reach:
     def covers(self, length: int) -> bool:
         """Return whether all words of a length are known."""
         horizon = self.completions.automaton.horizon
-        return not self.stopped and (horizon is None or horizon >= length)
+        return not self.stop and (horizon is None or horizon >= length)
 
 
 class Unfit(Exception):
-    """Exploring was given up, for it would not end in the memory there is; `reach` is what was found until then."""
+    """Exploration would exceed the memory limit; `reach` is what was found until then."""
 
     def __init__(self, reach: Reach) -> None:
-        super().__init__(UNFIT)
+        super().__init__(StopKind.FORECAST.value)
         self.reach = reach
 
 
@@ -130,12 +133,12 @@ class Explorer:
         """Return what is reached within `length` steps, or until the budget is spent or `halt` or `allow` says so."""
         explored, merging = self._explored(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
-        if self.level == "skeleton" and explored.stopped not in {HALTED, UNFIT}:
+        if self.level == "skeleton" and explored.stop not in {HALTED, UNFIT}:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
-            automaton, stopped = skeleton_automaton(explored.automaton, numbers, budget.spent)
-            return Reach(letters, letters, Completions(automaton), None, explored.stopped or stopped)
+            automaton, stop = skeleton_automaton(explored.automaton, numbers, budget.reached)
+            return Reach(letters, letters, Completions(automaton), None, explored.stop or stop)
         return _known(transition, explored, merging, explored.automaton)
 
     def weighed(
@@ -154,7 +157,7 @@ class Explorer:
         explored, merging = self._explored(transition, length, budget, weights, halt)
         own = explored.labels.shape[1] - len(read)
         automaton, scale = explored.automaton, 1
-        if weights and explored.stopped not in {HALTED, UNFIT}:
+        if weights and explored.stop not in {HALTED, UNFIT}:
             automaton, scale = weigh(automaton, explored.labels[:, :own], transition.actions, weights)
         return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
 
@@ -177,18 +180,18 @@ class Explorer:
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
         explored = explore(transition, length, self._watch(length, budget, patience, halt), object_to=object_to)
-        if explored.stopped == OUTGROWN:
+        if explored.stop == OUTGROWN:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
                 explored = explore(
                     transition, length, self._watch(length, budget, MORE_PATIENCE, halt), object_to=object_to
                 )
-                if explored.stopped != OUTGROWN:
+                if explored.stop != OUTGROWN:
                     return explored, None
             return explore(
                 transition, length, self._watch(length, budget, halt=halt), merging=merging, object_to=object_to
             ), merging
-        if not explored.stopped and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
+        if not explored.stop and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
             _small[transition] = explored
         return explored, None
 
@@ -216,7 +219,7 @@ class Explorer:
     def _watch(self, length: int, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
         """Return what tells of progress, and says when to stop: by the budget, `patience` with the edges, or `halt`."""
 
-        def watch(extent: Extent) -> str | None:
+        def watch(extent: Extent) -> StopReason | None:
             if self.tell:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
@@ -225,7 +228,7 @@ class Explorer:
             if patience is None and self.hopeless and self.hopeless(extent, length):
                 return UNFIT
             outgrown = patience is not None and extent.edges > patience
-            return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
+            return OUTGROWN if outgrown else budget.reached(extent.nbytes // 2)
 
         return watch
 
@@ -238,16 +241,16 @@ def _known(transition: Transition, explored: Explored, merging: Merging | None, 
     """Return what was explored, with the weights of `automaton`."""
     letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
     if merging is None or explored.renamings is None:
-        return Reach(letters, names, Completions(automaton), None, explored.stopped)
+        return Reach(letters, names, Completions(automaton), None, explored.stop)
     from prag_asp.space.automaton.merged_states import Merged
 
     base = explored.automaton
     merged = Merged(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
-    return Reach.of_merged(letters, names, merged, explored.stopped)
+    return Reach.of_merged(letters, names, merged, explored.stop)
 
 
-def _objection(allow: Allow, rows: Rows) -> str:
-    return "" if allow(rows).all() else HALTED
+def _objection(allow: Allow, rows: Rows) -> StopReason | None:
+    return None if allow(rows).all() else HALTED
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:

@@ -13,7 +13,7 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters
 from prag_asp.space.engines.listed_words import listed
 from prag_asp.space.engines.word_formula import WordFormula, word_formula
-from prag_asp.space.limits import UNLIMITED, Limits, stopped_at, within
+from prag_asp.space.limits import UNLIMITED, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
 
 REPORTED = 1000
@@ -49,9 +49,9 @@ class SatEngine:
             found += 1
             if self._progress and found % REPORTED == 0:
                 self._progress(f"{found:,} {self._level}s found")
-            stopped = budget.spent()
-            if stopped:
-                raise stopped_at(stopped, found, self._level, length)
+            stop = budget.reached()
+            if stop:
+                raise limit_error(stop, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:

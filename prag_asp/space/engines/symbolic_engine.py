@@ -19,8 +19,9 @@ from prag_asp.space.automaton.state_sets import SetWords
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reachability import Allow, Explorer, Halt, Reach
-from prag_asp.space.limits import MOST_CLOSING, UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.limits import MOST_CLOSING, UNLIMITED, Budget, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights, weighing_facts
+from prag_asp.stop_reason import StopReason
 
 
 class SymbolicEngine:
@@ -108,8 +109,7 @@ class _Paths:
         try:
             return self._words(length, prefix).total
         except LimitReached as reached:
-            limit = str(reached).partition(" was reached")[0]
-            raise stopped_at(limit, self._found(length, prefix), self._level, length) from None
+            raise limit_error(reached.reason, self._found(length, prefix), self._level, length) from None
 
     def _found(self, length: int, prefix: Letters) -> int:
         """Return how many words there are at least, by what was found before a limit was reached."""
@@ -118,7 +118,7 @@ class _Paths:
         self._budget = closing(self._budget)
         try:
             sets = [self._matching(text) for text in prefix]
-            return count_along(self._layers, length, sets, self._budget.spent)
+            return count_along(self._layers, length, sets, self._budget.reached)
         except LimitReached:
             return 0
 
@@ -184,9 +184,9 @@ class _Paths:
         self._budget, self._length = self._limits.begin(), length
 
     def _look(self) -> None:
-        stopped = self._budget.spent()
-        if stopped:
-            raise stopped_at(stopped, 0, self._level, self._length)
+        stop = self._budget.reached()
+        if stop:
+            raise limit_error(stop, 0, self._level, self._length)
 
     def _matching(self, text: str) -> frozenset[int]:
         name = name_in_prefix(text, self._numbers)
@@ -223,7 +223,7 @@ class SetExplorer(Explorer):
                 found.follow(layers, names, length)
         except _Spent:
             watch.close()
-        return Reach(letters, letters, Completions(found.automaton), None, watch.stopped, sets=True)
+        return Reach(letters, letters, Completions(found.automaton), None, watch.stop, sets=True)
 
 
 class _Spent(Exception):
@@ -232,16 +232,16 @@ class _Spent(Exception):
 
 @dataclass
 class _Watch:
-    """Looks at the limits; `stopped` is the first one that was reached, in words."""
+    """Checks the limits; `stop` is the first one that was reached."""
 
     budget: Budget
-    stopped: str = ""
+    stop: StopReason | None = None
 
     def look(self) -> None:
-        """Raise an error where the time is over."""
-        spent = self.budget.spent()
-        if spent:
-            self.stopped = self.stopped or spent
+        """Raise an error at a limit."""
+        reason = self.budget.reached()
+        if reason:
+            self.stop = self.stop or reason
             raise _Spent
 
     def close(self) -> None:
