@@ -15,9 +15,7 @@ from prag_asp.logic.ground.stationary import Obstacle, StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
-from prag_asp.logic.symmetry.asymmetric_invariants import stated_unevenly
 from prag_asp.logic.symmetry.symmetries import Symmetries
-from prag_asp.logic.symmetry.symmetry import find_symmetries, may_interchange
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.sources import ADDED, Program
 
@@ -93,6 +91,8 @@ class Model:
         if self.part_of is not None:
             return self.part_of.symmetries(length)
         if self.whole is not self:
+            from prag_asp.logic.symmetry.symmetry import may_interchange  # noqa: PLC0415 - plans and skeletons need none
+
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
@@ -111,6 +111,8 @@ class Model:
 
         Where the invariants may say of single entities what follows anyway, all that follows is stated first.
         """
+        from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
+
         bare = self.bare
         beside = None if bare is None else lambda: ground(bare._closed() or bare)
 
@@ -125,6 +127,8 @@ class Model:
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> Model | None:
         """Return the model that states all that the invariants entail, where more than `groups` may be alike in it."""
+        from prag_asp.logic.symmetry.asymmetric_invariants import stated_unevenly  # noqa: PLC0415 - plans and skeletons need none
+
         if not stated_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
             return None
         return Model(replace(self.domain, program=program))

@@ -10,7 +10,8 @@ import clingo
 from prag_asp.logic.formula.clark_completion import Completion, complete
 from prag_asp.logic.formula.clause_builder import TRUE, Clauses, Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.models.ground_program import Condition, GroundModels
+from prag_asp.logic.ground.rules import Condition
+from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.shifting import shifted
 from prag_asp.processes.progress_events import stage
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from prag_asp.logic.formula.clark_completion import Completion, body_literal
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
-from prag_asp.logic.ground.ground_step import Rule
+from prag_asp.logic.ground.rules import Rule
 
 Loop = Mapping[int, tuple[Rule, ...]]
 

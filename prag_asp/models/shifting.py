@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import count
 
-from prag_asp.logic.ground.ground_step import Rule
+from prag_asp.logic.ground.rules import Rule
 from prag_asp.program.finite.components import components
 
 

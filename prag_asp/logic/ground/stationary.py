@@ -14,11 +14,12 @@ from functools import cache, cached_property, lru_cache
 import clingo
 from clingo.ast import AST, ASTType
 
+from prag_asp.atom import STRING
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.growth import growing_heads
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program, owned
-from prag_asp.program.syntax import STRING, AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
+from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
 
 START = "0"
 """How the time of the start is written."""

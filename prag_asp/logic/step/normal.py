@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import clingo
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.ground.ground_step import GroundStep, Rule
+from prag_asp.logic.ground.ground_step import GroundStep
+from prag_asp.logic.ground.rules import Rule
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.output.cache_files import keep, read_kept
 
 HEADER = "header"
@@ -40,16 +39,16 @@ class Entry:
 def read_entry(folder: Path, key: str, names: Collection[str]) -> Entry | None:
     """Return what was kept under a key, of its arrays those of some names; or None."""
     content = read_kept(folder / f"{key}{SUFFIX}", LARGEST_FILE)
+    if content is None:
+        return None
+    from prag_asp.array_archive import BadArchive, read_arrays  # zipfile is not loaded where there is no entry
+
     try:
-        return None if content is None else _parsed(content, key, names)
+        arrays = read_arrays(BytesIO(content), (HEADER, *names), LARGEST_FILE)
+        header = json.loads(arrays.pop(HEADER).tobytes())
+        return Entry(header["texts"], arrays) if header["key"] == key else None
     except (BadArchive, ValueError, KeyError, TypeError, RecursionError):
         return None
-
-
-def _parsed(content: bytes, key: str, names: Collection[str]) -> Entry | None:
-    arrays = read_arrays(BytesIO(content), (HEADER, *names), LARGEST_FILE)
-    header = json.loads(arrays.pop(HEADER).tobytes())
-    return Entry(header["texts"], arrays) if header["key"] == key else None
 
 
 def write_entry(folder: Path, key: str, entry: Entry) -> bool:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.symmetry.symmetries import Unit
+from prag_asp.output.digests import digest, files_digest
 from prag_asp.program.paths import PACKAGE
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.exploration import Renamings
@@ -42,7 +41,7 @@ class Shelf:
         """Return what was kept, where it can be believed."""
         entry = read_entry(self.folder, self.key, ARRAYS)
         try:
-            return _restored(entry) if entry else None
+            return _restored(entry) if entry and entry.texts["code"] == code_digest() else None
         except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises the latter where a text is no term
             return None
 
@@ -57,6 +56,7 @@ class Shelf:
             arrays |= {name: getattr(reach.merged.renamings, name) for name in RENAMINGS}
             groups = reach.merged.groups
         texts = {
+            "code": code_digest(),
             "letters": reach.letters,
             "names": reach.names,
             "horizon": base.horizon,
@@ -72,20 +72,21 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> Shelf | None:
     """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
-    The key covers all that the arrays depend on: the program, what of it is never reached, the same without conditions
-    and of that of which it is a part, the rules of tasks, and the code that explores.
+    The key covers all that the arrays depend on but the code: the program, what of it is never reached, the same
+    without conditions and of that of which it is a part, and the rules of tasks. An entry has the digest of the code,
+    which is computed only where there is an entry.
     """
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []
     try:
-        told = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules), _code()]
+        told = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules)]
     except OSError:
         return None
     told += map(str, domain.facts.unreached)
     for other in (model.bare, *_wholes(model)):
         told += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
     told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
-    return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
+    return Shelf(folder, digest(told))
 
 
 def _wholes(model: Model) -> Iterator[Model]:
@@ -95,14 +96,10 @@ def _wholes(model: Model) -> Iterator[Model]:
 
 
 @cache
-def _code() -> str:
-    """Return what tells this version of the code from every other: what its files hold, not their size and date."""
-    digest = blake2b(digest_size=20)
-    for path in sorted([*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))]):
-        content = path.read_bytes()
-        digest.update(f"{path.relative_to(PACKAGE)}:{len(content)}:".encode())
-        digest.update(content)
-    return digest.hexdigest()
+def code_digest() -> str:
+    """Return a digest of the code that has a say in what is explored."""
+    paths = [*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))]
+    return files_digest(paths, PACKAGE)
 
 
 def _restored(entry: Entry) -> Reach | None:

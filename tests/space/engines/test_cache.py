@@ -20,7 +20,7 @@ from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.cache import Entry, read_entry, write_entry
 from prag_asp.space.limits import Limits
 from tests.domains import domain_of
-from tests.logic.symmetry.test_joint import SAUCERS
+from tests.logic.symmetry.test_unit_symmetry import SAUCERS
 
 KEY = "0123"
 ENTRY = Entry(
