@@ -41,7 +41,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "array_archive": frozenset(),
     "random_bits": frozenset(),
     "fields": frozenset(["errors"]),
-    "output": frozenset(["errors", "safe_reading"]),
+    "output": frozenset(["errors", "lazy", "safe_reading"]),
     "wording": frozenset(["errors"]),
     "integers": frozenset(),
     "atom": frozenset(["errors", "integers"]),
