@@ -12,7 +12,7 @@ from prag_asp.logic.formula.clause_builder import TRUE, Clauses, Literal
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.ground.rules import Condition
 from prag_asp.models.ground_program import GroundModels
-from prag_asp.models.shifting import shifted
+from prag_asp.models.shifting import shift_disjunctions
 from prag_asp.processes.progress_events import stage
 
 
@@ -37,7 +37,7 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
     are one: as clingo's option ``--project`` has it. What is printed are those atoms then.
     """
     stage("writing clauses")
-    completion = complete(shifted(ground.rules), copied=copied)
+    completion = complete(shift_disjunctions(ground.rules), copied=copied)
     clauses, value = completion.clauses, completion.value
 
     names = {symbol: value(atom) for symbol, atom in ground.names}
@@ -45,8 +45,8 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
         printed = [(symbol, value(atom)) for symbol, atom in ground.names if atom in ground.projected]
     else:
         printed = [(symbol, _some(clauses, conditions, value)) for symbol, conditions in ground.shown]
-    telling = [literal for _, literal in printed] if project else list(completion.values.values())
-    shown = tuple(sorted({abs(literal) for literal in telling} | {TRUE}))
+    projection = [literal for _, literal in printed] if project else list(completion.values.values())
+    shown = tuple(sorted({abs(literal) for literal in projection} | {TRUE}))
     cnf = Cnf(clauses.variables, tuple(clauses.clauses), names, shown)
     return ModelFormula(completion, cnf, tuple(printed), whole=not project)
 

@@ -19,12 +19,12 @@ from prag_asp.models import ENGINES
 from prag_asp.models.answer_set_formula import ModelFormula, model_formula
 from prag_asp.models.atom_weights import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights, unknown_weights
 from prag_asp.models.compiler import Progress, compile_formula, prepare
-from prag_asp.models.diagram import Weighed
+from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.enumeration import Enumeration
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.model_listing import listed
 from prag_asp.models.program_reader import GivenProgram, read_program
-from prag_asp.models.shifting import is_disjunctive, is_head_cycle_free
+from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
@@ -118,7 +118,7 @@ class AnswerSets:
         A program that is not tight may suit either, by orders of magnitude.
         """
         if self.engine != "auto" or not has_ganak() or "_weighed" in self.__dict__:
-            return Weighed(self._weighed.diagram, {}).total
+            return WeightedDiagram(self._weighed.diagram, {}).total
 
         def begins() -> None:
             self.note(f"ganak counts as well, for compiling takes longer than {PATIENCE:g} s; the first answers")
@@ -133,7 +133,7 @@ class AnswerSets:
                 self.__dict__["_weighed"] = self._compiled(look)  # as cached_property keeps it
             except _Counted as counted:
                 return counted.number
-        return Weighed(self._weighed.diagram, {}).total
+        return WeightedDiagram(self._weighed.diagram, {}).total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
         """Return about how many there are, whatever they weigh: an estimate, which is never called their number.
@@ -239,7 +239,7 @@ class AnswerSets:
         found = ""
         if self.ground.acyclic:
             found = "#edge wants a graph without cycles"
-        elif any(map(is_disjunctive, self.ground.rules)) and not is_head_cycle_free(self.ground.rules):
+        elif any(rule.is_disjunctive for rule in self.ground.rules) and not is_head_cycle_free(self.ground.rules):
             found = "atoms of one disjunction depend on each other"
         elif self.ground.contested:
             first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
@@ -265,10 +265,10 @@ class AnswerSets:
         return literal_weights(self._formula, self.stated, self.ground, self.given.program)
 
     @cached_property
-    def _weighed(self) -> Weighed:
+    def _weighed(self) -> WeightedDiagram:
         return self._compiled()
 
-    def _compiled(self, look: Callable[[], None] = lambda: None) -> Weighed:
+    def _compiled(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
         weights = self._weights.weights
         kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
         stage("ordering variables")
@@ -276,7 +276,7 @@ class AnswerSets:
         if prepared.clauses:
             self.note(f"compiling {prepared.cost}")
         stage("compiling")
-        return Weighed(compile_formula(self._formula, prepared, self.progress, look), weights)
+        return WeightedDiagram(compile_formula(self._formula, prepared, self.progress, look), weights)
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:
@@ -297,8 +297,10 @@ class AnswerSets:
     @cached_property
     def _enumeration(self) -> Enumeration:
         if self.project and self.stated:
-            telling = self.ground.telling
-            left = sorted(symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in telling)
+            projection = self.ground.projection_variables
+            left = sorted(
+                symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in projection
+            )
             if left:
                 raise hidden(left[0], self.ground, self.given.program)
         return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)

@@ -23,8 +23,8 @@ from prag_asp.logic.formula.solver import Solver
 from prag_asp.models.answer_set_formula import ModelFormula
 from prag_asp.models.atom_copies import equivalent
 from prag_asp.models.diagram import Branch, Diagram
-from prag_asp.models.foundedness import Oracle
-from prag_asp.models.variable_order import Order, decision_order
+from prag_asp.models.foundedness import FoundednessOracle
+from prag_asp.models.variable_order import DecisionOrder, decision_order
 
 REPORTED = 1000
 """Nodes between two reports of progress."""
@@ -60,9 +60,9 @@ _Work = Generator[tuple[_Part, _Case], Node, Node]
 class Prepared:
     """A formula as it is compiled: units are propagated, and variables numbered in the order they are decided in.
 
-    `names` has the variable of each number, from 1; `telling` are the numbers of those that may be decided, and `kept`
-    the names of those whose values the diagram has. `copies` has the atom of each copy, 0 for one that is fixed, and
-    None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. None of it is of use
+    `names` has the variable of each number, from 1; `projection` are the numbers of those that may be decided, and
+    `kept` the names of those whose values the diagram has. `copies` has the atom of each copy, 0 for one that is fixed,
+    and None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. None of it is of use
     where the formula is `contradictory`.
     """
 
@@ -70,10 +70,10 @@ class Prepared:
     names: tuple[int, ...]
     fixed: tuple[Literal, ...]
     free: tuple[int, ...]
-    telling: frozenset[int]
+    projection: frozenset[int]
     kept: frozenset[int]
     copies: Mapping[int, int | None]
-    order: Order
+    order: DecisionOrder
     contradictory: bool
 
     @property
@@ -91,14 +91,14 @@ def prepare(formula: ModelFormula, kept: Iterable[int]) -> Prepared:
     order = decision_order(clauses or (), swept=bool(copies))
     number = {variable: place for place, variable in enumerate(order.variables, 1)}
     variables = range(1, cnf.variables + 1) if formula.whole else cnf.shown
-    telling = [variable for variable in variables if variable not in copies]
+    projection = [variable for variable in variables if variable not in copies]
     known = {abs(literal) for literal in fixed}
     return Prepared(
         tuple(tuple(number[abs(each)] * (1 if each > 0 else -1) for each in clause) for clause in clauses or ()),
         (0, *order.variables),
         tuple(sorted(fixed, key=abs)),
-        tuple(variable for variable in telling if variable not in number and variable not in known),
-        frozenset(number[variable] for variable in telling if variable in number),
+        tuple(variable for variable in projection if variable not in number and variable not in known),
+        frozenset(number[variable] for variable in projection if variable in number),
         frozenset(kept),
         {
             number[variable]: None if literal == TRUE else number.get(abs(literal), 0)
@@ -119,7 +119,7 @@ def compile_formula(
     """Return the diagram of a formula; `look` is called every now and then, and ends it by an error."""
     if prepared.contradictory:
         return Diagram(())
-    with closing(Oracle(formula.completion)) as oracle, _propagation(prepared) as propagation:
+    with closing(FoundednessOracle(formula.completion)) as oracle, _propagation(prepared) as propagation:
         return _Compiler(prepared, oracle, propagation, progress, look).compiled()
 
 
@@ -157,7 +157,7 @@ class _Compiler:
     def __init__(
         self,
         prepared: Prepared,
-        oracle: Oracle,
+        oracle: FoundednessOracle,
         propagation: Solver,
         progress: Progress | None,
         look: Callable[[], None],
@@ -210,7 +210,7 @@ class _Compiler:
 
     def _node(self, part: _Part, case: _Case) -> _Work:
         """Find the node of a part whose variables a case leaves open; the case has a model."""
-        chosen = next((variable for variable in part.variables if variable in self._given.telling), 0)
+        chosen = next((variable for variable in part.variables if variable in self._given.projection), 0)
         if not chosen:
             return 0
         key = self._key(part)
@@ -260,7 +260,7 @@ class _Compiler:
         parts = self._parts(sorted(left), [clause for clause in part.clauses if clause not in satisfied])
         for each in parts:
             left.difference_update(each.variables)
-        return parts, sorted(left & self._given.telling)
+        return parts, sorted(left & self._given.projection)
 
     def _parts(self, variables: Sequence[int], clauses: Sequence[int]) -> list[_Part]:
         """Return the parts that variables fall into by clauses that are open; what no clause reads is in none."""

@@ -38,7 +38,7 @@ _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]
 
 
 @dataclass(frozen=True)
-class Weighed:
+class WeightedDiagram:
     """A diagram whose models have weights: the product of a whole number for each literal that has one, otherwise 1."""
 
     diagram: Diagram

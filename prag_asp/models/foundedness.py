@@ -16,7 +16,7 @@ from prag_asp.logic.ground.rules import Rule
 Loop = Mapping[int, tuple[Rule, ...]]
 
 
-class Oracle:
+class FoundednessOracle:
     """Finds answer sets under assumptions, and keeps what it learns on the way."""
 
     def __init__(self, completion: Completion) -> None:

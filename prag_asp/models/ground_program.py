@@ -38,7 +38,7 @@ class GroundModels:
         return frozenset(rule.heads[0] for rule in single)
 
     @property
-    def telling(self) -> frozenset[int]:
+    def projection_variables(self) -> frozenset[int]:
         """The atoms whose values a projection tells, and facts, which have one value anyhow."""
         if self.projected is not None:
             return self.projected | self.facts

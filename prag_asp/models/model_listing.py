@@ -7,7 +7,7 @@ from contextlib import closing
 
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.models.answer_set_formula import ModelFormula
-from prag_asp.models.foundedness import Oracle
+from prag_asp.models.foundedness import FoundednessOracle
 
 
 def listed(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
@@ -18,7 +18,7 @@ def listed(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Lit
     # One of a literal and its negation, for a symbol may be shown where another is not.
     first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
     order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
-    with closing(Oracle(formula.completion)) as oracle:
+    with closing(FoundednessOracle(formula.completion)) as oracle:
         found = oracle.model()
         if found is None:
             return

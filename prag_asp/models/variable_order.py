@@ -20,14 +20,14 @@ WIDEST = 120
 
 
 @dataclass(frozen=True)
-class Order:
+class DecisionOrder:
     """The variables of a formula, what is decided first at the beginning, and the width of their tree."""
 
     variables: tuple[int, ...]
     width: int
 
 
-def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> Order:
+def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> DecisionOrder:
     """Return the order for clauses of any literals: from the middle, or `swept` from one end to the other."""
     occurrences: dict[int, int] = {}
     graph: dict[int, set[int]] = {}
@@ -43,7 +43,7 @@ def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> Order:
     depth = {each: place for place, each in enumerate(sweep)} if swept else _depths(eliminated, core)
     ordered = sorted(occurrences, key=lambda each: (depth[each], -occurrences[each], each))
     bags = [len(bag) for _, bag in eliminated]
-    return Order(tuple(ordered), max([*bags, len(core) - 1, 0]))
+    return DecisionOrder(tuple(ordered), max([*bags, len(core) - 1, 0]))
 
 
 def _swept(graph: Mapping[int, set[int]]) -> list[int]:

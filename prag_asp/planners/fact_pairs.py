@@ -16,7 +16,7 @@ MOST = 400
 Values = Mapping[clingo.Symbol, bool]
 
 
-class Pairs:
+class FactPairs:
     """The pairs of values that may be reached from a state; each value is a bit of an integer."""
 
     def __init__(self, state: Values, actions: Iterable[tuple[Values, Values]]) -> None:

@@ -26,7 +26,7 @@ Value = tuple[Proposition, bool]
 Values = Mapping[Proposition, bool]
 
 
-class Effect(NamedTuple):
+class ConditionalEffect(NamedTuple):
     """A value that an action makes where some others are so before it."""
 
     where: tuple[Value, ...]
@@ -42,7 +42,7 @@ class Case:
 
     before: Values
     clauses: tuple[tuple[Value, ...], ...]
-    effects: tuple[Effect, ...]
+    effects: tuple[ConditionalEffect, ...]
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class GroundAction:
 
 
 @dataclass(frozen=True)
-class Ground:
+class PlanningTask:
     """All that is written: propositions, those true at first, the actions, and what the goal asks for.
 
     Of each of the `clauses` of the goal one value is needed.

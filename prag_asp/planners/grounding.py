@@ -14,8 +14,8 @@ import clingo
 
 from prag_asp.atom import Atom, symbol_of
 from prag_asp.errors import DomainError
-from prag_asp.planners.fact_pairs import MOST, Pairs, Values
-from prag_asp.planners.ground_action import Case, Effect, Ground, GroundAction, Proposition
+from prag_asp.planners.fact_pairs import MOST, FactPairs, Values
+from prag_asp.planners.ground_action import Case, ConditionalEffect, GroundAction, PlanningTask, Proposition
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
 from prag_asp.program.parse import parse_sources
@@ -29,7 +29,7 @@ Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
 """What actions make of fluents that they may change."""
 
 
-class _Stated(NamedTuple):
+class _StripsAction(NamedTuple):
     """An action with the values of fluents that it needs, and those that it makes."""
 
     term: clingo.Symbol
@@ -37,7 +37,7 @@ class _Stated(NamedTuple):
     after: Values
 
 
-def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> Ground:
+def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
     """Return all actions that may occur from a first state on; what it does not name is false.
 
     With `outcomes`, effects that are unknown have these values, false where there is none.
@@ -49,17 +49,17 @@ def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes |
     pairs = None
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
-        pairs = Pairs(whole, [(each.before, each.after) for each in found])
+        pairs = FactPairs(whole, [(each.before, each.after) for each in found])
     graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
     safe = (each for stated in found if (each := _safe(stated, graph, clauses, pairs)) is not None)
     initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
     wanted = {Proposition(fluent): value for fluent, value in goal.items()}
-    return Ground(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), wanted)
+    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), wanted)
 
 
-def _action(stated: _Stated) -> GroundAction:
+def _action(stated: _StripsAction) -> GroundAction:
     before = {Proposition(fluent): value for fluent, value in stated.before.items()}
-    effects = tuple(Effect((), (Proposition(fluent), value)) for fluent, value in stated.after.items())
+    effects = tuple(ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in stated.after.items())
     return GroundAction(stated.term, (Case(before, (), effects),))
 
 
@@ -108,7 +108,7 @@ def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
     return found
 
 
-def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _Stated | None:
+def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
     """Return an action as the domain states it, None where it contradicts itself.
 
     Raises:
@@ -129,15 +129,15 @@ def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _
     for fluent, value in facts.preconditions.get(action, ()):
         if before.setdefault(fluent, value == "true") != (value == "true"):
             return None
-    return _Stated(action, before, after)
+    return _StripsAction(action, before, after)
 
 
 def _safe(
-    action: _Stated,
+    action: _StripsAction,
     graph: Mapping[FluentValue, tuple[FluentValue, ...]],
     clauses: Mapping[FluentValue, list[FluentValue]],
-    pairs: Pairs | None,
-) -> _Stated | None:
+    pairs: FactPairs | None,
+) -> _StripsAction | None:
     """Return an action that also needs what keeps the invariants, None where it always breaks one."""
     before = dict(action.before)
     known = entailed(before.items(), graph)
@@ -151,7 +151,7 @@ def _safe(
                 continue
             if before.setdefault(other, needed) != needed:
                 return None
-    return _Stated(action.term, before, action.after)
+    return _StripsAction(action.term, before, action.after)
 
 
 def known_values(given: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:

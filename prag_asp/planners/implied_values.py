@@ -11,7 +11,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, conflict, entailed, invariant_graph
 
 
-class Implied:
+class ImpliedValues:
     """The invariants; `unknown` are the fluents that need not be known, whose propositions say what is."""
 
     def __init__(self, facts: Facts, unknown: Collection[clingo.Symbol]) -> None:

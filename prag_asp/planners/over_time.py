@@ -14,9 +14,17 @@ from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.ground.program import with_facts
 from prag_asp.logic.step.transition import Transition
 from prag_asp.planners.evaluation import After, StepFunctions, holds
-from prag_asp.planners.ground_action import CARRIED, Case, Effect, Ground, GroundAction, Proposition, Value
+from prag_asp.planners.ground_action import (
+    CARRIED,
+    Case,
+    ConditionalEffect,
+    GroundAction,
+    PlanningTask,
+    Proposition,
+    Value,
+)
 from prag_asp.planners.grounding import rules_over_time
-from prag_asp.planners.implied_values import Implied
+from prag_asp.planners.implied_values import ImpliedValues
 
 MOST_NODES = 1_000_000
 """Nodes of diagrams that are made at most."""
@@ -35,7 +43,7 @@ Change = tuple[Value, Node]
 
 def ground_over_time(
     domain: Domain, stated: Mapping[clingo.Symbol, bool], goal: Mapping[clingo.Symbol, bool] | None, *, whole: bool
-) -> Ground:
+) -> PlanningTask:
     """Return a domain from a first state on, of which `stated` names what is not false.
 
     With a `goal`, the last state has these values as well. Where `whole`, no effect has a condition and no condition a
@@ -68,7 +76,7 @@ class _Step:
         self._terms = transition.actions
         self._preconditions = domain.facts.preconditions
         self._functions = Functions(MOST_NODES)
-        self._implied = Implied(domain.facts, unknown)
+        self._implied = ImpliedValues(domain.facts, unknown)
         try:
             self._step = StepFunctions(transition, unknown, self._functions)
         except TooLarge:
@@ -77,7 +85,7 @@ class _Step:
         self._numbers = {each: number for number, each in enumerate(self._propositions)}
         self.unknown: set[clingo.Symbol] = set()
 
-    def ground(self, goal: Mapping[clingo.Symbol, bool], *, whole: bool) -> Ground:
+    def ground(self, goal: Mapping[clingo.Symbol, bool], *, whole: bool) -> PlanningTask:
         """Return what is written of the domain, if no fluent is left unknown that was taken for known."""
         first = self._step.first
         initial = {self._propositions[number] for number, value in first.items() if value}
@@ -103,7 +111,7 @@ class _Step:
                 raise self._too_large(str(term)) from None
             if cases:
                 actions.append(GroundAction(term, cases))
-        return Ground(tuple(propositions), frozenset(initial), tuple(actions), wanted, clauses)
+        return PlanningTask(tuple(propositions), frozenset(initial), tuple(actions), wanted, clauses)
 
     def _too_large(self, what: str) -> DomainError:
         told = f"{what} depends on the state in more ways than can be written"
@@ -133,7 +141,9 @@ class _Step:
             yield from self._split(str(self._terms[letter]), before, clauses, changes)
             return
         cubes = ((made, cube) for made, where in changes for cube in self._functions.cubes(where))
-        yield Case(before, clauses, tuple(Effect(tuple(map(self._value, cube)), made) for made, cube in cubes))
+        yield Case(
+            before, clauses, tuple(ConditionalEffect(tuple(map(self._value, cube)), made) for made, cube in cubes)
+        )
 
     def _left_unknown(self, after: After, refused: Iterable[Node]) -> set[clingo.Symbol]:
         """Return the fluents that are not either true or false after a step."""
@@ -200,7 +210,7 @@ class _Step:
             if occurs == TRUE:
                 made = [made for (made, _), constant in zip(kept, constants, strict=True) if constant == TRUE]
                 case = {**before, **dict(map(self._value, cube))}
-                yield Case(case, (), tuple(Effect((), each) for each in made))
+                yield Case(case, (), tuple(ConditionalEffect((), each) for each in made))
 
     def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
         """Return where a function is true, without states that contradict some values by the invariants."""

@@ -14,7 +14,7 @@ import clingo
 from prag_asp.atom import symbol_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import DomainError, EngineError, LimitReached
-from prag_asp.planners.ground_action import Case, Ground, GroundAction, Proposition, Value
+from prag_asp.planners.ground_action import Case, GroundAction, PlanningTask, Proposition, Value
 from prag_asp.planners.grounding import (
     broken_invariant,
     ground_plain,
@@ -23,9 +23,8 @@ from prag_asp.planners.grounding import (
     rules_over_time,
     values_of,
 )
-from prag_asp.planners.lifted_actions import Clause, Instance, Literal, Written, alike, lifted, variable
-from prag_asp.planners.spelling import Spelling
-from prag_asp.planners.texts import all_of, as_text, effects, mirrored
+from prag_asp.planners.lifted_actions import Clause, Instance, Literal, PddlCase, group_alike, lift, variable
+from prag_asp.planners.pddl_text import Spelling, all_of, as_text, effects, mirrored
 from prag_asp.program.facts import Facts
 from prag_asp.task import Task
 from prag_asp.wording import plural
@@ -46,7 +45,7 @@ class _Schema:
 
     name: str
     variables: tuple[str, ...]
-    case: Written
+    case: PddlCase
     allowed: str = ""
 
 
@@ -82,7 +81,7 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
     else:
         ground, open_effects = _over_time(domain, stated, last, conditional=conditional), False
     comment = _comment(len(facts.fluents) - len(stated), open_effects)
-    return _Writer(name, facts, ground, negative).written(task, comment)
+    return _PddlWriter(name, facts, ground, negative).written(task, comment)
 
 
 def _over_time(
@@ -91,7 +90,7 @@ def _over_time(
     goal: Mapping[clingo.Symbol, bool] | None,
     *,
     conditional: bool,
-) -> Ground:
+) -> PlanningTask:
     """Return a domain whose rules look at steps.
 
     Raises:
@@ -119,10 +118,10 @@ def _comment(left_open: int, open_effects: bool) -> str:
     return told
 
 
-class _Writer:
+class _PddlWriter:
     """Names of PDDL for all that a domain has, and the texts that use them."""
 
-    def __init__(self, name: str, facts: Facts, ground: Ground, negative: bool) -> None:
+    def __init__(self, name: str, facts: Facts, ground: PlanningTask, negative: bool) -> None:
         self._ground = ground
         self._negative = negative
         self._spelling = Spelling()
@@ -191,9 +190,9 @@ class _Writer:
     def _clauses(self, clauses: Iterable[Sequence[Value]]) -> tuple[Clause, ...]:
         return tuple(sorted(map(self._literals, clauses)))
 
-    def _case(self, case: Case) -> Written:
+    def _case(self, case: Case) -> PddlCase:
         after = sorted((self._literals(each.where), self._literal(*each.made)) for each in case.effects)
-        return Written(self._literals(case.before.items()), self._clauses(case.clauses), tuple(after))
+        return PddlCase(self._literals(case.before.items()), self._clauses(case.clauses), tuple(after))
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
         """Yield the actions of a name: those that are alike as one with parameters."""
@@ -203,9 +202,9 @@ class _Writer:
         ]
         for instance in instances:
             self._terms.update(dict.fromkeys(instance.arguments))
-        groups = alike(instances)
+        groups = group_alike(instances)
         for number, group in enumerate(groups):
-            cases = lifted(group)
+            cases = lift(group)
             if cases is None or not key[1] or (len(group) == 1 < len(groups)):
                 for each in group:
                     yield from self._ground_schemas(each)
@@ -217,8 +216,8 @@ class _Writer:
             for term, arguments, own in group:
                 self._allowed.append((allowed, arguments, True))
                 values = dict(zip(variables, arguments, strict=True))
-                which_of = {case.renamed(values).meant: name for case, name in zip(cases, names, strict=True)}
-                self._steps[term] = tuple(f"({' '.join([which_of[c.meant], *arguments])})" for c in own)
+                which_of = {case.renamed(values).key: name for case, name in zip(cases, names, strict=True)}
+                self._steps[term] = tuple(f"({' '.join([which_of[c.key], *arguments])})" for c in own)
             for name, case in zip(names, cases, strict=True):
                 yield _Schema(name, variables, case, allowed)
 
@@ -282,5 +281,5 @@ def _possible(case: Case, so: Callable[[Value], bool]) -> bool:
     return all(map(so, case.before.items())) and all(any(map(so, clause)) for clause in case.clauses)
 
 
-def _numbered(name: str, number: int, cases: Sequence[Written]) -> str:
+def _numbered(name: str, number: int, cases: Sequence[PddlCase]) -> str:
     return name if len(cases) == 1 else f"{name}-{number + 1}"

@@ -78,6 +78,10 @@ class Budget:
         late = max(monotonic() - self.begun - seconds, 0)
         return Budget(Limits(seconds=seconds), self.begun, late + own)
 
+    def to_report(self) -> Budget:
+        """Return the same, or `MOST_CLOSING` seconds where a limit on memory alone was reached."""
+        return Limits(seconds=MOST_CLOSING).begin() if self.limits.seconds is None else self.to_close()
+
 
 def within(limits: Limits, words: Iterator[Found], level: str, length: int) -> Iterator[Found]:
     """Yield words until a limit is reached.

@@ -36,6 +36,11 @@ class Rule(NamedTuple):
     weights: tuple[int, ...] = ()
 
     @property
+    def is_disjunctive(self) -> bool:
+        """Whether one of several heads follows, whichever."""
+        return len(self.heads) > 1 and not self.choice
+
+    @property
     def disjunctive(self) -> bool:
         """Whether the rule has a disjunction as its head."""
         return len(self.heads) > 1 and not self.choice

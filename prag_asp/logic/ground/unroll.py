@@ -36,7 +36,7 @@ def unroll(program: Program, length: int) -> UnrolledProgram:
     grounder.ground(unrolled(length))
     rules = recorder.all_rules
     unsupported = [each.value for each in recorder.unsupported]
-    if any(len(rule.heads) > 1 and not rule.choice for rule in rules):
+    if any(rule.is_disjunctive for rule in rules):
         unsupported.append("a rule has a disjunction as its head")
     if any(value is not clingo.TruthValue.False_ for value in recorder.externals.values()):
         unsupported.append("the program has an external atom that is not false")

@@ -96,7 +96,7 @@ def explore(
     left, so words of more than `length` actions alone may be missing. `object_to` sees all states, and
     returns why exploration has to stop, if it has to.
     """
-    search = _Search(transition, merging)
+    search = _Exploration(transition, merging)
     first, depth = 0, 0
     stop: StopReason | None = None
     while first < len(search.states):
@@ -115,7 +115,7 @@ def explore(
     return search.explored(length if search.cut else None, stop)
 
 
-class _Search:
+class _Exploration:
     """What a search has found so far."""
 
     def __init__(self, transition: Transition, merging: Merging | None) -> None:

@@ -27,7 +27,7 @@ Names = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Place:
+class MergedPlace:
     """A state before merging: a merged one, with the names of its entities."""
 
     state: int
@@ -66,11 +66,11 @@ class Merged:
         return replace(self.base, weights=weights)
 
     @property
-    def start(self) -> Place:
+    def start(self) -> MergedPlace:
         """The initial state."""
-        return Place(0, np.array([*range(self.actions.places), -1]))
+        return MergedPlace(0, np.array([*range(self.actions.places), -1]))
 
-    def branches(self, place: Place) -> _Branches:
+    def branches(self, place: MergedPlace) -> _Branches:
         """Return the edges of a place in order of their letters."""
         edges, entities = self._orbit(place.state)
         patterns = self.actions.pattern[self.base.letters[edges]]
@@ -78,7 +78,7 @@ class Merged:
         order = np.argsort(letters)
         return _Branches(edges[order], entities[order], letters[order])
 
-    def after(self, place: Place, branches: _Branches, branch: int) -> Place:
+    def after(self, place: MergedPlace, branches: _Branches, branch: int) -> MergedPlace:
         """Return the place that a branch leads to."""
         edge = int(branches.edges[branch])
         swapped = np.arange(self.actions.places)
@@ -88,7 +88,7 @@ class Merged:
                 other = int(np.flatnonzero(swapped == named)[0])
                 swapped[[entity, other]] = swapped[[other, entity]]
         order = self.renamings.orders[self.renamings.order_of[edge]]
-        return Place(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
+        return MergedPlace(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
 
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return each edge of a state as often as it has renamings by twins, and the entities named in each."""
@@ -133,10 +133,10 @@ def count_merged(merged: Merged, completions: Completions, length: int, prefix: 
     """
     if not completions.automaton.states or len(prefix) > length:
         return 0
-    reached: dict[tuple[int, ...], tuple[int, Place]] = {(): (1, merged.start)}
+    reached: dict[tuple[int, ...], tuple[int, MergedPlace]] = {(): (1, merged.start)}
     for number, allowed in enumerate(prefix):
         told = _told_apart(merged.actions, prefix[number + 1 :])
-        following: dict[tuple[int, ...], tuple[int, Place]] = {}
+        following: dict[tuple[int, ...], tuple[int, MergedPlace]] = {}
         for weight, place in reached.values():
             branches = merged.branches(place)
             for branch in range(len(branches.letters)):
@@ -173,7 +173,7 @@ def merged_words(
     if not completions.automaton.states or len(prefix) > length:
         return
 
-    def onward(place: Place, step: int) -> Iterator[tuple[int, Place]]:
+    def onward(place: MergedPlace, step: int) -> Iterator[tuple[int, MergedPlace]]:
         branches = merged.branches(place)
         for branch, letter in enumerate(branches.letters.tolist()):
             if step >= len(prefix) or letter in prefix[step]:
@@ -212,7 +212,7 @@ class MergedRanking:
             place = self._merged.after(place, branches, branch)
         return rank
 
-    def _totals(self, place: Place, branches: _Branches, left: int) -> NDArray[Any]:
+    def _totals(self, place: MergedPlace, branches: _Branches, left: int) -> NDArray[Any]:
         """Return the running totals of the weights behind the branches of a place with `left` letters to go."""
         behind = self._completions.row(left - 1)[self._merged.base.targets[branches.edges]]
         exact = behind.astype(self._completions.row(left).dtype)

@@ -34,7 +34,7 @@ State = tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class Onward:
+class PartEdge:
     """One edge of a state: its letter, what it weighs, the part that acts, and the state of the part after it."""
 
     letter: int
@@ -130,18 +130,18 @@ class ShuffledWords:
     def _running(self, state: State, step: int) -> list[int]:
         return list(accumulate(self._behind(state, self._length - step - 1)))
 
-    def _onward(self, state: State) -> list[Onward]:
+    def _onward(self, state: State) -> list[PartEdge]:
         """Return the edges of a state, in order of their letters."""
         edges = (edge for part, own in enumerate(state) for edge in self._own(part, own))
         return sorted(edges, key=lambda edge: edge.letter)
 
-    def _found_own(self, part: int, state: int) -> list[Onward]:
+    def _found_own(self, part: int, state: int) -> list[PartEdge]:
         automaton = self._parts[part].automaton
         first, last = automaton.offsets[state : state + 2].tolist()
         weights = [1] * (last - first) if automaton.weights is None else automaton.weights[first:last].tolist()
         letters, targets = automaton.letters[first:last].tolist(), automaton.targets[first:last].tolist()
         return [
-            Onward(self._letters[part][letter], weight, part, target)
+            PartEdge(self._letters[part][letter], weight, part, target)
             for letter, target, weight in zip(letters, targets, weights, strict=True)
         ]
 
@@ -182,7 +182,7 @@ def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
     return found
 
 
-def _moved(state: State, edge: Onward) -> State:
+def _moved(state: State, edge: PartEdge) -> State:
     return (*state[: edge.part], edge.target, *state[edge.part + 1 :])
 
 

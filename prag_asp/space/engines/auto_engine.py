@@ -18,7 +18,7 @@ from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress
-from prag_asp.space.engines.reachability import Reach, Unfit
+from prag_asp.space.engines.reachability import Reach, TooManyStates
 from prag_asp.space.limits import UNLIMITED, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights
 
@@ -141,7 +141,7 @@ class AutoEngine:
         if not self._too_long(length):
             try:
                 return ask(self._listing)
-            except Unfit as unfit:
+            except TooManyStates as unfit:
                 self._give_up(length, unfit)
         return ask(self._by_diagrams())
 
@@ -153,7 +153,7 @@ class AutoEngine:
     def _too_long(self, length: int) -> bool:
         return self._unfit is not None and length >= self._unfit[0]
 
-    def _give_up(self, length: int, unfit: Unfit) -> None:
+    def _give_up(self, length: int, unfit: TooManyStates) -> None:
         _, _, progress, _ = self._asked
         self._unfit = (length, unfit.reach)
         if progress:

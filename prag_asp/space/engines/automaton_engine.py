@@ -19,15 +19,15 @@ from prag_asp.space.automaton.automaton import NO_PATHS, Ranking, accepts, count
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.engine import Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.independent_components import Apart
-from prag_asp.space.engines.reachability import HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
+from prag_asp.space.engines.independent_components import IndependentParts
+from prag_asp.space.engines.reachability import FORECAST, HALT, Explorer, Forecast, Halt, Reach, TooManyStates
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights
 
 if TYPE_CHECKING:
     from prag_asp.space.automaton.merged_states import MergedRanking
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
-    from prag_asp.space.engines.stored_automata import Shelf
+    from prag_asp.space.engines.stored_automata import AutomatonSlot
 
 WORTH_KEEPING = 0.2
 """Seconds of exploring from which what was found is kept for the next run."""
@@ -44,7 +44,7 @@ class AutomatonEngine:
 
     `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
     No answer depends on it. `explorer` is how states are found, where it is not by listing them; where `hopeless` says
-    that listing them will not end, each question raises `Unfit`.
+    that listing them will not end, each question raises `TooManyStates`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -67,10 +67,10 @@ class AutomatonEngine:
         self._tell = progress or (lambda words: None)
         self._explorer: Explorer = explorer or Explorer(model, level, progress, merge, hopeless)
         self._plain = Explorer(model, level, progress, merge=False)
-        self._shelf = _shelf_for(model, level, merge) if limits.cached and explorer is None else None
-        self._reached: Reach | None = self._shelf.read() if self._shelf else None
+        self._slot = _automaton_slot(model, level, merge) if limits.cached and explorer is None else None
+        self._reached: Reach | None = self._slot.read() if self._slot else None
         self._ranked: dict[int, Ranking | MergedRanking | ShuffledWords] = {}
-        self._apart = Apart(self._explorer, lambda: self._transition, self._tell)
+        self._parts = IndependentParts(self._explorer, lambda: self._transition, self._tell)
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
         begun = monotonic()
         if self._reached is None:
@@ -108,8 +108,8 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        reach = self._reach(length, budget, self._apart.spreads if prefix else self._apart.falls_apart)
-        if reach.stop == HALTED:
+        reach = self._reach(length, budget, self._parts.spreads if prefix else self._parts.falls_apart)
+        if reach.stop == HALT:
             apart = self._count_apart(length, budget, reach, prefix)
             if apart is not None:
                 return apart
@@ -137,9 +137,9 @@ class AutomatonEngine:
             LimitReached: a limit ended the count; the error has the number of words that were found.
         """
         if prefix:
-            words = self._apart.words(length, self._numbers, budget)
+            words = self._parts.words(length, self._numbers, budget)
             return words.count(self._sets(prefix)) if words else None
-        counted = self._apart.count(length, budget)
+        counted = self._parts.count(length, budget)
         if counted is None:
             return None
         if counted.stop:
@@ -225,14 +225,14 @@ class AutomatonEngine:
         begun = monotonic()
         stage("exploring")
         found = self._explorer.reach(self._transition, length, budget, halt)
-        if found.stop == UNFIT and halt and self._apart.finds:
-            return replace(found, stop=HALTED)
-        if found.stop == UNFIT:
-            raise Unfit(found)
+        if found.stop == FORECAST and halt and self._parts.finds:
+            return replace(found, stop=HALT)
+        if found.stop == FORECAST:
+            raise TooManyStates(found)
         if found.covers(length):
             self._reached = found
-            if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:
-                self._shelf.write(found)
+            if self._slot and self._prepared + monotonic() - begun > WORTH_KEEPING:
+                self._slot.write(found)
         return found
 
     def known(self, length: int) -> Reach | ShuffledWords:
@@ -242,8 +242,8 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration.
         """
         budget = self._limits.begin()
-        halted = self._apart.has_words(length) or self._reach(length, budget, self._apart.spreads).stop == HALTED
-        found = self._apart.words(length, self._numbers, budget) if halted else None
+        halted = self._parts.has_words(length) or self._reach(length, budget, self._parts.spreads).stop == HALT
+        found = self._parts.words(length, self._numbers, budget) if halted else None
         return found or self.explored(length, budget)
 
     def explored(self, length: int, budget: Budget | None = None) -> Reach:
@@ -286,17 +286,17 @@ class AutomatonEngine:
                 return Weighed(whole.completions)
         budget = self._limits.begin()
         divides = weights.of_actions_alone and not (plain or goals)
-        apart = self._weigh_apart(length, weights, budget) if divides and self._apart.has_words(length) else None
+        apart = self._weigh_apart(length, weights, budget) if divides and self._parts.has_words(length) else None
         if apart:
             return apart
-        reach, unit, marks = explorer.weighed(length, weights, budget, read, self._apart.spreads if divides else None)
-        if divides and reach.stop in {HALTED, UNFIT} and self._apart.finds:
+        reach, unit, marks = explorer.weighed(length, weights, budget, read, self._parts.spreads if divides else None)
+        if divides and reach.stop in {HALT, FORECAST} and self._parts.finds:
             apart = self._weigh_apart(length, weights, budget)
             if apart:
                 return apart
             reach, unit, marks = explorer.weighed(length, weights, budget, read)
-        if reach.stop == UNFIT:
-            raise Unfit(reach)
+        if reach.stop == FORECAST:
+            raise TooManyStates(reach)
         if reach.stop:
             raise limit_error(reach.stop, 0, self._level, length, reach.states)
         ends = numbered_goals(hindsight, marks) if hindsight else None
@@ -304,7 +304,7 @@ class AutomatonEngine:
 
     def _weigh_apart(self, length: int, weights: Weights, budget: Budget) -> Weighed | None:
         """Return the words with the weights of their actions by those of the parts, if these give them."""
-        words = self._apart.words(length, self._numbers, budget)
+        words = self._parts.words(length, self._numbers, budget)
         if words is None:
             return None
         by_letter, _ = edge_weights(self._transition.actions, weights)
@@ -313,14 +313,14 @@ class AutomatonEngine:
         return Weighed(NO_PATHS, Fraction(1, scale**length), ranking=words.weighing(whole))
 
 
-def _shelf_for(model: Model, level: Level, merge: bool | None) -> Shelf | None:
+def _automaton_slot(model: Model, level: Level, merge: bool | None) -> AutomatonSlot | None:
     """Return the place in the cache for a level of a domain, or None where there is no cache."""
     folder = cache_folder()
     if folder is None:
         return None
-    from prag_asp.space.engines.stored_automata import shelf_for
+    from prag_asp.space.engines.stored_automata import automaton_slot
 
-    return shelf_for(folder, model, level, merge)
+    return automaton_slot(folder, model, level, merge)
 
 
 def _ranking_of(reach: Reach, length: int) -> Ranking | MergedRanking:

@@ -29,14 +29,14 @@ LARGEST_FILE, LARGEST_FOLDER = 200_000_000, 1_000_000_000
 
 
 @dataclass(frozen=True)
-class Entry:
+class CacheEntry:
     """Texts as JSON allows them, and arrays by name."""
 
     texts: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]]
 
 
-def read_entry(folder: Path, key: str, names: Collection[str]) -> Entry | None:
+def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | None:
     """Return what was kept under a key, of its arrays those of some names; or None."""
     content = read_kept(folder / f"{key}{SUFFIX}", LARGEST_FILE)
     if content is None:
@@ -46,12 +46,12 @@ def read_entry(folder: Path, key: str, names: Collection[str]) -> Entry | None:
     try:
         arrays = read_arrays(BytesIO(content), (HEADER, *names), LARGEST_FILE)
         header = json.loads(arrays.pop(HEADER).tobytes())
-        return Entry(header["texts"], arrays) if header["key"] == key else None
+        return CacheEntry(header["texts"], arrays) if header["key"] == key else None
     except (BadArchive, ValueError, KeyError, TypeError, RecursionError):
         return None
 
 
-def write_entry(folder: Path, key: str, entry: Entry) -> bool:
+def write_entry(folder: Path, key: str, entry: CacheEntry) -> bool:
     """Keep something under a key, in one stroke; return whether that was possible."""
     header = np.frombuffer(json.dumps({"key": key, "texts": entry.texts}).encode(), np.uint8)
     arrays: dict[str, Any] = {HEADER: header, **entry.arrays}

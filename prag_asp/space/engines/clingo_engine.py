@@ -16,7 +16,7 @@ from prag_asp.processes.workers import uninterrupted
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, name_in_prefix
-from prag_asp.space.engines.listed_words import listed
+from prag_asp.space.engines.listed_words import weigh_words
 from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
 from prag_asp.stop_reason import StopReason
@@ -116,7 +116,7 @@ class ClingoEngine:
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by enumerating them all."""
-        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
+        return weigh_words(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def _plans(self, length: int) -> _Unrolled:
         if self._unrolled is None or self._unrolled[0] != length:

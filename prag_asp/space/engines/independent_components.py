@@ -17,7 +17,7 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.automaton.automaton import Completions
 from prag_asp.space.automaton.exploration import Extent
-from prag_asp.space.engines.reachability import HALTED, Explorer, Halt, Reach
+from prag_asp.space.engines.reachability import HALT, Explorer, Halt, Reach
 from prag_asp.space.limits import Budget, limit_error
 from prag_asp.stop_reason import LimitCheck, StopReason
 
@@ -43,7 +43,7 @@ class Counted:
     stop: StopReason | None
 
 
-class Apart:
+class IndependentParts:
     """The independent parts of one level of a domain, and what is found by way of them.
 
     `explorer` explores the whole, and `transition` returns its step function; parts are looked for when it has grown.
@@ -138,7 +138,7 @@ class Apart:
         for part in self._parts or ():
             steps = 0 if _first_stop(found) else length
             found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
-            if found[-1].stop == HALTED:
+            if found[-1].stop == HALT:
                 return None
         return found
 

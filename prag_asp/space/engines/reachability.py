@@ -41,7 +41,7 @@ FEW_STATES, FEW_EDGES = 4096, 50_000
 MORE_PATIENCE = 5_000_000
 """Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
 
-OUTGROWN, HALTED, UNFIT = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), StopReason(StopKind.FORECAST)
+SIZE, HALT, FORECAST = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), StopReason(StopKind.FORECAST)
 """Why exploration ended where no limit did."""
 
 Halt = Callable[[Extent], bool]
@@ -90,7 +90,7 @@ class Reach:
         return not self.stop and (horizon is None or horizon >= length)
 
 
-class Unfit(Exception):
+class TooManyStates(Exception):
     """Exploration would exceed the memory limit; `reach` is what was found until then."""
 
     def __init__(self, reach: Reach) -> None:
@@ -133,7 +133,7 @@ class Explorer:
         """Return what is reached within `length` steps, or until the budget is spent or `halt` or `allow` says so."""
         explored, merging = self._explored(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
-        if self.level == "skeleton" and explored.stop not in {HALTED, UNFIT}:
+        if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
@@ -157,7 +157,7 @@ class Explorer:
         explored, merging = self._explored(transition, length, budget, weights, halt)
         own = explored.labels.shape[1] - len(read)
         automaton, scale = explored.automaton, 1
-        if weights and explored.stop not in {HALTED, UNFIT}:
+        if weights and explored.stop not in {HALT, FORECAST}:
             automaton, scale = weigh(automaton, explored.labels[:, :own], transition.actions, weights)
         return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
 
@@ -180,13 +180,13 @@ class Explorer:
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
         explored = explore(transition, length, self._watch(length, budget, patience, halt), object_to=object_to)
-        if explored.stop == OUTGROWN:
+        if explored.stop == SIZE:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
                 explored = explore(
                     transition, length, self._watch(length, budget, MORE_PATIENCE, halt), object_to=object_to
                 )
-                if explored.stop != OUTGROWN:
+                if explored.stop != SIZE:
                     return explored, None
             return explore(
                 transition, length, self._watch(length, budget, halt=halt), merging=merging, object_to=object_to
@@ -224,11 +224,11 @@ class Explorer:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
             if halt and halt(extent):
-                return HALTED
+                return HALT
             if patience is None and self.hopeless and self.hopeless(extent, length):
-                return UNFIT
+                return FORECAST
             outgrown = patience is not None and extent.edges > patience
-            return OUTGROWN if outgrown else budget.reached(extent.nbytes // 2)
+            return SIZE if outgrown else budget.reached(extent.nbytes // 2)
 
         return watch
 
@@ -250,7 +250,7 @@ def _known(transition: Transition, explored: Explored, merging: Merging | None, 
 
 
 def _objection(allow: Allow, rows: Rows) -> StopReason | None:
-    return None if allow(rows).all() else HALTED
+    return None if allow(rows).all() else HALT
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:

@@ -19,7 +19,7 @@ from prag_asp.output.digests import digest, files_digest
 from prag_asp.program.paths import PACKAGE
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.exploration import Renamings
-from prag_asp.space.engines.cache import Entry, read_entry, write_entry
+from prag_asp.space.engines.cache import CacheEntry, read_entry, write_entry
 from prag_asp.space.engines.reachability import Reach
 
 ROOMS = ("program", "domain", "logic", "space")
@@ -31,7 +31,7 @@ ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accept
 
 
 @dataclass(frozen=True)
-class Shelf:
+class AutomatonSlot:
     """The place in the cache for one level of a domain, in a folder."""
 
     folder: Path
@@ -62,14 +62,14 @@ class Shelf:
             "horizon": base.horizon,
             "groups": [[list(map(str, unit)) for unit in group] for group in groups],
         }
-        return write_entry(self.folder, self.key, Entry(texts, arrays))
+        return write_entry(self.folder, self.key, CacheEntry(texts, arrays))
 
 
 OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 """The rules by which tasks are told from plans."""
 
 
-def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> Shelf | None:
+def automaton_slot(folder: Path, model: Model, level: str, merge: bool | None) -> AutomatonSlot | None:
     """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
     The key covers all that the arrays depend on but the code: the program, what of it is never reached, the same
@@ -86,7 +86,7 @@ def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> She
     for other in (model.bare, *_wholes(model)):
         told += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
     told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
-    return Shelf(folder, digest(told))
+    return AutomatonSlot(folder, digest(told))
 
 
 def _wholes(model: Model) -> Iterator[Model]:
@@ -102,7 +102,7 @@ def code_digest() -> str:
     return files_digest(paths, PACKAGE)
 
 
-def _restored(entry: Entry) -> Reach | None:
+def _restored(entry: CacheEntry) -> Reach | None:
     """Return an entry as what was explored, or None where its parts do not fit together."""
     arrays, texts = entry.arrays, entry.texts
     merged = "twins" in arrays

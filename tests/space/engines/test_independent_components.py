@@ -25,7 +25,7 @@ from prag_asp.space.automaton.shuffle_product import ShuffledWords
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.independent_components import count_shuffles
-from prag_asp.space.engines.reachability import Reach, Unfit
+from prag_asp.space.engines.reachability import Reach, TooManyStates
 from prag_asp.space.sampling.draws import drawn_words, make_drawer
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Action, Toy
@@ -339,7 +339,7 @@ def test_parts_answer_where_the_whole_would_not_fit_into_memory(level: Level, mo
     monkeypatch.setattr("prag_asp.space.engines.reachability.PATIENCE", 0)
     engine = AutomatonEngine(Model(domain), level, hopeless=lambda extent, length: extent.depth > 3)
     if level == "skeleton":
-        with pytest.raises(Unfit):
+        with pytest.raises(TooManyStates):
             engine.count(7)
     else:
         assert engine.count(7) == counts

@@ -250,6 +250,8 @@ class Looks:
     def to_close(self) -> Looks:
         return Looks([10**9])  # more than are needed
 
+    to_report = to_close
+
 
 @pytest.mark.parametrize("by", LEVELS)
 def test_at_a_limit_it_tells_how_many_there_are_at_least(by: Level, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,10 +1,41 @@
-"""Conditions and effects as texts of PDDL; the negation of a predicate in `opposites` has a predicate of its own."""
+"""The names of a domain and its formulas as PDDL text.
+
+Where negative conditions are not allowed, `opposites` has for a predicate the one that stands for its negation.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Hashable, Iterable, Mapping
 
-from prag_asp.planners.lifted_actions import Clause, Literal, Written
+from prag_asp.planners.lifted_actions import Clause, Literal, PddlCase
+
+KEYWORDS = frozenset([
+    "and", "or", "not", "imply", "forall", "exists", "when", "either", "object", "number", "define", "domain",
+    "problem", "assign", "increase", "decrease", "scale-up", "scale-down", "minimize", "maximize", "oneof",
+    "preference", "always", "sometime", "within", "over", "at", "start", "end", "all", "total-cost", "total-time",
+])  # fmt: skip
+"""What means something to PDDL; `at` does in some of its dialects."""
+
+
+class Spelling:
+    """Gives each thing a name, the same whenever it is asked for; no two share one, for some readers refuse that."""
+
+    def __init__(self) -> None:
+        self._names: dict[Hashable, str] = {}
+        self._taken: set[str] = set(KEYWORDS)
+
+    def name(self, thing: Hashable, text: str) -> str:
+        """Return the name of a thing, which is like a text."""
+        if thing not in self._names:
+            plain = re.sub(r"[^a-z0-9_]+", "-", text.lower()).strip("-_")
+            first = plain if re.match("[a-z]", plain) else f"n{plain}"
+            found, number = first, 2
+            while found in self._taken:
+                found, number = f"{first}-{number}", number + 1
+            self._taken.add(found)
+            self._names[thing] = found
+        return self._names[thing]
 
 
 def positive(literal: Literal, opposites: Mapping[str, str]) -> Literal:
@@ -24,7 +55,7 @@ def all_of(literals: Clause, clauses: Iterable[Clause], opposites: Mapping[str, 
     return as_text(given[0]) + "".join(f" (or{as_text(clause)})" for clause in given[1:])
 
 
-def effects(case: Written, opposites: Mapping[str, str]) -> str:
+def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:
     """Return what a case makes as a text of PDDL, each effect after a blank."""
     made: dict[Clause, list[Literal]] = {}
     for where, each in case.after:
