@@ -20,8 +20,8 @@ from prag_asp.processes.progress_events import stage
 class ModelFormula:
     """A formula, and how its models are printed.
 
-    The variables `cnf.shown` tell one answer set from another, or one projection. `printed` are the symbols of which
-    those with a true literal are printed, sorted. With `whole`, all other variables are functions of those.
+    `cnf.shown` are the projection variables: they distinguish answer sets, or their projections. `printed`
+    are the symbols of which those with a true literal are printed, sorted. With `whole`, all other variables are functions of those.
     """
 
     completion: Completion

@@ -17,12 +17,19 @@ from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.counter import CountBeside, count_models, has_ganak
 from prag_asp.models import ENGINES
 from prag_asp.models.answer_set_formula import ModelFormula, model_formula
-from prag_asp.models.atom_weights import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights, unknown_weights
+from prag_asp.models.atom_weights import (
+    PLAIN,
+    LiteralWeights,
+    literal_weights,
+    projected_away,
+    stated_weights,
+    unknown_weights,
+)
 from prag_asp.models.compiler import Progress, compile_formula, prepare
 from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.enumeration import Enumeration
 from prag_asp.models.ground_program import GroundModels, ground_models
-from prag_asp.models.model_listing import listed
+from prag_asp.models.model_listing import list_models
 from prag_asp.models.program_reader import GivenProgram, read_program
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
@@ -121,7 +128,7 @@ class AnswerSets:
             return WeightedDiagram(self._weighed.diagram, {}).total
 
         def begins() -> None:
-            self.note(f"ganak counts as well, for compiling takes longer than {PATIENCE:g} s; the first answers")
+            self.note(f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers")
 
         def look() -> None:
             found = beside()
@@ -198,7 +205,7 @@ class AnswerSets:
         if formula.whole:
             order += [formula.completion.value(atom) for _, atom in self.ground.names]
             order += map(formula.completion.value, formula.completion.values)
-        yield from map(self._printed, listed(formula, order))
+        yield from map(self._printed, list_models(formula, order))
 
     def _printed(self, literals: Sequence[Literal]) -> AnswerSet:
         """Return what is shown where some literals are true."""
@@ -302,7 +309,7 @@ class AnswerSets:
                 symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in projection
             )
             if left:
-                raise hidden(left[0], self.ground, self.given.program)
+                raise projected_away(left[0], self.ground, self.given.program)
         return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)
 
     def note(self, line: str) -> None:

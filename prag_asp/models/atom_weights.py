@@ -102,8 +102,8 @@ def _read(text: str) -> Fraction | None:
         return None
 
 
-def hidden(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
-    """Return the error of a weighted atom whose value a projection does not tell."""
+def projected_away(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
+    """Return the error for a weighted atom that is no projection variable."""
     weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == atom)
     place = place_of(next(weights), program)
     return QueryError(f"{place}--weighted: {atom} has a weight, but is projected away; show it, or leave it out")
@@ -126,7 +126,7 @@ def literal_weights(
             scale *= weight
         elif literal != -TRUE:
             if abs(literal) not in projection:
-                raise hidden(symbol, ground, program)
+                raise projected_away(symbol, ground, program)
             weights[literal] = weights.get(literal, 1) * weight.numerator
             weights[-literal] = weights.get(-literal, 1) * weight.denominator
             scale /= weight.denominator
@@ -139,9 +139,9 @@ def weight_of(stated: Mapping[clingo.Symbol, Fraction], atoms: Iterator[clingo.S
 
 
 def place_of(symbol: clingo.Symbol, program: Program) -> str:
-    """Return the file and the line of a rule that may derive an atom, ``file:line: ``, best of one whose head fits it.
+    """Return ``file:line: `` of a rule that may derive an atom, preferably one whose head matches it.
 
-    Nothing is said where no head has its name and so many arguments.
+    The result is empty if no head has its name and number of arguments.
     """
     statements, _ = parse_sources((source, True) for source in program.sources)
     signature = ("-" * symbol.negative + symbol.name, len(symbol.arguments))

@@ -21,7 +21,7 @@ from itertools import chain, count
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.models.answer_set_formula import ModelFormula
-from prag_asp.models.atom_copies import equivalent
+from prag_asp.models.atom_copies import merge_copies
 from prag_asp.models.diagram import Branch, Diagram
 from prag_asp.models.foundedness import FoundednessOracle
 from prag_asp.models.variable_order import DecisionOrder, decision_order
@@ -62,8 +62,8 @@ class Prepared:
 
     `names` has the variable of each number, from 1; `projection` are the numbers of those that may be decided, and
     `kept` the names of those whose values the diagram has. `copies` has the atom of each copy, 0 for one that is fixed,
-    and None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. None of it is of use
-    where the formula is `contradictory`.
+    and None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. If the formula is
+    `contradictory`, the other fields have no meaning.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]
@@ -298,7 +298,7 @@ class _Compiler:
         """
         own, given = set(part.variables), self._given
         left = [[each for each in given.clauses[clause] if abs(each) in own] for clause in part.clauses]
-        one, read = equivalent(given.copies, left)
+        one, read = merge_copies(given.copies, left)
         told = {tuple(sorted({one.get(each, each) for each in clause})) for clause in left}
         clauses = sorted(clause for clause in told if not any(-each in clause for each in clause))
         # Where its atom is true already, a copy has to be derived.

@@ -97,7 +97,7 @@ class Enumeration:
 
     @property
     def _merges(self) -> bool:
-        """Whether a symbol is shown on several grounds, which clingo tells apart where it projects."""
+        """True if a symbol is shown under several conditions, which clingo distinguishes where it projects."""
         by_output = self.project and self.ground.projected is None
         return by_output and any(len(conditions) > 1 for _, conditions in self.ground.shown)
 

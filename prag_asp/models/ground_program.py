@@ -39,7 +39,7 @@ class GroundModels:
 
     @property
     def projection_variables(self) -> frozenset[int]:
-        """The atoms whose values a projection tells, and facts, which have one value anyhow."""
+        """The projection variables, and facts, which have one value anyhow."""
         if self.projected is not None:
             return self.projected | self.facts
         shown = {abs(found[0][0]) for _, found in self.shown if len(found) == 1 and len(found[0]) == 1}

@@ -83,7 +83,7 @@ def _refused(statements: Sequence[Statement], suspects: Collection[Path]) -> Ite
     for statement in statements:
         if statement.kind in REFUSED:
             wrong, todo = REFUSED[statement.kind]
-            yield statement.problem(f"{_name(statement)} is not supported, for {wrong}; {todo}")
+            yield statement.problem(f"{_name(statement)} is not supported because {wrong}; {todo}")
         for node in below(statement.node) if statement.path in suspects else ():
             if node.ast_type == ASTType.TheoryAtom:
                 (wrong, todo), name = REFUSED[ASTType.TheoryDefinition], f"the theory atom &{node.term.name}"
@@ -91,7 +91,7 @@ def _refused(statements: Sequence[Statement], suspects: Collection[Path]) -> Ite
                 (wrong, todo), name = REFUSED[ASTType.Script], f"the function @{node.name}"
             else:
                 continue
-            yield statement.problem(f"{name} is not supported, for {wrong}; {todo}", node.location.begin.line)
+            yield statement.problem(f"{name} is not supported because {wrong}; {todo}", node.location.begin.line)
 
 
 def _name(statement: Statement) -> str:

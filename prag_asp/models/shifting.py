@@ -14,7 +14,7 @@ from prag_asp.program.finite.components import components
 
 
 def is_head_cycle_free(rules: Sequence[Rule]) -> bool:
-    """Tell whether no disjunctive head has two atoms of one component of the positive dependency graph."""
+    """Return whether no disjunctive head has two atoms of one component of the positive dependency graph."""
     graph: dict[int, set[int]] = {}
     for rule in rules:
         for head in rule.heads:
@@ -35,7 +35,7 @@ def shift_disjunctions(rules: Iterable[Rule]) -> list[Rule]:
 
 def _split(rule: Rule, fresh: Iterator[int]) -> Iterator[Rule]:
     body = rule.body
-    if rule.weights:  # a sum stays one, as the body of a rule for an atom of its own
+    if rule.weights:  # a sum stays one, as the body of a rule for a fresh atom
         atom = next(fresh)
         yield Rule((atom,), rule.body, bound=rule.bound, weights=rule.weights)
         body = (atom,)

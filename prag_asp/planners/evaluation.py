@@ -27,7 +27,7 @@ After = Mapping[int, Node]
 
 @dataclass(frozen=True)
 class ActionFunctions:
-    """What an action makes: each of `refused` forbids it in the states where it is true."""
+    """The effects of an action as functions; each of `refused` forbids the action in the states where it is true."""
 
     refused: tuple[Node, ...]
     after: After

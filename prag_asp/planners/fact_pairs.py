@@ -1,4 +1,4 @@
-"""Which two values of fluents can be so in one state: an upper bound, by pairs of facts (h^2 of Haslum and Geffner).
+"""Mutex pairs: an upper bound on the pairs of fluent values in one reachable state (h^2 of Haslum and Geffner).
 
 A pair is reached if the first state has it, or if an action that may occur makes one of it and makes or leaves the
 other. What is never reached is known, and need not be asked of a state.
@@ -29,7 +29,7 @@ class FactPairs:
             pass
 
     def excludes(self, before: Values, fluent: clingo.Symbol, value: bool) -> bool:
-        """Tell whether a fluent never has a value where some others have theirs."""
+        """Return whether a value of a fluent is mutex with one of some others."""
         return not self._beside(self._bits(before)) >> self._bit(fluent, value) & 1
 
     def _apply(self, before: list[int], after: list[int], changed: int) -> bool:

@@ -1,4 +1,4 @@
-"""A domain without rules over time as ground actions: what has to hold before each, and what it makes so.
+"""A domain without rules over time as ground actions with preconditions and effects.
 
 An invariant that an action might break becomes a condition on the state before it: where the action makes one of two
 literals false that may not both be, it needs the other one, unless it makes that true itself.
@@ -26,15 +26,15 @@ NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "clos
 """Rules of the encodings that say nothing about which plans there are."""
 
 Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
-"""What actions make of fluents that they may change."""
+"""The values that actions give to fluents that they may change."""
 
 
 class _StripsAction(NamedTuple):
-    """An action with the values of fluents that it needs, and those that it makes."""
+    """An action with its precondition and its effects as values of fluents."""
 
     term: clingo.Symbol
-    before: Values
-    after: Values
+    precondition: Values
+    effects: Values
 
 
 def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
@@ -49,7 +49,7 @@ def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes |
     pairs = None
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
-        pairs = FactPairs(whole, [(each.before, each.after) for each in found])
+        pairs = FactPairs(whole, [(each.precondition, each.effects) for each in found])
     graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
     safe = (each for stated in found if (each := _safe(stated, graph, clauses, pairs)) is not None)
     initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
@@ -58,8 +58,8 @@ def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes |
 
 
 def _action(stated: _StripsAction) -> GroundAction:
-    before = {Proposition(fluent): value for fluent, value in stated.before.items()}
-    effects = tuple(ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in stated.after.items())
+    before = {Proposition(fluent): value for fluent, value in stated.precondition.items()}
+    effects = tuple(ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in stated.effects.items())
     return GroundAction(stated.term, (Case(before, (), effects),))
 
 
@@ -82,7 +82,7 @@ def outcomes_of(task: Task, facts: Facts) -> Outcomes:
 
 
 def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
-    """Tell whether a state breaks an invariant; what it does not name is false."""
+    """Return whether a state breaks an invariant; what it does not name is false."""
     both = (*facts.exclusive, *facts.impossible)
     return any(state.get(f) and state.get(g) for f, g in both) or any(
         state.get(f) and not state.get(g) for f, g in facts.implies
@@ -139,19 +139,19 @@ def _safe(
     pairs: FactPairs | None,
 ) -> _StripsAction | None:
     """Return an action that also needs what keeps the invariants, None where it always breaks one."""
-    before = dict(action.before)
+    before = dict(action.precondition)
     known = entailed(before.items(), graph)
-    for fluent, made in action.after.items():
+    for fluent, made in action.effects.items():
         for other, needed in clauses.get((fluent, not made), ()):
-            if action.after.get(other, needed) != needed:
+            if action.effects.get(other, needed) != needed:
                 return None
-            if other in action.after or (other, needed) in known:
+            if other in action.effects or (other, needed) in known:
                 continue
-            if pairs is not None and pairs.excludes(action.before, other, not needed):
+            if pairs is not None and pairs.excludes(action.precondition, other, not needed):
                 continue
             if before.setdefault(other, needed) != needed:
                 return None
-    return _StripsAction(action.term, before, action.after)
+    return _StripsAction(action.term, before, action.effects)
 
 
 def known_values(given: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:

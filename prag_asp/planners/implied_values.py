@@ -1,4 +1,4 @@
-"""What the invariants of a domain tell of values: which contradict each other, and which follow."""
+"""Values that contradict each other or follow from others by the invariants of a domain."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ImpliedValues:
         self._unknown = unknown
 
     def possible(self, values: Iterable[Value]) -> bool:
-        """Tell whether some values do not contradict each other."""
+        """Return whether some values do not contradict each other."""
         return conflict(self._known(values)) is None
 
     def fixed(self, before: Mapping[Proposition, bool], propositions: Iterable[Proposition]) -> dict[int, bool]:
@@ -35,7 +35,7 @@ class ImpliedValues:
         return found
 
     def needed(self, before: Mapping[Proposition, bool], stated: Collection[Value]) -> dict[Proposition, bool]:
-        """Return those of some values that are asked for: what is stated, and what does not follow from others."""
+        """Return the values that a precondition has to name: those stated, and those that do not follow from others."""
         found = dict(before)
         for each in reversed([*before.items()]):
             (term, role), value = each
@@ -64,7 +64,7 @@ class ImpliedValues:
             before |= new
 
     def _fails(self, value: Value, before: Mapping[Proposition, bool], known: Collection[FluentValue]) -> bool:
-        """Tell whether a value contradicts others, of which the fluents' values are known."""
+        """Return whether a value contradicts others, of which the fluents' values are known."""
         proposition, wanted = value
         meant = self._meaning(value)
         return before.get(proposition, wanted) != wanted or (meant is not None and (meant[0], not meant[1]) in known)

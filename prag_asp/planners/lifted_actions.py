@@ -8,7 +8,7 @@ from typing import NamedTuple
 import clingo
 
 FEW = 4
-"""Actions with parameters that those of one name become at most."""
+"""Most schemas that the actions of one name become."""
 
 Literal = tuple[str, tuple[str, ...], bool]
 """A predicate, its terms, and whether it is asserted; a term is the name of an object or a variable."""
@@ -17,23 +17,23 @@ Clause = tuple[Literal, ...]
 
 
 class PddlCase(NamedTuple):
-    """A case of an action in PDDL's names: all that it needs, clauses, and effects with their conditions."""
+    """A case of an action in the names of PDDL: the precondition, its clauses, and conditional effects."""
 
-    before: Clause
+    precondition: Clause
     clauses: tuple[Clause, ...]
-    after: tuple[tuple[Clause, Literal], ...]
+    effects: tuple[tuple[Clause, Literal], ...]
 
     @property
     def key(self) -> Hashable:
-        """What is the same for cases that differ in the order alone."""
-        after = frozenset((frozenset(where), made) for where, made in self.after)
-        return frozenset(self.before), frozenset(map(frozenset, self.clauses)), after
+        """A value that is the same for cases that differ in the order alone."""
+        after = frozenset((frozenset(where), made) for where, made in self.effects)
+        return frozenset(self.precondition), frozenset(map(frozenset, self.clauses)), after
 
     @property
     def conditions(self) -> Iterator[Literal]:
-        """All literals that are asked for."""
-        yield from self.before
-        for clause in (*self.clauses, *(where for where, _ in self.after)):
+        """All literals of preconditions and of conditions of effects."""
+        yield from self.precondition
+        for clause in (*self.clauses, *(where for where, _ in self.effects)):
             yield from clause
 
     def renamed(self, names: Mapping[str, str]) -> PddlCase:
@@ -45,8 +45,8 @@ class PddlCase(NamedTuple):
         def clause(literals: Clause) -> Clause:
             return tuple(map(literal, literals))
 
-        after = ((clause(where), literal(made)) for where, made in self.after)
-        return PddlCase(clause(self.before), tuple(map(clause, self.clauses)), tuple(after))
+        after = ((clause(where), literal(made)) for where, made in self.effects)
+        return PddlCase(clause(self.precondition), tuple(map(clause, self.clauses)), tuple(after))
 
 
 class Instance(NamedTuple):
@@ -98,5 +98,5 @@ def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
 
 
 def _collapsed(case: PddlCase) -> bool:
-    """Tell whether two effects have become one: a variable stands for the same object as another."""
-    return len(set(case.after)) < len(case.after)
+    """Return whether two effects have become one: a variable stands for the same object as another."""
+    return len(set(case.effects)) < len(case.effects)

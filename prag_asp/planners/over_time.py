@@ -161,7 +161,7 @@ class _Step:
     def _changes(self, after: After, fixed: Mapping[int, bool]) -> Iterator[Change]:
         """Yield where each proposition becomes true, and where false.
 
-        No state is in both, for planners do not agree on what then happens.
+        No state is in both, because planners disagree on what then happens.
         """
         functions = self._functions
         for number in self._step.changed(after):

@@ -15,11 +15,11 @@ KEYWORDS = frozenset([
     "problem", "assign", "increase", "decrease", "scale-up", "scale-down", "minimize", "maximize", "oneof",
     "preference", "always", "sometime", "within", "over", "at", "start", "end", "all", "total-cost", "total-time",
 ])  # fmt: skip
-"""What means something to PDDL; `at` does in some of its dialects."""
+"""Reserved words of PDDL; `at` is reserved in some dialects."""
 
 
 class Spelling:
-    """Gives each thing a name, the same whenever it is asked for; no two share one, for some readers refuse that."""
+    """Gives each thing one name; no two things share a name, because some readers refuse that."""
 
     def __init__(self) -> None:
         self._names: dict[Hashable, str] = {}
@@ -56,9 +56,9 @@ def all_of(literals: Clause, clauses: Iterable[Clause], opposites: Mapping[str, 
 
 
 def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:
-    """Return what a case makes as a text of PDDL, each effect after a blank."""
+    """Return the effects of a case as text of PDDL, each after a blank."""
     made: dict[Clause, list[Literal]] = {}
-    for where, each in case.after:
+    for where, each in case.effects:
         made.setdefault(where, []).append(each)
     found = ""
     for where, after in made.items():

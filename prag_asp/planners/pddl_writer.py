@@ -162,7 +162,7 @@ class _PddlWriter:
             found = [number for number, case in enumerate(cases[action]) if _possible(case, so)]
             number = found[0] if len(cases[action]) > 1 else 0
             effects = cases[action][number].effects
-            made = [effect.made for effect in effects if all(map(so, effect.where))]
+            made = [effect.value for effect in effects if all(map(so, effect.condition))]
             state -= {each for each, _ in made}
             state |= {each for each, value in made if value}
             yield self._steps[action][number]
@@ -191,8 +191,8 @@ class _PddlWriter:
         return tuple(sorted(map(self._literals, clauses)))
 
     def _case(self, case: Case) -> PddlCase:
-        after = sorted((self._literals(each.where), self._literal(*each.made)) for each in case.effects)
-        return PddlCase(self._literals(case.before.items()), self._clauses(case.clauses), tuple(after))
+        after = sorted((self._literals(each.condition), self._literal(*each.value)) for each in case.effects)
+        return PddlCase(self._literals(case.precondition.items()), self._clauses(case.clauses), tuple(after))
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
         """Yield the actions of a name: those that are alike as one with parameters."""
@@ -235,7 +235,7 @@ class _PddlWriter:
         found = [":strips"]
         found += [":negative-preconditions"] * self._negative
         found += [":disjunctive-preconditions"] * (bool(self._ground.clauses) or any(case.clauses for case in cases))
-        found += [":conditional-effects"] * any(where for case in cases for where, _ in case.after)
+        found += [":conditional-effects"] * any(where for case in cases for where, _ in case.effects)
         return " ".join(found)
 
     def _domain(self, opposites: Mapping[str, str]) -> str:
@@ -257,7 +257,7 @@ class _PddlWriter:
         for schema in self._schemas:
             case = schema.case
             before = [f" ({' '.join([schema.allowed, *schema.variables])})"] if schema.allowed else []
-            before.append(all_of(case.before, case.clauses, opposites))
+            before.append(all_of(case.precondition, case.clauses, opposites))
             lines += ["", f"  (:action {schema.name}", f"    :parameters ({' '.join(schema.variables)})"]
             lines += [f"    :precondition (and{''.join(before)})", f"    :effect (and{effects(case, opposites)}))"]
         return "\n".join([*lines, ")"]) + "\n"
@@ -278,7 +278,7 @@ class _PddlWriter:
 
 
 def _possible(case: Case, so: Callable[[Value], bool]) -> bool:
-    return all(map(so, case.before.items())) and all(any(map(so, clause)) for clause in case.clauses)
+    return all(map(so, case.precondition.items())) and all(any(map(so, clause)) for clause in case.clauses)
 
 
 def _numbered(name: str, number: int, cases: Sequence[PddlCase]) -> str:

@@ -1,4 +1,4 @@
-"""How much memory and time a question may take, and whether answers are kept for the next run."""
+"""Limits on memory and time, and whether results are cached for the next run."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
 DURATIONS = {"": 1, "s": 1, "m": 60, "min": 60, "h": 3600}
 QUANTITY = r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)"
 LEAST_CLOSING, MOST_CLOSING = 0.1, 5.0
-"""Seconds after the limit in which what was found until then is counted; otherwise a twentieth of the limit."""
+"""Least and most seconds after the limit for counting what was found until then; between them, 5 % of the limit."""
 
 Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a question may take: memory of the whole process in bytes, seconds; None is without limit.
+    """The limits of a question: memory of the whole process in bytes, and seconds; None is without limit.
 
-    They hold where our own code looks at them, between two pieces of work; clingo's grounder, for one, hears nothing of
-    them. `cached` says whether what took long to compute is kept in the cache folder for the next run. `since` is when
-    the seconds of all questions together began, on the monotonic clock; with None, each question has its own.
+    They are checked between two pieces of work in Python; clingo's grounder, for one, does not check them. `cached`
+    says whether results that took long are cached for the next run. `since` is when the seconds of all questions
+    together began, on the monotonic clock; with None, each question has its own.
     """
 
     memory_bytes: int | None = None
@@ -67,9 +67,9 @@ class Budget:
         return None if seconds is None else max(self.begun + seconds - monotonic(), 0.0)
 
     def to_close(self) -> Budget:
-        """Return the time that is left, or a little more, for counting what was found: nothing would be known without.
+        """Return the budget for counting what was found until a limit: the time that is left, and a little more.
 
-        Memory is no matter then, for counting takes little.
+        It has no limit on memory because counting takes little.
         """
         seconds = self.limits.seconds
         if seconds is None:
@@ -116,7 +116,7 @@ def parse_memory(text: str) -> int:
     """Return a number of bytes given as 500MB, 4GB, 2GiB or a plain number.
 
     Raises:
-        QueryError: it is none.
+        QueryError: the text is no such quantity.
     """
     number, unit = _quantity(text)
     factor = {**UNITS, **BINARY}.get(unit.removesuffix("b"))
@@ -129,7 +129,7 @@ def parse_time(text: str) -> float:
     """Return a number of seconds given as 60, 60s, 1.5m or 2h.
 
     Raises:
-        QueryError: it is none.
+        QueryError: the text is no such quantity.
     """
     number, unit = _quantity(text)
     factor = DURATIONS.get(unit)

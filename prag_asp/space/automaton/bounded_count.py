@@ -1,4 +1,4 @@
-"""Counting that a limit may end: what is known then is a lower bound."""
+"""Counting within limits: a count that a limit ends is a lower bound."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ def count_within(
 
 
 def _along_one_path(automaton: Automaton, steps: int, row: NDArray[Any]) -> int:
-    """Return a weight of words that begin with one path of so many steps, where `row` has what completes it.
+    """Return a weight of words that begin with one path of `steps` steps, where `row` has what completes it.
 
     In each state the path goes on in the same way, so that it soon goes around; rounds that are left out count once,
-    which is no more than they weigh, for weights are whole numbers.
+    which is a lower bound because weights are whole numbers.
     """
     state, weight, left = 0, 1, steps
     seen: dict[int, int] = {}

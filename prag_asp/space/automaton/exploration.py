@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from prag_asp.logic.symmetry.twins import Twins
 
 MOST, FEWEST = 16_384, 64
-"""States that are expanded together: enough to make NumPy's overhead small, few enough for the memory at hand."""
+"""States that are expanded together: enough to amortise the overhead of NumPy, few enough for the memory."""
 
 MANY = 4096
-"""States from which on those are not expanded that are too far from the end of a plan: fewer are expanded as fast."""
+"""Number of states from which those too far from the end of a plan are not expanded; fewer are expanded as fast."""
 
 FEW = 1 / 16
-"""The share of states that are too far from which on it is worth the time to look for them."""
+"""The least share of states too far from the end for which it pays to look for them."""
 
 ROOM = 2**26
 """Bytes that the states after those expanded together should take at most."""
@@ -40,7 +40,7 @@ ROOM = 2**26
 
 @dataclass(frozen=True)
 class Extent:
-    """How far exploring has come; `nbytes` is the memory in use, counting what putting the edges together takes."""
+    """The extent of an exploration; `nbytes` is the memory in use, including what concatenating the edges takes."""
 
     depth: int
     states: int
@@ -54,7 +54,7 @@ Watch = Callable[[Extent], "StopReason | None"]
 
 @dataclass(frozen=True)
 class Renamings:
-    """What the edges and states of an automaton stand for whose states were merged.
+    """The meaning of edges and states of an automaton with merged states.
 
     An edge stands for `multiplicities` actions, shape (edges,); its letter is the first of them. The state after it,
     renamed, is the target: entity ``orders[order_of[edge], j]`` of the one is entity j of the other. `twins` says of
@@ -116,7 +116,7 @@ def explore(
 
 
 class _Exploration:
-    """What a search has found so far."""
+    """The states and edges found so far."""
 
     def __init__(self, transition: Transition, merging: Merging | None) -> None:
         self._transition = transition
@@ -136,7 +136,7 @@ class _Exploration:
 
     @cached_property
     def _relaxation(self) -> Relaxation | None:
-        """What tells how far states are from the end of a plan; None where plans end anywhere."""
+        """The relaxation that bounds the distance of states to the end of a plan; None if plans end anywhere."""
         if not self._transition.step.final:
             return None
         from prag_asp.logic.step.relaxation import relax
@@ -145,7 +145,7 @@ class _Exploration:
 
     @property
     def nbytes(self) -> int:
-        """The memory in use, counting what putting the edges together takes."""
+        """The memory in use in bytes, including what concatenating the edges takes."""
         return self.states.nbytes + 2 * self._bytes
 
     def take(self, rows: Rows, left: int) -> None:

@@ -24,13 +24,13 @@ from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 from prag_asp.stop_reason import LimitCheck
 
 Look = Callable[[], None]
-"""Called now and then; raises an error where a limit is reached."""
+"""Called now and then; raises an error at a limit."""
 
 Key = tuple[int, tuple[tuple[int, tuple[int, int]], ...], tuple[int, ...]]
-"""What all states of a piece have in common: the letter, the changes, the labels."""
+"""The letter, the changes and the labels of a piece, which all its states share."""
 
 REMEMBERED = 1 << 14
-"""States whose successors are remembered."""
+"""Number of states whose successors are remembered."""
 
 WIDER = 4
 """Factor by which the beam of `count_along` grows from round to round, as long as there is time."""
@@ -79,7 +79,7 @@ class Layers:
 
     @property
     def closed(self) -> bool:
-        """Whether no further step reaches a new state."""
+        """True if no further step reaches a new state."""
         return not self._frontier
 
     def row(self, length: int, left: int) -> Node:

@@ -154,7 +154,7 @@ def count_merged(merged: Merged, completions: Completions, length: int, prefix: 
 
 
 def _told_apart(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
-    """Return the entities that some of these sets of letters tell apart from others of their group."""
+    """Return the entities that some of these sets of letters distinguish from others of their group."""
     found: set[int] = set()
     for allowed in prefix:
         letters = np.array(sorted(allowed), dtype=np.intp)

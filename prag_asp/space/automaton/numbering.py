@@ -96,7 +96,7 @@ class Numbering:
         self._rows[known : self._size] = rows[fresh]
 
     def _make_slots(self, size: int) -> None:
-        """Make the table large enough for so many rows."""
+        """Enlarge the table for a number of rows."""
         slots = len(self._table)
         while size > FULLEST * slots:
             slots *= 2

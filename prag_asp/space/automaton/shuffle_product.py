@@ -21,7 +21,7 @@ from prag_asp.space.automaton.automaton import Completions, Word
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 REMEMBERED = 1 << 12
-"""Of how many states it is remembered what completes them, with so many letters left."""
+"""Number of states whose completions are remembered."""
 
 Ways = tuple[int, ...]
 """Weights of words by their length, from 0 on; what is not there is 0."""

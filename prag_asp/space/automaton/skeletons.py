@@ -1,4 +1,4 @@
-"""The automaton of skeletons: relabel, merge what cannot be told apart, determinise.
+"""The automaton of skeletons: relabel, merge bisimilar states, determinise.
 
 Merging bisimilar states first keeps the subset construction small (Rabin and Scott 1959; partition refinement after
 Kanellakis and Smolka 1983).
@@ -69,7 +69,7 @@ def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
 def _refined(
     blocks: NDArray[np.int64], sources: NDArray[np.int64], letters: NDArray[np.int64], targets: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Return blocks told apart by their edges, which are sorted: edge by edge, all states at once."""
+    """Return the blocks refined by their edges, which are sorted: edge by edge, all states at once."""
     starts = np.searchsorted(sources, np.arange(len(blocks) + 1))
     degrees = np.diff(starts)
     kinds = blocks.copy()

@@ -16,7 +16,7 @@ CHOICE, OTHERWISE = (
     "prag_asp.space.engines.auto_engine.AutoEngine",
     "prag_asp.space.engines.auto_engine.searching_engine",
 )
-"""What ``auto`` tries first, and what takes over where a step is no function of the state: clingo."""
+"""The class that ``auto`` tries first, and the function that returns clingo if a step is no function of the state."""
 
 
 def select(
@@ -29,7 +29,7 @@ def select(
 
     Raises:
         QueryError: there is no such engine.
-        EngineError: the engine asked for cannot express the domain.
+        EngineError: the requested engine cannot express the domain.
     """
     if name == AUTO:
         try:

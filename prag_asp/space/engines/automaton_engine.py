@@ -1,4 +1,4 @@
-"""The automaton engine: explore the states once, then count, rank and draw by dynamic programming."""
+"""The automaton engine: explore the states once, then count, rank and sample by dynamic programming."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.stored_automata import AutomatonSlot
 
 WORTH_KEEPING = 0.2
-"""Seconds of exploring from which what was found is kept for the next run."""
+"""Seconds of exploration from which its result is cached for the next run."""
 
 RANKED = 8
-"""Lengths whose rankings are kept."""
+"""Number of lengths whose rankings are kept."""
 
 LONG = 10_000
-"""From this length on counting says how far it is."""
+"""Length from which counting reports its progress."""
 
 
 class AutomatonEngine:
     """Answers for one domain at one level; what was explored is kept for the next question.
 
     `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
-    No answer depends on it. `explorer` is how states are found, where it is not by listing them; where `hopeless` says
-    that listing them will not end, each question raises `TooManyStates`.
+    No answer depends on it. `explorer` finds the states, by default by listing them. If `hopeless` forecasts that they
+    exceed the memory, each question raises `TooManyStates`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -74,7 +74,7 @@ class AutomatonEngine:
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
         begun = monotonic()
         if self._reached is None:
-            self._transition  # noqa: B018  what cannot be expressed is told at once
+            self._transition  # noqa: B018  what cannot be expressed is an error at once
         self._prepared = monotonic() - begun
 
     @cached_property
@@ -129,9 +129,9 @@ class AutomatonEngine:
         return found
 
     def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
-        """Return the number of words of a length, part by part; None where the parts are not independent after all.
+        """Return the number of words of a length, part by part; None if the parts are not independent after all.
 
-        `whole` is what was explored of the whole until then.
+        `whole` is the part of the whole that was explored until then.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words that were found.
@@ -260,7 +260,7 @@ class AutomatonEngine:
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
-        """Return the ranking of a length, and keep the last ones made: tasks of several lengths are told by turns."""
+        """Return the ranking of a length, and keep the last ones: lengths may alternate."""
         if length not in self._ranked:
             reach = self.known(length)
             stage("ranking")

@@ -22,18 +22,18 @@ from prag_asp.space.weights.weights import Weighed, Weights
 from prag_asp.stop_reason import StopReason
 
 POLL = 0.2
-"""Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
+"""Seconds between two checks of a running solver, so that Ctrl-C takes effect."""
 
 
 Ask = Callable[[], "int | None"]
-"""Returns a number that somebody else has found, None as long as there is none."""
+"""Returns the count of another process, None as long as it has none."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""Counts the words of a length that begin with a prefix, while clingo does so too: the first that is done answers."""
+"""Counts the words of a length that begin with a prefix while clingo does, too; the first to finish answers."""
 
 
 class ClingoEngine:
-    """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
+    """Answers for one domain at one level by search; the ground program of the last length is kept."""
 
     def __init__(
         self,

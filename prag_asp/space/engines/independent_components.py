@@ -1,4 +1,4 @@
-"""A level whose domain falls into parts that have nothing in common: each is explored by itself, then all are shuffled.
+"""Levels of domains that consist of independent parts: each is explored separately, then their words are shuffled.
 
 A plan of the whole is a plan of each part, together with which of its steps belong to which part; so the plans of
 length n are the sum, over the ways to write n as a sum of one length for each part, of the multinomial coefficient and
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 
 FEW_STATES = 4096
-"""States up to which a domain is counted as a whole, though it may fall into parts: it answers more questions so."""
+"""States up to which a domain is counted as a whole even if it has parts, because the whole answers more questions."""
 
 MANY_EDGES = 5_000_000
-"""Edges of the whole beyond which words are found part by part: up to that, listing them all is soon done."""
+"""Edges of the whole beyond which words are found part by part; up to that, exploring the whole is fast."""
 
 LARGE_PART = 5_000_000
-"""Edges of a part beyond which nothing is won by finding its words apart."""
+"""Edges of a part beyond which finding words part by part gains nothing."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Counted:
 
 
 class IndependentParts:
-    """The independent parts of one level of a domain, and what is found by way of them.
+    """The independent parts of one level of a domain, and the answers that they give.
 
     `explorer` explores the whole, and `transition` returns its step function; parts are looked for when it has grown.
     """
@@ -59,7 +59,7 @@ class IndependentParts:
 
     @property
     def counts(self) -> bool:
-        """Whether words may be counted part by part, as far as is known."""
+        """True if words may be counted part by part, as far as is known."""
         if self._explorer.merge is not None:
             return False
         if self._parts is None:
@@ -70,15 +70,15 @@ class IndependentParts:
 
     @property
     def finds(self) -> bool:
-        """Whether words may be found part by part, as far as is known: none of the parts is large itself."""
+        """True if words may be found part by part, as far as is known: no part is large."""
         return self.counts and not self._large
 
     def falls_apart(self, extent: Extent) -> bool:
-        """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
+        """Return whether the whole has enough states for counting by parts, and has parts."""
         return extent.states > FEW_STATES and self.counts
 
     def spreads(self, extent: Extent) -> bool:
-        """Return whether the whole has so many edges that words are found in its parts, if it has any."""
+        """Return whether the whole has enough edges for finding words by parts, and has parts."""
         return extent.edges > MANY_EDGES and self.finds
 
     def count(self, length: int, budget: Budget) -> Counted | None:

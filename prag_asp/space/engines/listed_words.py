@@ -13,10 +13,10 @@ from prag_asp.space.weights.weights import Weighed, Weights, refuse_weights
 def weigh_words(
     words: Iterable[Letters], letters: Letters, model: Model, level: Level, length: int, weights: Weights, goals: bool
 ) -> Weighed:
-    """Return all words of a level and length with their weights; with `goals`, also what is known after each.
+    """Return all words of a level and length with their weights; with `goals`, also the known last state of each.
 
     Raises:
-        QueryError: the weights tell interchangeable entities apart, or skeletons are weighed.
+        QueryError: the weights distinguish interchangeable entities, or skeletons are weighed.
     """
     from prag_asp.space.plans.task_builder import Narrator
     from prag_asp.space.weights.tree import word_tree
@@ -34,7 +34,7 @@ def weigh_words(
 
 @dataclass(frozen=True)
 class NoWords:
-    """Answers for one domain at one level, for lengths that no word has; nothing is ground for it."""
+    """The engine for lengths that no word of a level has; nothing is ground for it."""
 
     model: Model
     level: Level

@@ -1,4 +1,4 @@
-"""What an automaton engine explores of one level of a domain: whole or up to a limit, merged or not."""
+"""The automaton of one level of a domain: whole or up to a limit, with or without merged states."""
 
 from __future__ import annotations
 
@@ -33,32 +33,33 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
-"""Edges of a space beyond which its states are merged, where these take few words, and have so many renamings."""
+"""Edges beyond which states are merged, 64-bit words of a state up to which that holds, and the least number of
+renamings for it."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
 """States and edges up to which all levels share what was explored."""
 
 MORE_PATIENCE = 5_000_000
-"""Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
+"""Edges beyond which states with fewer renamings are merged; plain arrays are faster as long as they fit."""
 
 SIZE, HALT, FORECAST = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), StopReason(StopKind.FORECAST)
 """Why exploration ended where no limit did."""
 
 Halt = Callable[[Extent], bool]
-"""Tells, by how far exploring has come, whether to leave it."""
+"""Returns, for the extent of an exploration, whether to stop it."""
 
 Forecast = Callable[[Extent, int], bool]
-"""Tells, by how far exploring has come and the length, that it will not come to its end in the memory there is."""
+"""Returns, for the extent of an exploration and the length, whether it is forecast to exceed the memory."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
-"""Tells of states whether exploring may go on; where one of them forbids it, it is halted."""
+"""Returns for each state whether exploration may go on; one that forbids it halts the exploration."""
 
 Groups = Sequence[Sequence[Unit]]
 
 
 @dataclass(frozen=True)
 class Reach:
-    """What is known of the words of a level.
+    """The known words of a level.
 
     `letters` are the texts of the letters and `names` those of their actions' names. `merged` is what walks along words
     where states were merged; `stop` says what ended the exploration, and is None where nothing is
@@ -102,7 +103,7 @@ class TooManyStates(Exception):
 class Explorer:
     """Explores one level of a domain; `merge` says whether states are merged, or is None to let their number decide.
 
-    Exploring is given up, as unfit, where `hopeless` says so once it is decided whether states are merged.
+    Exploration stops if `hopeless` forecasts too many states, once it is decided whether states are merged.
     """
 
     model: Model
@@ -130,7 +131,7 @@ class Explorer:
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
-        """Return what is reached within `length` steps, or until the budget is spent or `halt` or `allow` says so."""
+        """Return what is reached within `length` steps, or until a limit is reached or `halt` or `allow` stops it."""
         explored, merging = self._explored(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
@@ -198,9 +199,9 @@ class Explorer:
     def _known_to_others(
         self, transition: Transition, length: int, budget: Budget, halt: Halt | None
     ) -> Explored | None:
-        """Return what an engine of another level has explored, where it is small and this one would find the same.
+        """Return the exploration of an engine of another level, if it is small and this one would find the same.
 
-        Who wants to hear of progress, or limits it, does so anew.
+        With limits, or where progress is reported, the exploration is done again.
         """
         limits, known = budget.limits, _small.get(transition)
         if known is None or self.tell or (limits.seconds, limits.memory_bytes) != (None, None):
@@ -234,7 +235,7 @@ class Explorer:
 
 
 _small: WeakKeyDictionary[Transition, Explored] = WeakKeyDictionary()
-"""What was last explored of a step function, as long as there is one."""
+"""The last exploration of a step function, as long as the function exists."""
 
 
 def _known(transition: Transition, explored: Explored, merging: Merging | None, automaton: Automaton) -> Reach:
@@ -263,7 +264,7 @@ def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
 
 
 def equal_groups(groups: Groups, weights: Weights) -> list[tuple[Unit, ...]]:
-    """Return the groups of units that neither the domain nor the weights tell apart."""
+    """Return the groups of units that neither the domain nor the weights distinguish."""
     entities = {entity for group in groups for unit in group for entity in unit}
     single = {entity for action in weights.actions for entity in mentioned_entities(action, entities)}
     found: list[tuple[Unit, ...]] = []

@@ -21,7 +21,7 @@ REPORTED = 1000
 
 
 class SatEngine:
-    """Answers for one domain at one level by search; each length is kept until another is asked for.
+    """Answers for one domain at one level by search; the formula of the last length is kept.
 
     Raises:
         EngineError: by each question, where the program has no counterpart in clauses.
@@ -112,7 +112,7 @@ class SatEngine:
 
 
 class _WordSearch:
-    """A solver of the words of one level and length; it is freed with the last question that uses it."""
+    """A solver of the words of one level and length."""
 
     def __init__(self, formula: WordFormula) -> None:
         self.formula = formula

@@ -1,4 +1,4 @@
-"""What an engine explored, kept for the next run of the same program."""
+"""Explored automata in the cache, for the next run of the same program."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from prag_asp.space.engines.cache import CacheEntry, read_entry, write_entry
 from prag_asp.space.engines.reachability import Reach
 
 ROOMS = ("program", "domain", "logic", "space")
-"""Whose code has a say in what is explored."""
+"""The rooms whose code affects what is explored."""
 
 RENAMINGS = {"multiplicities": ("i", 1), "order_of": ("i", 1), "orders": ("i", 2), "twins": ("b", 2)}
 ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accepting": ("b", 1), **RENAMINGS}
@@ -32,13 +32,13 @@ ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accept
 
 @dataclass(frozen=True)
 class AutomatonSlot:
-    """The place in the cache for one level of a domain, in a folder."""
+    """The cached automaton of one level of a domain."""
 
     folder: Path
     key: str
 
     def read(self) -> Reach | None:
-        """Return what was kept, where it can be believed."""
+        """Return the cached automaton if it is valid, otherwise None."""
         entry = read_entry(self.folder, self.key, ARRAYS)
         try:
             return _restored(entry) if entry and entry.texts["code"] == code_digest() else None
@@ -46,7 +46,7 @@ class AutomatonSlot:
             return None
 
     def write(self, reach: Reach) -> bool:
-        """Keep what was explored, and return whether that was possible."""
+        """Write an automaton, and return whether that was possible."""
         base = reach.merged.base if reach.merged else reach.completions.automaton
         arrays: dict[str, NDArray[Any]] = {
             name: getattr(base, name) for name in ("offsets", "letters", "targets", "accepting")
@@ -66,11 +66,11 @@ class AutomatonSlot:
 
 
 OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
-"""The rules by which tasks are told from plans."""
+"""The rules that select tasks among plans."""
 
 
 def automaton_slot(folder: Path, model: Model, level: str, merge: bool | None) -> AutomatonSlot | None:
-    """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
+    """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
 
     The key covers all that the arrays depend on but the code: the program, what of it is never reached, the same
     without conditions and of that of which it is a part, and the rules of tasks. An entry has the digest of the code,
@@ -79,14 +79,14 @@ def automaton_slot(folder: Path, model: Model, level: str, merge: bool | None) -
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []
     try:
-        told = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules)]
+        values = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules)]
     except OSError:
         return None
-    told += map(str, domain.facts.unreached)
+    values += map(str, domain.facts.unreached)
     for other in (model.bare, *_wholes(model)):
-        told += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
-    told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
-    return AutomatonSlot(folder, digest(told))
+        values += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
+    values += [level, str(merge), clingo.__version__, np.__version__, sys.version]
+    return AutomatonSlot(folder, digest(values))
 
 
 def _wholes(model: Model) -> Iterator[Model]:
@@ -97,7 +97,7 @@ def _wholes(model: Model) -> Iterator[Model]:
 
 @cache
 def code_digest() -> str:
-    """Return a digest of the code that has a say in what is explored."""
+    """Return a digest of the code that affects what is explored."""
     paths = [*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))]
     return files_digest(paths, PACKAGE)
 

@@ -1,4 +1,4 @@
-"""The symbolic engine: diagrams over the states instead of a list of them, for more states than memory holds."""
+"""The symbolic engine: decision diagrams over the states, for more states than memory holds."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class SymbolicEngine:
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, and keep the last ones made.
 
-        With `goals` or `plain`, paths are asked for: then states are listed after all, within the same limits.
+        With `goals` or `plain`, each path is one word: then states are listed after all, within the same limits.
         """
         return self._answers.weighed(length, weights, goals=goals, plain=plain)
 
@@ -140,12 +140,12 @@ class _PathEngine:
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, and keep the last ones made.
 
-        With `goals` or `plain`, paths are asked for: then states are listed after all, within the same limits.
+        With `goals` or `plain`, each path is one word: then states are listed after all, within the same limits.
         """
         refuse_weights(self._level, weights, self._model, length)
         if goals or plain:
             if self._listed is None:
-                self._tell("listing states, for paths are asked for")
+                self._tell("listing states, because each path is one word")
                 self._listed = AutomatonEngine(self._model, self._level, self._tell, self._limits)
             return self._listed.weighed(length, weights, goals=goals, plain=plain)
         key = (length, weights)
