@@ -21,7 +21,8 @@ class ModelFormula:
     """A formula, and how its models are printed.
 
     `cnf.shown` are the projection variables: they distinguish answer sets, or their projections. `printed`
-    are the symbols of which those with a true literal are printed, sorted. With `whole`, all other variables are functions of those.
+    are the symbols of which those with a true literal are printed, sorted. With `whole`, all other variables are
+    functions of those.
     """
 
     completion: Completion

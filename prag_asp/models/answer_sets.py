@@ -117,15 +117,15 @@ class AnswerSets:
         if how == "diagram":
             return self._count_by_diagram()
         stage("counting models with ganak")
-        return count_models(self._counted.cnf, asked="engine ganak")
+        return count_models(self._counting_formula.cnf, asked="engine ganak")
 
     def _count_by_diagram(self) -> int:
         """Return their number by a diagram or, where nobody has chosen it, by a counter beside that is done before.
 
         A program that is not tight may suit either, by orders of magnitude.
         """
-        if self.engine != "auto" or not has_ganak() or "_weighed" in self.__dict__:
-            return WeightedDiagram(self._weighed.diagram, {}).total
+        if self.engine != "auto" or not has_ganak() or "_diagram" in self.__dict__:
+            return WeightedDiagram(self._diagram.diagram, {}).total
 
         def begins() -> None:
             self.note(f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers")
@@ -135,12 +135,12 @@ class AnswerSets:
             if found is not None:
                 raise _Counted(found)
 
-        with CountBeside(lambda: (self._counted.cnf, ()), PATIENCE, begins) as beside:
+        with CountBeside(lambda: (self._counting_formula.cnf, ()), PATIENCE, begins) as beside:
             try:
-                self.__dict__["_weighed"] = self._compiled(look)  # as cached_property keeps it
+                self.__dict__["_diagram"] = self._compile(look)  # as cached_property keeps it
             except _Counted as counted:
                 return counted.number
-        return WeightedDiagram(self._weighed.diagram, {}).total
+        return WeightedDiagram(self._diagram.diagram, {}).total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
         """Return about how many there are, whatever they weigh: an estimate, which is never called their number.
@@ -155,7 +155,7 @@ class AnswerSets:
         if self._no_clauses:
             raise QueryError(f"--approximate: {self._no_clauses}; leave it out, and clingo enumerates")
         stage("estimating the number of models")
-        return estimate_models(self._counted.cnf, tolerance, seed)
+        return estimate_models(self._counting_formula.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
         """Return the exact sum of their weights: without weights, their number."""
@@ -163,7 +163,7 @@ class AnswerSets:
             return Fraction(self.count())
         if self._way() == "clingo":
             return self._enumeration.total()
-        return self._weighed.total * self._weights.scale
+        return self._diagram.total * self._weights.scale
 
     def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
         """Yield so many, each drawn with a probability exactly proportional to its weight; the same for a seed.
@@ -176,8 +176,8 @@ class AnswerSets:
             self._require(total)
             yield from self._enumeration.draws(seed, count, total)
             return
-        self._require(self._weighed.total)
-        yield from map(self._printed, islice(self._weighed.draws(seed), count))
+        self._require(self._diagram.total)
+        yield from map(self._print, islice(self._diagram.draws(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return for each symbol that may be shown the exact share of the answer sets, by weight, that have it.
@@ -190,9 +190,9 @@ class AnswerSets:
             self._require(total)
             sums = self._enumeration.marginals()
             return {symbol: sums.get(symbol, Fraction(0)) / total for symbol in self._symbols}
-        whole = self._weighed.total
+        whole = self._diagram.total
         self._require(whole)
-        weights = self._weighed.marginals() | {TRUE: whole}
+        weights = self._diagram.marginals() | {TRUE: whole}
         return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._formula.printed}
 
     def __iter__(self) -> Iterator[AnswerSet]:
@@ -205,9 +205,9 @@ class AnswerSets:
         if formula.whole:
             order += [formula.completion.value(atom) for _, atom in self.ground.names]
             order += map(formula.completion.value, formula.completion.values)
-        yield from map(self._printed, list_models(formula, order))
+        yield from map(self._print, list_models(formula, order))
 
-    def _printed(self, literals: Sequence[Literal]) -> AnswerSet:
+    def _print(self, literals: Sequence[Literal]) -> AnswerSet:
         """Return what is shown where some literals are true."""
         places, always = self._places
         found = [*always]
@@ -258,7 +258,7 @@ class AnswerSets:
         return self._formula_of(copied=True)
 
     @property
-    def _counted(self) -> ModelFormula:
+    def _counting_formula(self) -> ModelFormula:
         """The formula for a counter, which has nothing of copies."""
         return self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
 
@@ -272,10 +272,10 @@ class AnswerSets:
         return literal_weights(self._formula, self.stated, self.ground, self.given.program)
 
     @cached_property
-    def _weighed(self) -> WeightedDiagram:
-        return self._compiled()
+    def _diagram(self) -> WeightedDiagram:
+        return self._compile()
 
-    def _compiled(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
+    def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
         weights = self._weights.weights
         kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
         stage("ordering variables")

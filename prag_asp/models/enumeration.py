@@ -36,7 +36,7 @@ class Enumeration:
     progress: Callable[[str], None] | None = None
 
     def __iter__(self) -> Iterator[Printed]:
-        return (printed for printed, _ in self._found())
+        return (printed for printed, _ in self._enumerate())
 
     def count(self) -> int:
         """Return the number of answer sets."""
@@ -80,7 +80,7 @@ class Enumeration:
         points.sort(reverse=True)
         drawn: list[Printed] = [()] * number
         passed = 0
-        for printed, weight in self._found() if points else ():
+        for printed, weight in self._enumerate() if points else ():
             passed += int(weight * scale)
             while points and points[-1][0] < passed:
                 drawn[points.pop()[1]] = printed
@@ -111,7 +111,7 @@ class Enumeration:
     def _telling(self) -> Iterator[tuple[Printed, Fraction]]:
         """Yield what is found, and tell now and then how many there are at least."""
         latest = monotonic()
-        for number, each in enumerate(self._found(), 1):
+        for number, each in enumerate(self._enumerate(), 1):
             if monotonic() > latest + POLL:
                 latest = monotonic()
                 self._tell(number)
@@ -121,7 +121,7 @@ class Enumeration:
         if self.progress is not None and found:
             self.progress(f"at least {found:,} answer set{'s' if found > 1 else ''}")
 
-    def _found(self) -> Iterator[tuple[Printed, Fraction]]:
+    def _enumerate(self) -> Iterator[tuple[Printed, Fraction]]:
         grounder = self._grounder()
         by_statement = self.project and self.ground.projected is not None
         projected = {symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ())}

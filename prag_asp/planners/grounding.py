@@ -45,7 +45,7 @@ def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes |
     Raises:
         DomainError: an effect is unknown, and there are no `outcomes`.
     """
-    found = [each for action in facts.actions if (each := _stated(action, facts, outcomes)) is not None]
+    found = [each for action in facts.actions if (each := _strips_action(action, facts, outcomes)) is not None]
     pairs = None
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
@@ -108,7 +108,7 @@ def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
     return found
 
 
-def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
+def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
     """Return an action as the domain states it, None where it contradicts itself.
 
     Raises:

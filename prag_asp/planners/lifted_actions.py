@@ -36,7 +36,7 @@ class PddlCase(NamedTuple):
         for clause in (*self.clauses, *(where for where, _ in self.effects)):
             yield from clause
 
-    def renamed(self, names: Mapping[str, str]) -> PddlCase:
+    def rename(self, names: Mapping[str, str]) -> PddlCase:
         """Return a case with other terms."""
 
         def literal(given: Literal) -> Literal:
@@ -80,7 +80,7 @@ def group_alike(instances: Sequence[Instance]) -> list[list[Instance]]:
 
 def _with_variables(instance: Instance) -> tuple[PddlCase, ...]:
     names = {argument: variable(number) for number, argument in enumerate(instance.arguments)}
-    return tuple(case.renamed(names) for case in instance.cases)
+    return tuple(case.rename(names) for case in instance.cases)
 
 
 def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
@@ -91,7 +91,7 @@ def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
         return None
     found, names = _with_variables(model), [*map(variable, range(arity))]
     for each in instances:
-        made = [case.renamed(dict(zip(names, each.arguments, strict=True))) for case in found]
+        made = [case.rename(dict(zip(names, each.arguments, strict=True))) for case in found]
         if {case.key for case in made} != {case.key for case in each.cases} or any(map(_collapsed, made)):
             return None
     return found

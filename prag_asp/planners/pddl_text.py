@@ -44,7 +44,7 @@ def positive(literal: Literal, opposites: Mapping[str, str]) -> Literal:
     return literal if value or name not in opposites else (opposites[name], terms, True)
 
 
-def mirrored(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Literal]:
+def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Literal]:
     """Return what literals say of the predicates of their negations, where there are some."""
     return [(opposites[name], terms, not value) for name, terms, value in literals if name in opposites]
 
@@ -62,7 +62,7 @@ def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:
         made.setdefault(where, []).append(each)
     found = ""
     for where, after in made.items():
-        text = as_text([*after, *mirrored(after, opposites)])
+        text = as_text([*after, *mirror(after, opposites)])
         found += f" (when (and{all_of(where, (), opposites)}) (and{text}))" if where else text
     return found
 

@@ -24,14 +24,14 @@ from prag_asp.planners.grounding import (
     values_of,
 )
 from prag_asp.planners.lifted_actions import Clause, Instance, Literal, PddlCase, group_alike, lift, variable
-from prag_asp.planners.pddl_text import Spelling, all_of, as_text, effects, mirrored
+from prag_asp.planners.pddl_text import Spelling, all_of, as_text, effects, mirror
 from prag_asp.program.facts import Facts
 from prag_asp.task import Task
 from prag_asp.wording import plural
 
 
 @dataclass(frozen=True)
-class Exported:
+class PddlExport:
     """The texts of a domain and of a problem, and the steps of the task's plan, if there is one."""
 
     domain: str
@@ -49,7 +49,7 @@ class _Schema:
     allowed: str = ""
 
 
-def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> Exported:
+def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> PddlExport:
     """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its last state.
 
     What a task leaves open of its initial state is false in PDDL. Without rules over time, an effect that is unknown is
@@ -81,7 +81,7 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
     else:
         ground, open_effects = _over_time(domain, stated, last, conditional=conditional), False
     comment = _comment(len(facts.fluents) - len(stated), open_effects)
-    return _PddlWriter(name, facts, ground, negative).written(task, comment)
+    return _PddlWriter(name, facts, ground, negative).write(task, comment)
 
 
 def _over_time(
@@ -139,16 +139,16 @@ class _PddlWriter:
             by_name.setdefault((action.term.name, len(action.term.arguments)), []).append(action)
         self._schemas = [schema for key, found in by_name.items() for schema in self._schemas_of(key, found)]
 
-    def written(self, task: Task | None, comment: str) -> Exported:
+    def write(self, task: Task | None, comment: str) -> PddlExport:
         """Return the texts for the whole domain, or for a task."""
         goal, clauses = self._literals(self._ground.goal.items()), self._clauses(self._ground.clauses)
         asked = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
         opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in asked}
         first = [(*each[:2], proposition in self._ground.initial) for proposition, each in self._told.items()]
-        initial = [each for each in (*first, *mirrored(first, opposites)) if each[2]]
+        initial = [each for each in (*first, *mirror(first, opposites)) if each[2]]
         steps = tuple(self._plan(map(symbol_of, task.actions))) if task is not None else ()
         wanted = all_of(goal, clauses, opposites)
-        return Exported(self._domain(opposites), self._problem([*initial, *self._allowed], wanted, comment), steps)
+        return PddlExport(self._domain(opposites), self._problem([*initial, *self._allowed], wanted, comment), steps)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
         """Yield the steps of a plan: of an action with several cases, the one that is possible then."""
@@ -216,7 +216,7 @@ class _PddlWriter:
             for term, arguments, own in group:
                 self._allowed.append((allowed, arguments, True))
                 values = dict(zip(variables, arguments, strict=True))
-                which_of = {case.renamed(values).key: name for case, name in zip(cases, names, strict=True)}
+                which_of = {case.rename(values).key: name for case, name in zip(cases, names, strict=True)}
                 self._steps[term] = tuple(f"({' '.join([which_of[c.key], *arguments])})" for c in own)
             for name, case in zip(names, cases, strict=True):
                 yield _Schema(name, variables, case, allowed)

@@ -52,7 +52,7 @@ class Budget:
     begun: float
     closing: float = 0.0
 
-    def reached(self, more_bytes: int = 0) -> StopReason | None:
+    def reached_limit(self, more_bytes: int = 0) -> StopReason | None:
         """Return which limit is reached, or None; `more_bytes` are about to be allocated."""
         seconds, memory = self.limits.seconds, self.limits.memory_bytes
         if seconds is not None and monotonic() - self.begun > seconds + self.closing:
@@ -91,7 +91,7 @@ def within(limits: Limits, words: Iterator[Found], level: str, length: int) -> I
     """
     budget = limits.begin()
     for found, word in enumerate(words):
-        reason = budget.reached()
+        reason = budget.reached_limit()
         if reason:
             raise limit_error(reason, found, level, length)
         yield word

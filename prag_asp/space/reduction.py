@@ -163,7 +163,7 @@ class Fewer:
     def _weight(self, reach: Reach, length: int, prefix: Letters) -> tuple[int, StopReason | None]:
         """Return the weight of all words, and which limit ended the sum, if any."""
         if not prefix:
-            return count_within(reach.completions, length, self.limits.begin().reached)
+            return count_within(reach.completions, length, self.limits.begin().reached_limit)
         names = [name_in_prefix(item, ()) for item in prefix]
         sets = [frozenset(letter for letter, own in enumerate(reach.names) if own == name) for name in names]
         if reach.merged:

@@ -114,6 +114,6 @@ def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeyp
     monkeypatch.setattr(counter.CountBeside, "__call__", slow)
     found = answer_sets(text=text, tell=notes.append)
     assert found.count() == expected
-    assert waited == [True] and "_weighed" not in found.__dict__
+    assert waited == [True] and "_diagram" not in found.__dict__
     assert any("ganak counts as well" in note for note in notes)
     assert sum(found.marginals().values()) > 0

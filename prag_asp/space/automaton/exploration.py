@@ -68,7 +68,7 @@ class Renamings:
 
 
 @dataclass(frozen=True)
-class Explored:
+class Exploration:
     """The automaton of the plans of a step function.
 
     `labels` has shape (edges, number of labels). `stop` is why exploration ended early, if it did: some states
@@ -88,7 +88,7 @@ def explore(
     *,
     merging: Merging | None = None,
     object_to: Callable[[Rows], StopReason | None] | None = None,
-) -> Explored:
+) -> Exploration:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
     Letters are numbers of `transition.actions`. Where plans end in some states alone, and there are `MANY` states, a
@@ -96,7 +96,7 @@ def explore(
     left, so words of more than `length` actions alone may be missing. `object_to` sees all states, and
     returns why exploration has to stop, if it has to.
     """
-    search = _Exploration(transition, merging)
+    search = _BreadthFirst(transition, merging)
     first, depth = 0, 0
     stop: StopReason | None = None
     while first < len(search.states):
@@ -110,12 +110,12 @@ def explore(
             if watch and not stop:
                 stop = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes))
         if depth == length:
-            return search.explored(length, stop)
+            return search.result(length, stop)
         depth += 1
-    return search.explored(length if search.cut else None, stop)
+    return search.result(length if search.cut else None, stop)
 
 
-class _Exploration:
+class _BreadthFirst:
     """The states and edges found so far."""
 
     def __init__(self, transition: Transition, merging: Merging | None) -> None:
@@ -124,7 +124,7 @@ class _Exploration:
         self.states = Numbering(transition.initial.shape[1])
         self.states.add(transition.initial)
         self.together = FEWEST
-        self._orders = Numbering(_packed(np.zeros((0, merging.size), dtype=np.int64)).shape[1]) if merging else None
+        self._orders = Numbering(_pack(np.zeros((0, merging.size), dtype=np.int64)).shape[1]) if merging else None
         self._accepting: list[NDArray[np.bool_]] = []
         self._degrees: list[NDArray[np.int64]] = []
         self._edges: list[_Edges] = []
@@ -165,7 +165,7 @@ class _Exploration:
         order = np.argsort(sources, kind="stable")
         self._degrees[-1][places] = np.bincount(sources, minlength=len(rows))
         if len(order):
-            edges = self._numbered(found, order, twins)
+            edges = self._number_edges(found, order, twins)
             self._edges.append(edges)
             self._bytes += edges.nbytes
             self.edges += len(edges.letters)
@@ -186,7 +186,7 @@ class _Exploration:
         self._worth_a_look = (left, len(rows) - len(places) > len(rows) * FEW)
         return places
 
-    def _numbered(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
+    def _number_edges(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
         """Return the edges of some successors in order of source and letter, and number the states that they reach."""
         letters = np.concatenate([np.full(len(each.sources), each.letter, dtype=np.int32) for each in found])[order]
         states = np.concatenate([each.states for each in found])[order]
@@ -198,9 +198,9 @@ class _Exploration:
         states, orders = self._merging.canonical(states)
         targets = self.states.add(states).astype(np.int32)
         multiplicities = np.concatenate([twins.multiplicity(each.letter, each.sources) for each in found])[order]
-        return _Edges(letters, targets, labels, multiplicities, self._orders.add(_packed(orders)).astype(np.int32))
+        return _Edges(letters, targets, labels, multiplicities, self._orders.add(_pack(orders)).astype(np.int32))
 
-    def explored(self, horizon: int | None, stop: StopReason | None) -> Explored:
+    def result(self, horizon: int | None, stop: StopReason | None) -> Exploration:
         """Return all that was found; without a horizon, every word is."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:
@@ -212,30 +212,30 @@ class _Exploration:
         automaton = Automaton(offsets, letters, targets, ends, horizon=horizon)
         labels = np.concatenate([each.labels for each in edges])
         if self._merging is None or self._orders is None:
-            return Explored(automaton, labels, stop)
+            return Exploration(automaton, labels, stop)
         renamings = Renamings(
             np.concatenate([each.multiplicities for each in edges]),
             np.concatenate([each.order_of for each in edges]),
-            _unpacked(self._orders.rows, self._merging.size),
+            _unpack(self._orders.rows, self._merging.size),
             np.concatenate([np.zeros((0, self._merging.size), dtype=np.bool_), *self._twins]),
         )
-        return Explored(automaton, labels, stop, renamings)
+        return Exploration(automaton, labels, stop, renamings)
 
 
-def _packed(orders: Orders) -> Rows:
+def _pack(orders: Orders) -> Rows:
     """Return orders of entities as rows of words."""
     short = np.zeros((len(orders), -(-orders.shape[1] // 4) * 4), dtype=np.uint16)
     short[:, : orders.shape[1]] = orders
     return short.view(np.uint64)
 
 
-def _unpacked(rows: Rows, entities: int) -> Orders:
+def _unpack(rows: Rows, entities: int) -> Orders:
     return np.ascontiguousarray(rows).view(np.uint16)[:, :entities].astype(np.int64)
 
 
 @dataclass(frozen=True)
 class _Edges:
-    """Some edges, in order; see `Explored`."""
+    """Some edges, in order; see `Exploration`."""
 
     letters: NDArray[np.int32]
     targets: NDArray[np.int32]

@@ -44,7 +44,7 @@ class _Branches:
 
 
 @dataclass(frozen=True)
-class Merged:
+class MergedAutomaton:
     """An automaton whose states were merged.
 
     `base` has no weights; `own` has the weight of each edge, which each of the actions that it stands for has, or is
@@ -111,7 +111,7 @@ class Merged:
         return self._orbits[state]
 
 
-def accepts_merged(merged: Merged, word: Sequence[int]) -> bool:
+def accepts_merged(merged: MergedAutomaton, word: Sequence[int]) -> bool:
     """Return whether a word belongs to the automaton before merging."""
     automaton = merged.base
     if not automaton.states:
@@ -126,7 +126,9 @@ def accepts_merged(merged: Merged, word: Sequence[int]) -> bool:
     return bool(automaton.accepting[place.state])
 
 
-def count_merged(merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()) -> int:
+def count_merged(
+    merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
+) -> int:
     """Return the weight of all words of a length whose first letters are among those of `prefix`.
 
     Places that differ only in who stands for entities that no later letter of the prefix names count as one.
@@ -167,7 +169,7 @@ def _told_apart(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int
 
 
 def merged_words(
-    merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
+    merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> Iterator[Word]:
     """Yield the words of a length in order, lazily; `prefix` as in `count_merged`."""
     if not completions.automaton.states or len(prefix) > length:
@@ -188,7 +190,7 @@ def merged_words(
 class MergedRanking:
     """The words of one length in the order and with the ranks that they have before merging; see `Ranking`."""
 
-    def __init__(self, merged: Merged, completions: Completions, length: int) -> None:
+    def __init__(self, merged: MergedAutomaton, completions: Completions, length: int) -> None:
         self._merged = merged
         self._completions = completions
         self._length = length

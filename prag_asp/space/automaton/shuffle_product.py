@@ -78,7 +78,7 @@ class ShuffledWords:
         def onward(state: State, step: int) -> Iterator[tuple[int, State]]:
             for edge, behind in zip(self._onward(state), self._behind(state, self._length - step - 1), strict=True):
                 if behind and (step >= len(prefix) or edge.letter in prefix[step]):
-                    yield edge.letter, _moved(state, edge)
+                    yield edge.letter, _move(state, edge)
 
         yield from words_along(self._start, self._length, onward)
 
@@ -92,7 +92,7 @@ class ShuffledWords:
             for state, weight in reached.items():
                 for edge in self._onward(state):
                     if edge.letter in allowed:
-                        after = _moved(state, edge)
+                        after = _move(state, edge)
                         following[after] = following.get(after, 0) + weight * edge.weight
             reached = following
         left = self._length - len(prefix)
@@ -114,7 +114,7 @@ class ShuffledWords:
             if place is None or running[place] == before:
                 return None
             rank += before
-            state = _moved(state, edges[place])
+            state = _move(state, edges[place])
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
@@ -124,7 +124,7 @@ class ShuffledWords:
             edge = self._onward(state)[choose(step, self._running(state, step))]
             word.append(edge.letter)
             weight *= edge.weight
-            state = _moved(state, edge)
+            state = _move(state, edge)
         return tuple(word), weight
 
     def _running(self, state: State, step: int) -> list[int]:
@@ -153,7 +153,7 @@ class ShuffledWords:
         """Return the weight of all words of a length that complete a state."""
         found: Ways = NOTHING
         for part, own in enumerate(state):
-            found = _shuffled(found, self._ways(part, own), left)
+            found = _shuffle(found, self._ways(part, own), left)
         return found[left]
 
     def _found_behind(self, state: State, left: int) -> list[int]:
@@ -172,21 +172,21 @@ def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
     That is the weight of the shuffles of one word of each other part, times the ways to put them and the word together
     to `left` letters. Parts that have the same have the same beside them.
     """
-    before = list(accumulate(ways[:-1], partial(_shuffled, length=left), initial=NOTHING))
-    behind = list(accumulate(ways[:0:-1], partial(_shuffled, length=left), initial=NOTHING))
+    before = list(accumulate(ways[:-1], partial(_shuffle, length=left), initial=NOTHING))
+    behind = list(accumulate(ways[:0:-1], partial(_shuffle, length=left), initial=NOTHING))
     found = {}
     for own, sooner, later in zip(ways, before, reversed(behind), strict=True):
         if own not in found:
-            rest = _shuffled(sooner, later, left)
+            rest = _shuffle(sooner, later, left)
             found[own] = [number * each for number, each in zip(_binomials(left), reversed(rest), strict=True)]
     return found
 
 
-def _moved(state: State, edge: PartEdge) -> State:
+def _move(state: State, edge: PartEdge) -> State:
     return (*state[: edge.part], edge.target, *state[edge.part + 1 :])
 
 
-def _shuffled(first: Ways, second: Ways, length: int) -> Ways:
+def _shuffle(first: Ways, second: Ways, length: int) -> Ways:
     """Return the weight of the shuffles of two words by their length, up to one (binomial convolution)."""
     second = second + (0,) * (length + 1 - len(second))
     return tuple([sum(map(mul, map(mul, _binomials(n), first), reversed(second[: n + 1]))) for n in range(length + 1)])

@@ -35,7 +35,7 @@ def skeleton_automaton(
     moves: dict[int, dict[int, list[int]]] = {}
     for source, letter, target in zip(sources.tolist(), letters.tolist(), targets.tolist(), strict=True):
         moves.setdefault(source, {}).setdefault(letter, []).append(target)
-    return _determinised(int(blocks[0]), moves, accepting, automaton.horizon, check)
+    return _determinise(int(blocks[0]), moves, accepting, automaton.horizon, check)
 
 
 def _quotient(
@@ -47,7 +47,7 @@ def _quotient(
     number = int(blocks.max()) - int(blocks.min()) + 1
     while True:
         edges = _distinct(sources, letters, blocks[automaton.targets])
-        refined = _refined(blocks, *edges)
+        refined = _refine(blocks, *edges)
         found = int(refined.max()) + 1
         if found == number:
             first, letter, target = _distinct(blocks[edges[0]], edges[1], edges[2])
@@ -66,7 +66,7 @@ def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
     return tuple(np.unique(np.stack(columns, axis=1), axis=0).T)
 
 
-def _refined(
+def _refine(
     blocks: NDArray[np.int64], sources: NDArray[np.int64], letters: NDArray[np.int64], targets: NDArray[np.int64]
 ) -> NDArray[np.int64]:
     """Return the blocks refined by their edges, which are sorted: edge by edge, all states at once."""
@@ -85,7 +85,7 @@ def _numbers(*columns: NDArray[np.int64]) -> NDArray[np.int64]:
     return Numbering(len(columns)).add(rows)
 
 
-def _determinised(
+def _determinise(
     start: int,
     moves: dict[int, dict[int, list[int]]],
     accepting: NDArray[np.bool_],

@@ -33,11 +33,11 @@ def select(
     """
     if name == AUTO:
         try:
-            return _loaded(CHOICE)(model, level, progress, limits)
+            return _load(CHOICE)(model, level, progress, limits)
         except EngineError as error:
             if progress:
                 progress(Note(f"note: engine clingo, because {error}"))
-            return _loaded(OTHERWISE)(model, level, progress, limits)
+            return _load(OTHERWISE)(model, level, progress, limits)
     if name not in ENGINES:
         raise QueryError(f"no engine {name!r}; there are {', '.join((AUTO, *ENGINES))}")
     return engine_class(name)(model, level, progress, limits)
@@ -45,10 +45,10 @@ def select(
 
 def engine_class(name: str) -> MakeEngine:
     """Return the class of an engine that `ENGINES` names."""
-    return _loaded(ENGINES[name])
+    return _load(ENGINES[name])
 
 
-def _loaded(path: str) -> MakeEngine:
+def _load(path: str) -> MakeEngine:
     module, _, own = path.rpartition(".")
     made: MakeEngine = getattr(import_module(module), own)
     return made

@@ -112,12 +112,12 @@ class AutoEngine:
         except LimitReached as reached:
             if not self._too_long(length):
                 raise
-            found = max(reached.at_least, 0 if prefix else self._found(length))
+            found = max(reached.at_least, 0 if prefix else self._count_listed(length))
             raise limit_error(reached.reason, found, self._request[1], length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        engine = self._answer(length, lambda engine: self._explored(engine, length))
+        engine = self._answer(length, lambda engine: self._explore(engine, length))
         yield from engine.words(length, prefix)
 
     def contains(self, word: Letters) -> bool:
@@ -145,7 +145,7 @@ class AutoEngine:
                 self._switch(length, error)
         return ask(self._by_diagrams())
 
-    def _explored(self, engine: Engine, length: int) -> Engine:
+    def _explore(self, engine: Engine, length: int) -> Engine:
         if engine is self._listing:
             self._listing.known(length)
         return engine
@@ -167,12 +167,12 @@ class AutoEngine:
             self._diagrams = SymbolicEngine(*self._request)
         return self._diagrams
 
-    def _found(self, length: int) -> int:
+    def _count_listed(self, length: int) -> int:
         """Return the number of words of a length among the listed states."""
         _, level, _, limits = self._request
         if level == "skeleton" or self._exceeded is None:  # what was listed has no names yet
             return 0
-        return count_within(self._exceeded[1].completions, length, limits.begin().to_close().reached)[0]
+        return count_within(self._exceeded[1].completions, length, limits.begin().to_close().reached_limit)[0]
 
 
 def searching_engine(

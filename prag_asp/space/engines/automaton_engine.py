@@ -116,13 +116,13 @@ class AutomatonEngine:
             reach = self._reach(length, budget)
         stage("counting")
         if not prefix and not reach.stop and reach.completions.automaton.horizon is None:
-            known = count_by_recurrence(reach.completions, length, budget.reached)
+            known = count_by_recurrence(reach.completions, length, budget.reached_limit)
             if known is not None:
                 return known
         if prefix or (self._limits.seconds is None and length < LONG):
             found, stop = self._count(reach, length, prefix), reach.stop
         else:
-            found, stop = count_within(reach.completions, length, budget.to_close().reached, self._tell)
+            found, stop = count_within(reach.completions, length, budget.to_close().reached_limit, self._tell)
         reason = reach.stop or stop
         if reason:
             raise limit_error(reason, found, self._level, length, reach.states)
@@ -145,7 +145,7 @@ class AutomatonEngine:
         if counted.stop:
             least = counted.found
             if self._level != "skeleton":  # what was explored of the whole has no names yet
-                least = max(least, count_within(whole.completions, length, budget.to_close().reached)[0])
+                least = max(least, count_within(whole.completions, length, budget.to_close().reached_limit)[0])
             raise limit_error(counted.stop, least, self._level, length, counted.states)
         return counted.found
 
@@ -162,7 +162,7 @@ class AutomatonEngine:
         else:
             found = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
         for word in found:
-            yield self._spelled(word)
+            yield self._spell(word)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
@@ -180,7 +180,7 @@ class AutomatonEngine:
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
-        return self._spelled(self._ranking(length).unrank(rank))
+        return self._spell(self._ranking(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
         """Return the rank of a word among those of its length, or None where it is no word."""
@@ -197,7 +197,7 @@ class AutomatonEngine:
             self._weighed = (key, self._weigh(length, weights, goals, plain))
         return self._weighed[1]
 
-    def _spelled(self, word: Sequence[int]) -> Letters:
+    def _spell(self, word: Sequence[int]) -> Letters:
         return tuple(self.letters[letter] for letter in word)
 
     def _sets(self, prefix: Letters) -> list[frozenset[int]]:
@@ -255,7 +255,7 @@ class AutomatonEngine:
         budget = budget or self._limits.begin()
         reach = self._reach(length, budget)
         if reach.stop:
-            found, _ = count_within(reach.completions, length, budget.to_close().reached)
+            found, _ = count_within(reach.completions, length, budget.to_close().reached_limit)
             raise limit_error(reach.stop, found, self._level, length, reach.states)
         return reach
 

@@ -48,7 +48,7 @@ class ClingoEngine:
         self._limits = limits
         self._level = level
         self._progress = progress
-        self._unrolled: tuple[int, _Unrolled] | None = None
+        self._unrolled: tuple[int, _UnrolledPlans] | None = None
         self._symbols = all_letters(model, level)
         self.letters = tuple(self._symbols)
 
@@ -118,18 +118,18 @@ class ClingoEngine:
         """Return the words of a length with their weights, by enumerating them all."""
         return weigh_words(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
-    def _plans(self, length: int) -> _Unrolled:
+    def _plans(self, length: int) -> _UnrolledPlans:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
             shown = "named" if self._level == "skeleton" else "occurs"
             found = _in_use.get((id(program), length, shown))
             if found is None:
-                found = _in_use[id(program), length, shown] = _Unrolled(program, length, shown, self._symbols)
+                found = _in_use[id(program), length, shown] = _UnrolledPlans(program, length, shown, self._symbols)
             self._unrolled = (length, found)
         return self._unrolled[1]
 
 
-class _Unrolled:
+class _UnrolledPlans:
     """The ground program of all plans of one length; between two questions it is as it was before."""
 
     def __init__(self, program: Program, length: int, shown: str, letters: Mapping[str, clingo.Symbol]) -> None:
@@ -166,7 +166,7 @@ class _Unrolled:
 
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
-        return self._found(assumptions, ()) is not None
+        return self._true_literals(assumptions, ()) is not None
 
     def following(self, word: Letters, wanted: Letters) -> Iterator[str]:
         """Yield the letters, in order, that follow `word` in words that go on as `wanted`, each as soon as it is known.
@@ -186,7 +186,7 @@ class _Unrolled:
         searches, complete = 1, False
         for letter, literal in literals.items():
             if not complete and literal not in found:
-                new = self._found([*assumptions, literal], literals.values())
+                new = self._true_literals([*assumptions, literal], literals.values())
                 if new is not None:
                     found |= new
                 elif searches:
@@ -202,7 +202,7 @@ class _Unrolled:
         Encodings that are no copies of ours may let a step have no action, or several: then none is of use.
         """
         for _ in range(searches):
-            new = self._found([*assumptions, *(-each for each in found)], literals)
+            new = self._true_literals([*assumptions, *(-each for each in found)], literals)
             if new is None:
                 return True, 0
             found |= new
@@ -210,7 +210,7 @@ class _Unrolled:
                 return False, 0
         return False, 2 * searches
 
-    def _found(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
+    def _true_literals(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
         """Return which literals hold in an answer set that satisfies what is assumed, or None where there is none.
 
         For an error in what it calls at the end, clingo ends the process: so nothing interrupts it.
@@ -231,7 +231,7 @@ class _Unrolled:
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    stop, known = budget.reached(), ask()
+                    stop, known = budget.reached_limit(), ask()
                     if stop or known is not None:
                         handle.cancel()
                         break
@@ -251,6 +251,6 @@ class _Unrolled:
         solving.models = str(models)
 
 
-_in_use: WeakValueDictionary[tuple[int, int, str], _Unrolled] = WeakValueDictionary()
+_in_use: WeakValueDictionary[tuple[int, int, str], _UnrolledPlans] = WeakValueDictionary()
 """What engines of one domain have ground, by the program, the length and what is shown: without interchangeable
 entities, tasks are plans."""

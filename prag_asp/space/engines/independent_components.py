@@ -35,7 +35,7 @@ LARGE_PART = 5_000_000
 
 
 @dataclass(frozen=True)
-class Counted:
+class PartCount:
     """The number of words, the number of states explored for it, and which limit ended the count, if any."""
 
     found: int
@@ -81,13 +81,13 @@ class IndependentParts:
         """Return whether the whole has enough edges for finding words by parts, and has parts."""
         return extent.edges > MANY_EDGES and self.finds
 
-    def count(self, length: int, budget: Budget) -> Counted | None:
+    def count(self, length: int, budget: Budget) -> PartCount | None:
         """Return the number of words of a length; None where some part does not rest while another one acts.
 
         A limit leaves words out; none is wrong. Of skeletons, no two parts have a name of actions in common, or two of
         theirs could be shuffled to the same one.
         """
-        reaches = self._explored(replace(self._explorer, hopeless=None), length, budget)
+        reaches = self._explore_parts(replace(self._explorer, hopeless=None), length, budget)
         if reaches is None:
             self._parts = ()
             return None
@@ -95,8 +95,8 @@ class IndependentParts:
         self._tell(f"counted in {len(reaches)} independent parts with {states:,} states")
         counts = [_terms(reach.completions, length) for reach in reaches]
         stage("counting shuffles")
-        number, late = count_shuffles(counts, budget.to_close().reached)
-        return Counted(number, states, _first_stop(reaches) or late)
+        number, late = count_shuffles(counts, budget.to_close().reached_limit)
+        return PartCount(number, states, _first_stop(reaches) or late)
 
     def has_words(self, length: int) -> bool:
         """Return whether the words of a length are found already, those of each part."""
@@ -114,7 +114,7 @@ class IndependentParts:
 
         if self._reached is None or not self.has_words(length):
             plain = Explorer(self._explorer.model, self._explorer.level, self._explorer.tell, merge=False)
-            reaches = self._explored(plain, length, budget, _is_large)
+            reaches = self._explore_parts(plain, length, budget, _is_large)
             if reaches is None:
                 self._large = True
                 return None
@@ -127,7 +127,7 @@ class IndependentParts:
         letters = [[numbers[letter] for letter in reach.letters] for reach in reaches]
         return ShuffledWords([reach.completions for reach in reaches], letters, length)
 
-    def _explored(
+    def _explore_parts(
         self, explorer: Explorer, length: int, budget: Budget, halt: Halt | None = None
     ) -> list[Reach] | None:
         """Return what each part reaches; None where `halt` says so, or one does not rest while another one acts.

@@ -21,7 +21,7 @@ from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.space.automaton.automaton import Automaton, Completions
-from prag_asp.space.automaton.exploration import Explored, Extent, Watch, explore
+from prag_asp.space.automaton.exploration import Exploration, Extent, Watch, explore
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import Budget
 from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
@@ -29,7 +29,7 @@ from prag_asp.stop_reason import StopKind, StopReason
 
 if TYPE_CHECKING:
     from prag_asp.logic.symmetry.canonical_states import Merging
-    from prag_asp.space.automaton.merged_states import Merged
+    from prag_asp.space.automaton.merged_states import MergedAutomaton
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
@@ -69,13 +69,13 @@ class Reach:
     letters: tuple[str, ...]
     names: tuple[str, ...]
     completions: Completions
-    merged: Merged | None = None
+    merged: MergedAutomaton | None = None
     stop: StopReason | None = None
     sets: bool = False
 
     @classmethod
     def of_merged(
-        cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stop: StopReason | None = None
+        cls, letters: tuple[str, ...], names: tuple[str, ...], merged: MergedAutomaton, stop: StopReason | None = None
     ) -> Reach:
         """Return what is known where states were merged."""
         return cls(letters, names, Completions(merged.automaton), merged, stop)
@@ -132,13 +132,13 @@ class Explorer:
         allow: Allow | None = None,
     ) -> Reach:
         """Return what is reached within `length` steps, or until a limit is reached or `halt` or `allow` stops it."""
-        explored, merging = self._explored(transition, length, budget, Weights(), halt, allow)
+        explored, merging = self._explore(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
-            automaton, stop = skeleton_automaton(explored.automaton, numbers, budget.reached)
+            automaton, stop = skeleton_automaton(explored.automaton, numbers, budget.reached_limit)
             return Reach(letters, letters, Completions(automaton), None, explored.stop or stop)
         return _known(transition, explored, merging, explored.automaton)
 
@@ -155,14 +155,14 @@ class Explorer:
         The latter has shape (edges, atoms read).
         """
         transition = self.transition(weights, read)
-        explored, merging = self._explored(transition, length, budget, weights, halt)
+        explored, merging = self._explore(transition, length, budget, weights, halt)
         own = explored.labels.shape[1] - len(read)
         automaton, scale = explored.automaton, 1
         if weights and explored.stop not in {HALT, FORECAST}:
             automaton, scale = weigh(automaton, explored.labels[:, :own], transition.actions, weights)
         return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
 
-    def _explored(
+    def _explore(
         self,
         transition: Transition,
         length: int,
@@ -170,7 +170,7 @@ class Explorer:
         weights: Weights,
         halt: Halt | None = None,
         allow: Allow | None = None,
-    ) -> tuple[Explored, Merging | None]:
+    ) -> tuple[Exploration, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
             return explore(transition, length, self._watch(length, budget), merging=merging), merging
@@ -198,7 +198,7 @@ class Explorer:
 
     def _known_to_others(
         self, transition: Transition, length: int, budget: Budget, halt: Halt | None
-    ) -> Explored | None:
+    ) -> Exploration | None:
         """Return the exploration of an engine of another level, if it is small and this one would find the same.
 
         With limits, or where progress is reported, the exploration is done again.
@@ -229,24 +229,24 @@ class Explorer:
             if patience is None and self.hopeless and self.hopeless(extent, length):
                 return FORECAST
             outgrown = patience is not None and extent.edges > patience
-            return SIZE if outgrown else budget.reached(extent.nbytes // 2)
+            return SIZE if outgrown else budget.reached_limit(extent.nbytes // 2)
 
         return watch
 
 
-_small: WeakKeyDictionary[Transition, Explored] = WeakKeyDictionary()
+_small: WeakKeyDictionary[Transition, Exploration] = WeakKeyDictionary()
 """The last exploration of a step function, as long as the function exists."""
 
 
-def _known(transition: Transition, explored: Explored, merging: Merging | None, automaton: Automaton) -> Reach:
+def _known(transition: Transition, explored: Exploration, merging: Merging | None, automaton: Automaton) -> Reach:
     """Return what was explored, with the weights of `automaton`."""
     letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
     if merging is None or explored.renamings is None:
         return Reach(letters, names, Completions(automaton), None, explored.stop)
-    from prag_asp.space.automaton.merged_states import Merged
+    from prag_asp.space.automaton.merged_states import MergedAutomaton
 
     base = explored.automaton
-    merged = Merged(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
+    merged = MergedAutomaton(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
     return Reach.of_merged(letters, names, merged, explored.stop)
 
 

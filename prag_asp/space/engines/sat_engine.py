@@ -49,7 +49,7 @@ class SatEngine:
             found += 1
             if self._progress and found % REPORTED == 0:
                 self._progress(f"{found:,} {self._level}s found")
-            stop = budget.reached()
+            stop = budget.reached_limit()
             if stop:
                 raise limit_error(stop, found, self._level, length)
         return found

@@ -110,7 +110,7 @@ class _Watch:
 
     def look(self) -> None:
         """Raise an error at a limit."""
-        reason = self.budget.reached()
+        reason = self.budget.reached_limit()
         if reason:
             self.stop = self.stop or reason
             raise _Spent

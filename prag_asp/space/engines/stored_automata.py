@@ -1,4 +1,4 @@
-"""Explored automata in the cache, for the next run of the same program."""
+"""Exploration automata in the cache, for the next run of the same program."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class AutomatonSlot:
         """Return the cached automaton if it is valid, otherwise None."""
         entry = read_entry(self.folder, self.key, ARRAYS)
         try:
-            return _restored(entry) if entry and entry.texts["code"] == code_digest() else None
+            return _restore(entry) if entry and entry.texts["code"] == code_digest() else None
         except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises the latter where a text is no term
             return None
 
@@ -102,7 +102,7 @@ def code_digest() -> str:
     return files_digest(paths, PACKAGE)
 
 
-def _restored(entry: CacheEntry) -> Reach | None:
+def _restore(entry: CacheEntry) -> Reach | None:
     """Return an entry as what was explored, or None where its parts do not fit together."""
     arrays, texts = entry.arrays, entry.texts
     merged = "twins" in arrays
@@ -113,12 +113,12 @@ def _restored(entry: CacheEntry) -> Reach | None:
     automaton = Automaton(
         arrays["offsets"], arrays["letters"], arrays["targets"], arrays["accepting"], horizon=horizon
     )  # fmt: skip
-    if not _sound(automaton, len(letters)) or len(names) != len(letters):
+    if not _is_sound(automaton, len(letters)) or len(names) != len(letters):
         return None
     if not merged:
         return Reach(letters, names, Completions(automaton))
     from prag_asp.logic.symmetry.term_patterns import read_patterns
-    from prag_asp.space.automaton.merged_states import Merged
+    from prag_asp.space.automaton.merged_states import MergedAutomaton
 
     groups = tuple(tuple(tuple(map(clingo.parse_term, unit)) for unit in group) for group in texts["groups"])
     actions = read_patterns([clingo.parse_term(letter) for letter in letters], groups)
@@ -127,10 +127,10 @@ def _restored(entry: CacheEntry) -> Reach | None:
     shapes = [array.shape for array in (renamings.multiplicities, renamings.order_of, renamings.twins)]
     if actions is None or shapes != [(edges,), (edges,), (automaton.states, entities)]:
         return None
-    return Reach.of_merged(letters, names, Merged(automaton, renamings, actions, groups))
+    return Reach.of_merged(letters, names, MergedAutomaton(automaton, renamings, actions, groups))
 
 
-def _sound(automaton: Automaton, letters: int) -> bool:
+def _is_sound(automaton: Automaton, letters: int) -> bool:
     """Return whether the arrays are those of an automaton."""
     offsets, edges = automaton.offsets, len(automaton.letters)
     return bool(

@@ -105,16 +105,16 @@ class _PathEngine:
         try:
             return self._words(length, prefix).total
         except LimitReached as reached:
-            raise limit_error(reached.reason, self._found(length, prefix), self._level, length) from None
+            raise limit_error(reached.reason, self._lower_bound(length, prefix), self._level, length) from None
 
-    def _found(self, length: int, prefix: Letters) -> int:
+    def _lower_bound(self, length: int, prefix: Letters) -> int:
         """Return how many words there are at least, by what was found before a limit was reached."""
         if self._layers is None or len(prefix) > length:
             return 0
         self._budget = self._budget.to_report()
         try:
             sets = [self._matching(text) for text in prefix]
-            return count_along(self._layers, length, sets, self._budget.reached)
+            return count_along(self._layers, length, sets, self._budget.reached_limit)
         except LimitReached:
             return 0
 
@@ -180,7 +180,7 @@ class _PathEngine:
         self._budget, self._length = self._limits.begin(), length
 
     def _look(self) -> None:
-        stop = self._budget.reached()
+        stop = self._budget.reached_limit()
         if stop:
             raise limit_error(stop, 0, self._level, self._length)
 

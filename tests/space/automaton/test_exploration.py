@@ -10,7 +10,7 @@ from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.transition import Transition
 from prag_asp.space.automaton import exploration as exploring
-from prag_asp.space.automaton.exploration import Explored, Extent, explore
+from prag_asp.space.automaton.exploration import Exploration, Extent, explore
 from prag_asp.stop_reason import StopKind, StopReason
 from tests.chance import Chance
 from tests.domains import domain_of
@@ -82,7 +82,7 @@ def test_independent_lamps_have_as_many_states_and_edges_as_they_should() -> Non
 ENOUGH = StopReason(StopKind.HALT)
 
 
-def stopped_after(transition: Transition, states: int) -> tuple[Explored, list[Extent]]:
+def stopped_after(transition: Transition, states: int) -> tuple[Exploration, list[Extent]]:
     told: list[Extent] = []
 
     def watch(extent: Extent) -> StopReason | None:

@@ -243,7 +243,7 @@ class Looks:
     def begin(self) -> Looks:
         return self
 
-    def reached(self) -> StopReason | None:
+    def reached_limit(self) -> StopReason | None:
         self.left[0] -= 1
         return None if self.left[0] >= 0 else StopReason(StopKind.TIME, 1)
 
