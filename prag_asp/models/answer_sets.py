@@ -37,7 +37,7 @@ from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
 
 AnswerSet = tuple[clingo.Symbol, ...]
-"""What is shown of an answer set, sorted."""
+"""The shown symbols of an answer set, sorted."""
 
 Tell = Callable[[str], None]
 
@@ -46,7 +46,7 @@ PATIENCE = 2.0
 
 
 class _Counted(Exception):
-    """A counter is done before a diagram is."""
+    """A counter has finished before the diagram was compiled."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -65,9 +65,10 @@ def answer_sets(
 ) -> AnswerSets:
     """Return the answer sets of a logic program, given as files, a text, or both.
 
-    With `project`, those are one that agree on the atoms of ``#project`` or, without such a statement, on what is
-    shown. With `weighted`, facts ``weight(Atom, W)`` weigh them: each by the product over its atoms. `tell` gets a line
-    on what is done instead of what was asked for, or before it takes long; `progress` how far that is.
+    With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
+    without such a statement, all that is shown. With `weighted`, facts ``weight(Atom, W)`` weigh them: each by the
+    product over its atoms. `tell` is called with notes, such as that another engine counts as well, and `progress` with
+    the progress of a long computation.
 
     Raises:
         DomainError: a file cannot be read or ground, or has what is not supported; each line of the message names one.
@@ -120,9 +121,9 @@ class AnswerSets:
         return count_models(self._counting_formula.cnf, asked="engine ganak")
 
     def _count_by_diagram(self) -> int:
-        """Return their number by a diagram or, where nobody has chosen it, by a counter beside that is done before.
+        """Return their number by a diagram or, with engine auto, by a counter that finishes earlier.
 
-        A program that is not tight may suit either, by orders of magnitude.
+        For a program that is not tight, either may be faster by orders of magnitude.
         """
         if self.engine != "auto" or not has_ganak() or "_diagram" in self.__dict__:
             return WeightedDiagram(self._diagram.diagram, {}).total
@@ -143,7 +144,7 @@ class AnswerSets:
         return WeightedDiagram(self._diagram.diagram, {}).total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
-        """Return about how many there are, whatever they weigh: an estimate, which is never called their number.
+        """Return an estimate of their number, whatever they weigh.
 
         With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
 

@@ -38,7 +38,7 @@ class _StripsAction(NamedTuple):
 
 
 def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
-    """Return all actions that may occur from a first state on; what it does not name is false.
+    """Return all actions that may occur from an initial state on; what it does not name is false.
 
     With `outcomes`, effects that are unknown have these values, false where there is none.
 
@@ -53,8 +53,8 @@ def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes |
     graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
     safe = (each for stated in found if (each := _safe(stated, graph, clauses, pairs)) is not None)
     initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
-    wanted = {Proposition(fluent): value for fluent, value in goal.items()}
-    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), wanted)
+    goal_values = {Proposition(fluent): value for fluent, value in goal.items()}
+    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), goal_values)
 
 
 def _action(stated: _StripsAction) -> GroundAction:
@@ -76,8 +76,8 @@ def outcomes_of(task: Task, facts: Facts) -> Outcomes:
             if value != "unknown" or fluent not in known:
                 continue
             if found.setdefault((action, fluent), known[fluent]) != known[fluent]:
-                told = f"{action} occurs twice, and {fluent} is true after one and false after the other"
-                raise DomainError(f"{told}, which PDDL cannot say; choose another task")
+                problem = f"{action} occurs twice, and {fluent} is true after one and false after the other"
+                raise DomainError(f"{problem}, which PDDL cannot say; choose another task")
     return found
 
 
@@ -117,8 +117,8 @@ def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | Non
     after: dict[clingo.Symbol, bool] = {}
     for fluent, value in facts.postconditions.get(action, ()):
         if value == "unknown" and outcomes is None:
-            told = f"{action} leaves {fluent} unknown, which PDDL cannot say"
-            raise DomainError(f"{told}; let the action make it true or false, or export a task")
+            problem = f"{action} leaves {fluent} unknown, which PDDL cannot say"
+            raise DomainError(f"{problem}; let the action make it true or false, or export a task")
     stated = facts.postconditions.get(action, ())
     for fluent, value in (each for each in stated if each[1] != "unknown"):
         if after.setdefault(fluent, value == "true") != (value == "true"):
@@ -141,8 +141,8 @@ def _safe(
     """Return an action that also needs what keeps the invariants, None where it always breaks one."""
     before = dict(action.precondition)
     known = entailed(before.items(), graph)
-    for fluent, made in action.effects.items():
-        for other, needed in clauses.get((fluent, not made), ()):
+    for fluent, value in action.effects.items():
+        for other, needed in clauses.get((fluent, not value), ()):
             if action.effects.get(other, needed) != needed:
                 return None
             if other in action.effects or (other, needed) in known:
@@ -154,9 +154,9 @@ def _safe(
     return _StripsAction(action.term, before, action.effects)
 
 
-def known_values(given: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
+def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
     """Return what the contract states of fluents as truths."""
-    return {fluent: value == "true" for fluent, value in given}
+    return {fluent: value == "true" for fluent, value in values}
 
 
 def values_of(state: Mapping[Atom, bool]) -> dict[clingo.Symbol, bool]:

@@ -65,13 +65,15 @@ class ImpliedValues:
 
     def _fails(self, value: Value, before: Mapping[Proposition, bool], known: Collection[FluentValue]) -> bool:
         """Return whether a value contradicts others, of which the fluents' values are known."""
-        proposition, wanted = value
-        meant = self._meaning(value)
-        return before.get(proposition, wanted) != wanted or (meant is not None and (meant[0], not meant[1]) in known)
+        proposition, demanded = value
+        meaning = self._meaning(value)
+        return before.get(proposition, demanded) != demanded or (
+            meaning is not None and (meaning[0], not meaning[1]) in known
+        )
 
     def _known(self, values: Iterable[Value]) -> Mapping[FluentValue, FluentValue]:
         """Return what some values, and the invariants, tell of fluents."""
-        return entailed((meant for each in values if (meant := self._meaning(each)) is not None), self._graph)
+        return entailed((meaning for each in values if (meaning := self._meaning(each)) is not None), self._graph)
 
     def _meaning(self, value: Value) -> FluentValue | None:
         """Return what a value tells of a fluent, if it does."""

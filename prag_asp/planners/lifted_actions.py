@@ -26,7 +26,7 @@ class PddlCase(NamedTuple):
     @property
     def key(self) -> Hashable:
         """A value that is the same for cases that differ in the order alone."""
-        after = frozenset((frozenset(where), made) for where, made in self.effects)
+        after = frozenset((frozenset(where), effect) for where, effect in self.effects)
         return frozenset(self.precondition), frozenset(map(frozenset, self.clauses)), after
 
     @property
@@ -39,13 +39,13 @@ class PddlCase(NamedTuple):
     def rename(self, names: Mapping[str, str]) -> PddlCase:
         """Return a case with other terms."""
 
-        def literal(given: Literal) -> Literal:
-            return given[0], tuple(names.get(term, term) for term in given[1]), given[2]
+        def literal(old: Literal) -> Literal:
+            return old[0], tuple(names.get(term, term) for term in old[1]), old[2]
 
         def clause(literals: Clause) -> Clause:
             return tuple(map(literal, literals))
 
-        after = ((clause(where), literal(made)) for where, made in self.effects)
+        after = ((clause(where), literal(effect)) for where, effect in self.effects)
         return PddlCase(clause(self.precondition), tuple(map(clause, self.clauses)), tuple(after))
 
 
@@ -91,8 +91,8 @@ def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
         return None
     found, names = _with_variables(model), [*map(variable, range(arity))]
     for each in instances:
-        made = [case.rename(dict(zip(names, each.arguments, strict=True))) for case in found]
-        if {case.key for case in made} != {case.key for case in each.cases} or any(map(_collapsed, made)):
+        images = [case.rename(dict(zip(names, each.arguments, strict=True))) for case in found]
+        if {case.key for case in images} != {case.key for case in each.cases} or any(map(_collapsed, images)):
             return None
     return found
 

@@ -51,17 +51,17 @@ def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Li
 
 def all_of(literals: Clause, clauses: Iterable[Clause], opposites: Mapping[str, str]) -> str:
     """Return literals, and of each clause one, as texts of PDDL that are side by side, each after a blank."""
-    given = [[positive(each, opposites) for each in several] for several in (literals, *clauses)]
-    return as_text(given[0]) + "".join(f" (or{as_text(clause)})" for clause in given[1:])
+    formulas = [[positive(each, opposites) for each in several] for several in (literals, *clauses)]
+    return as_text(formulas[0]) + "".join(f" (or{as_text(clause)})" for clause in formulas[1:])
 
 
 def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:
     """Return the effects of a case as text of PDDL, each after a blank."""
-    made: dict[Clause, list[Literal]] = {}
+    by_condition: dict[Clause, list[Literal]] = {}
     for where, each in case.effects:
-        made.setdefault(where, []).append(each)
+        by_condition.setdefault(where, []).append(each)
     found = ""
-    for where, after in made.items():
+    for where, after in by_condition.items():
         text = as_text([*after, *mirror(after, opposites)])
         found += f" (when (and{all_of(where, (), opposites)}) (and{text}))" if where else text
     return found

@@ -32,7 +32,7 @@ from prag_asp.wording import plural
 
 @dataclass(frozen=True)
 class PddlExport:
-    """The texts of a domain and of a problem, and the steps of the task's plan, if there is one."""
+    """The texts of a domain and of a problem, and the steps of the plan of the task, if there is one."""
 
     domain: str
     problem: str
@@ -41,7 +41,7 @@ class PddlExport:
 
 @dataclass(frozen=True)
 class _Schema:
-    """An action as it is written: variables and a case; `allowed` says of which objects there is one."""
+    """An action schema: parameters and a case; `allowed` is the predicate of the objects that it applies to, or ""."""
 
     name: str
     variables: tuple[str, ...]
@@ -50,28 +50,28 @@ class _Schema:
 
 
 def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> PddlExport:
-    """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its last state.
+    """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its final state.
 
-    What a task leaves open of its initial state is false in PDDL. Without rules over time, an effect that is unknown is
-    what the task needs it to be, and false in all other actions: of the plans of the domain, PDDL has those for which
-    that is so. Comments of the problem say both.
+    Fluents that a task leaves open in its initial state are false in PDDL. Without rules over time, an unknown effect
+    has the value that the task needs, and is false in all other actions: PDDL then has the plans of the domain for
+    which that holds. Comments of the problem say both.
 
-    Rules over time become conditions and effects of actions. Without `conditional`, no effect has a condition and no
-    condition a disjunction: an action has a copy for each way in which its conditions come out, so that plans keep
-    their length and their number (Nebel 2000). Without `negative`, no condition and no goal is negative: a predicate of
-    its own says what is not so.
+    Rules over time become preconditions and conditional effects. Without `conditional`, no effect has a condition and
+    no precondition a disjunction: an action has a copy for each combination of its conditions, so that plans keep their
+    length and their number (Nebel 2000). Without `negative`, no precondition and no goal is negative: a separate
+    predicate stands for each negation.
 
     Raises:
-        DomainError: the domain says what PDDL cannot, its first state breaks an invariant, it is an open world and no
-            task is given, or an action has too many copies.
+        DomainError: the domain cannot be expressed in PDDL, its initial state breaks an invariant, its world is
+            open and no task is given, or an action has too many copies.
     """
     name, facts = domain.name, domain.facts
     if task is None and not facts.closed:
-        told = "its world is open, so it has no first state that PDDL can say; state one"
-        raise DomainError(f"{name}: {told} with initially(...), or export a task")
+        problem = "its world is open, so it has no initial state that PDDL can say; state one"
+        raise DomainError(f"{name}: {problem} with initially(...), or export a task")
     stated = known_values(facts.initially) if task is None else values_of(task.initial)
     if broken_invariant(facts, stated):
-        raise DomainError(f"{name}: its first state breaks an invariant, so there is no plan; change either")
+        raise DomainError(f"{name}: its initial state breaks an invariant, so there is no plan; change either")
     last = None if task is None else values_of(task.states[-1] if task.states else task.initial)
     rule = next(rules_over_time(domain.program), None)
     if rule is None and not facts.composites:
@@ -112,14 +112,14 @@ def _over_time(
 
 def _comment(left_open: int, open_effects: bool) -> str:
     is_false = "is" if left_open == 1 else "are"
-    told = f"; {plural(left_open, 'fluent')} that the task leaves open {is_false} false here.\n" if left_open else ""
+    comment = f"; {plural(left_open, 'fluent')} that the task leaves open {is_false} false here.\n" if left_open else ""
     if open_effects:
-        told += "; Effects that the domain leaves open are what the task needs, and false otherwise.\n"
-    return told
+        comment += "; Effects that the domain leaves open are what the task needs, and false otherwise.\n"
+    return comment
 
 
 class _PddlWriter:
-    """Names of PDDL for all that a domain has, and the texts that use them."""
+    """The names of PDDL for a domain, and the texts that use them."""
 
     def __init__(self, name: str, facts: Facts, ground: PlanningTask, negative: bool) -> None:
         self._ground = ground
@@ -142,16 +142,16 @@ class _PddlWriter:
     def write(self, task: Task | None, comment: str) -> PddlExport:
         """Return the texts for the whole domain, or for a task."""
         goal, clauses = self._literals(self._ground.goal.items()), self._clauses(self._ground.clauses)
-        asked = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
-        opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in asked}
+        negated = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
+        opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in negated}
         first = [(*each[:2], proposition in self._ground.initial) for proposition, each in self._told.items()]
         initial = [each for each in (*first, *mirror(first, opposites)) if each[2]]
         steps = tuple(self._plan(map(symbol_of, task.actions))) if task is not None else ()
-        wanted = all_of(goal, clauses, opposites)
-        return PddlExport(self._domain(opposites), self._problem([*initial, *self._allowed], wanted, comment), steps)
+        goal_text = all_of(goal, clauses, opposites)
+        return PddlExport(self._domain(opposites), self._problem([*initial, *self._allowed], goal_text, comment), steps)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
-        """Yield the steps of a plan: of an action with several cases, the one that is possible then."""
+        """Yield the steps of a plan: of an action with several cases, the one whose precondition holds."""
         state = set(self._ground.initial)
 
         def so(value: Value) -> bool:
@@ -162,9 +162,9 @@ class _PddlWriter:
             found = [number for number, case in enumerate(cases[action]) if _possible(case, so)]
             number = found[0] if len(cases[action]) > 1 else 0
             effects = cases[action][number].effects
-            made = [effect.value for effect in effects if all(map(so, effect.condition))]
-            state -= {each for each, _ in made}
-            state |= {each for each, value in made if value}
+            values = [effect.value for effect in effects if all(map(so, effect.condition))]
+            state -= {each for each, _ in values}
+            state |= {each for each, value in values if value}
             yield self._steps[action][number]
 
     def _conditions(self, goal: Clause, clauses: Iterable[Clause]) -> Iterator[Literal]:
@@ -195,7 +195,7 @@ class _PddlWriter:
         return PddlCase(self._literals(case.precondition.items()), self._clauses(case.clauses), tuple(after))
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
-        """Yield the actions of a name: those that are alike as one with parameters."""
+        """Yield the schemas of the actions of a name: actions that are alike become one schema with parameters."""
         instances = [
             Instance(each.term, tuple(map(self._object, each.term.arguments)), tuple(map(self._case, each.cases)))
             for each in actions
@@ -222,7 +222,7 @@ class _PddlWriter:
                 yield _Schema(name, variables, case, allowed)
 
     def _ground_schemas(self, instance: Instance) -> Iterator[_Schema]:
-        """Yield an action without parameters, each of its cases on its own."""
+        """Yield a schema without parameters for each case of an action."""
         term, _, cases = instance
         names = [self._spelling.name(("action", term, number), _numbered(str(term), number, cases))
                  for number in range(len(cases))]  # fmt: skip
@@ -262,7 +262,7 @@ class _PddlWriter:
             lines += [f"    :precondition (and{''.join(before)})", f"    :effect (and{effects(case, opposites)}))"]
         return "\n".join([*lines, ")"]) + "\n"
 
-    def _problem(self, initial: Iterable[Literal], wanted: str, comment: str) -> str:
+    def _problem(self, initial: Iterable[Literal], goal_text: str, comment: str) -> str:
         """Return the text of the problem."""
         others = [name for name in self._entities if name not in self._terms]
         lines = [
@@ -272,7 +272,7 @@ class _PddlWriter:
             "  (:init",
             *(f"   {as_text([each])}" for each in initial),
             "  )",
-            f"  (:goal (and{wanted}))",
+            f"  (:goal (and{goal_text}))",
         ]
         return comment + "\n".join([*lines, ")"]) + "\n"
 

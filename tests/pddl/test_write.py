@@ -282,7 +282,7 @@ def test_what_pddl_cannot_say_is_refused(tmp_path: Path) -> None:
         exported(load_domain(text=text), conditional=False)
     with pytest.raises(DomainError, match="unknown, which PDDL cannot say; let the action make it true or false"):
         exported(load_domain(text="fluent(f). initially(f,true). action(a). postcondition(a,f,unknown).\n"))
-    with pytest.raises(DomainError, match="prag: its world is open, so it has no first state that PDDL can say"):
+    with pytest.raises(DomainError, match="prag: its world is open, so it has no initial state that PDDL can say"):
         exported(load_domain("prag"))
 
 

@@ -13,7 +13,7 @@ from prag_asp.space.weights.weights import Weighed, Weights, refuse_weights
 def weigh_words(
     words: Iterable[Letters], letters: Letters, model: Model, level: Level, length: int, weights: Weights, goals: bool
 ) -> Weighed:
-    """Return all words of a level and length with their weights; with `goals`, also the known last state of each.
+    """Return all words of a level and length with their weights; with `goals`, also the known final state of each.
 
     Raises:
         QueryError: the weights distinguish interchangeable entities, or skeletons are weighed.
