@@ -1,4 +1,4 @@
-"""The answer sets of any logic program as one value: how many, which, drawn exactly, and how often each atom."""
+"""The answer sets of any logic program as one value: count, list, exact samples and marginals."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ class AnswerSets:
         return self._diagram.total * self._weights.scale
 
     def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
-        """Yield so many, each drawn with a probability exactly proportional to its weight; the same for a seed.
+        """Yield `count` answer sets, each with a probability exactly proportional to its weight, reproducibly by seed.
 
         Raises:
             NotFound: there is none, or all have the weight 0.
@@ -175,10 +175,10 @@ class AnswerSets:
         if self._way() == "clingo":
             total = self._enumeration.total()
             self._require(total)
-            yield from self._enumeration.draws(seed, count, total)
+            yield from self._enumeration.sample(seed, count, total)
             return
         self._require(self._diagram.total)
-        yield from map(self._print, islice(self._diagram.draws(seed), count))
+        yield from map(self._print, islice(self._diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return for each symbol that may be shown the exact share of the answer sets, by weight, that have it.
@@ -209,7 +209,7 @@ class AnswerSets:
         yield from map(self._print, list_models(formula, order))
 
     def _print(self, literals: Sequence[Literal]) -> AnswerSet:
-        """Return what is shown where some literals are true."""
+        """Return the shown symbols of a model with some true literals."""
         places, always = self._places
         found = [*always]
         for literal in literals:
@@ -217,16 +217,16 @@ class AnswerSets:
         return tuple([self._symbols[place] for place in sorted(found)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return which engine answers, and tell where it is not the one that one would expect.
+        """Return the name of the engine that answers, and note an unexpected one.
 
         Raises:
             QueryError: the engine that was chosen has no answer.
         """
         if self.engine == "clingo":
             return "clingo"
-        if self._obstacle:
+        if self._reason_to_enumerate:
             if self.engine != "auto":
-                raise QueryError(f"engine {self.engine}: {self._obstacle}; choose the engine clingo")
+                raise QueryError(f"engine {self.engine}: {self._reason_to_enumerate}; choose the engine clingo")
             return "clingo"
         if self.engine == "ganak" and not counts:
             raise QueryError("engine ganak: it only counts; choose the engine diagram")
@@ -234,8 +234,8 @@ class AnswerSets:
         return "ganak" if self.engine == "ganak" or (self.engine == "auto" and fits) else "diagram"
 
     @cached_property
-    def _obstacle(self) -> str:
-        """Why there is no formula, in words, which are told where nobody has chosen an engine."""
+    def _reason_to_enumerate(self) -> str:
+        """The reason why there is no formula, or ""; with engine auto it is noted."""
         found = self._no_clauses
         if found and self.engine == "auto":
             self.note(f"{found}: clingo enumerates, which takes time for each answer set")
@@ -243,7 +243,7 @@ class AnswerSets:
 
     @cached_property
     def _no_clauses(self) -> str:
-        """Why there is no formula, in words."""
+        """The reason why there is no formula, or ""."""
         found = ""
         if self.ground.acyclic:
             found = "#edge wants a graph without cycles"
@@ -260,7 +260,7 @@ class AnswerSets:
 
     @property
     def _counting_formula(self) -> ModelFormula:
-        """The formula for a counter, which has nothing of copies."""
+        """The formula for a counter, without copies."""
         return self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
 
     def _formula_of(self, *, copied: bool) -> ModelFormula:
@@ -288,7 +288,7 @@ class AnswerSets:
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:
-        if self._obstacle or self.engine == "clingo":
+        if self._reason_to_enumerate or self.engine == "clingo":
             by_statement = self.project and self.ground.projected is not None
             named = (symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ()))
             return tuple(named) if by_statement else tuple(symbol for symbol, _ in self.ground.shown)
@@ -314,12 +314,12 @@ class AnswerSets:
         return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)
 
     def note(self, line: str) -> None:
-        """Tell a line to whoever wants to hear."""
+        """Pass a line to `tell`, if it is given."""
         if self.tell is not None:
             self.tell(line)
 
     def _require(self, total: Fraction | int) -> None:
-        """Check that there is something to draw."""
+        """Check that there is something to sample."""
         if not total:
             raise NotFound(
                 "no answer set has a weight above 0; raise the weight of an atom"

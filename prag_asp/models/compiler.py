@@ -78,7 +78,7 @@ class PreparedFormula:
 
     @property
     def cost(self) -> str:
-        """What compiling has to deal with, in words."""
+        """The size of the formula, as messages name it."""
         clauses, variables = len(self.clauses), len(self.names) - 1
         over = f"{variables:,} variable{'s' if variables > 1 else ''}"
         return f"{clauses:,} clause{'s' if clauses > 1 else ''} over {over}, width {self.order.width}"

@@ -252,5 +252,5 @@ class _UnrolledPlans:
 
 
 _in_use: WeakValueDictionary[tuple[int, int, str], _UnrolledPlans] = WeakValueDictionary()
-"""What engines of one domain have ground, by the program, the length and what is shown: without interchangeable
-entities, tasks are plans."""
+"""The ground programs of engines of one domain, by program, length and shown predicate; without interchangeable
+entities, the levels plan and task share one."""
