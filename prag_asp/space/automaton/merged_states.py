@@ -1,4 +1,4 @@
-"""Words, ranks and draws of an automaton whose states were merged up to renaming of interchangeable entities.
+"""Words, ranks and samples of an automaton whose states were merged up to renaming of interchangeable entities.
 
 A path of the merged automaton stands for many words. Walking along it, the names of its entities are composed edge by
 edge, and each edge is spread into the actions that it stands for. So words come in the order that they have in the
@@ -27,7 +27,7 @@ Names = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class MergedPlace:
+class UnmergedState:
     """A state before merging: a merged one, with the names of its entities."""
 
     state: int
@@ -66,11 +66,11 @@ class MergedAutomaton:
         return replace(self.base, weights=weights)
 
     @property
-    def start(self) -> MergedPlace:
+    def start(self) -> UnmergedState:
         """The initial state."""
-        return MergedPlace(0, np.array([*range(self.actions.places), -1]))
+        return UnmergedState(0, np.array([*range(self.actions.places), -1]))
 
-    def branches(self, place: MergedPlace) -> _Branches:
+    def branches(self, place: UnmergedState) -> _Branches:
         """Return the edges of a place in order of their letters."""
         edges, entities = self._orbit(place.state)
         patterns = self.actions.pattern[self.base.letters[edges]]
@@ -78,7 +78,7 @@ class MergedAutomaton:
         order = np.argsort(letters)
         return _Branches(edges[order], entities[order], letters[order])
 
-    def after(self, place: MergedPlace, branches: _Branches, branch: int) -> MergedPlace:
+    def after(self, place: UnmergedState, branches: _Branches, branch: int) -> UnmergedState:
         """Return the place that a branch leads to."""
         edge = int(branches.edges[branch])
         swapped = np.arange(self.actions.places)
@@ -88,7 +88,7 @@ class MergedAutomaton:
                 other = int(np.flatnonzero(swapped == named)[0])
                 swapped[[entity, other]] = swapped[[other, entity]]
         order = self.renamings.orders[self.renamings.order_of[edge]]
-        return MergedPlace(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
+        return UnmergedState(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
 
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return each edge of a state as often as it has renamings by twins, and the entities named in each."""
@@ -135,10 +135,10 @@ def count_merged(
     """
     if not completions.automaton.states or len(prefix) > length:
         return 0
-    reached: dict[tuple[int, ...], tuple[int, MergedPlace]] = {(): (1, merged.start)}
+    reached: dict[tuple[int, ...], tuple[int, UnmergedState]] = {(): (1, merged.start)}
     for number, allowed in enumerate(prefix):
         told = _told_apart(merged.actions, prefix[number + 1 :])
-        following: dict[tuple[int, ...], tuple[int, MergedPlace]] = {}
+        following: dict[tuple[int, ...], tuple[int, UnmergedState]] = {}
         for weight, place in reached.values():
             branches = merged.branches(place)
             for branch in range(len(branches.letters)):
@@ -175,7 +175,7 @@ def merged_words(
     if not completions.automaton.states or len(prefix) > length:
         return
 
-    def onward(place: MergedPlace, step: int) -> Iterator[tuple[int, MergedPlace]]:
+    def onward(place: UnmergedState, step: int) -> Iterator[tuple[int, UnmergedState]]:
         branches = merged.branches(place)
         for branch, letter in enumerate(branches.letters.tolist()):
             if step >= len(prefix) or letter in prefix[step]:
@@ -214,7 +214,7 @@ class MergedRanking:
             place = self._merged.after(place, branches, branch)
         return rank
 
-    def _totals(self, place: MergedPlace, branches: _Branches, left: int) -> NDArray[Any]:
+    def _totals(self, place: UnmergedState, branches: _Branches, left: int) -> NDArray[Any]:
         """Return the running totals of the weights behind the branches of a place with `left` letters to go."""
         behind = self._completions.row(left - 1)[self._merged.base.targets[branches.edges]]
         exact = behind.astype(self._completions.row(left).dtype)

@@ -1,4 +1,4 @@
-"""The words of several automata, shuffled: in order, by rank and by chance, without the automaton of them all.
+"""The words of several automata, shuffled: in order, by rank and as samples, without their product automaton.
 
 A state of the whole is a state of each part. The words that complete it are the shuffles of words that complete these:
 with n letters to come, the sum over the ways to write n as a sum of one length for each part, of the multinomial
@@ -54,9 +54,9 @@ class ShuffledWords:
         self._parts = parts
         self._letters = letters
         self._length = length
-        self._ways = lru_cache(REMEMBERED)(self._found_ways)
-        self._own = lru_cache(REMEMBERED)(self._found_own)
-        self._behind = lru_cache(REMEMBERED)(self._found_behind)
+        self._ways = lru_cache(REMEMBERED)(self._compute_ways)
+        self._own = lru_cache(REMEMBERED)(self._compute_own)
+        self._behind = lru_cache(REMEMBERED)(self._compute_behind)
         self._beside = lru_cache(REMEMBERED)(_beside_each)
         self._start: State = (0,) * len(parts)
         inhabited = all(part.automaton.states for part in parts)
@@ -135,7 +135,7 @@ class ShuffledWords:
         edges = (edge for part, own in enumerate(state) for edge in self._own(part, own))
         return sorted(edges, key=lambda edge: edge.letter)
 
-    def _found_own(self, part: int, state: int) -> list[PartEdge]:
+    def _compute_own(self, part: int, state: int) -> list[PartEdge]:
         automaton = self._parts[part].automaton
         first, last = automaton.offsets[state : state + 2].tolist()
         weights = [1] * (last - first) if automaton.weights is None else automaton.weights[first:last].tolist()
@@ -145,7 +145,7 @@ class ShuffledWords:
             for letter, target, weight in zip(letters, targets, weights, strict=True)
         ]
 
-    def _found_ways(self, part: int, state: int) -> Ways:
+    def _compute_ways(self, part: int, state: int) -> Ways:
         """Return the weight of the words of a part that complete a state of it, by their length."""
         return tuple([int(self._parts[part].row(left)[state]) for left in range(self._length + 1)])
 
@@ -156,7 +156,7 @@ class ShuffledWords:
             found = _shuffle(found, self._ways(part, own), left)
         return found[left]
 
-    def _found_behind(self, state: State, left: int) -> list[int]:
+    def _compute_behind(self, state: State, left: int) -> list[int]:
         """Return the weight of all words that go on over each edge of a state, with `left` letters after it."""
         ways = [self._ways(part, own) for part, own in enumerate(state)]
         beside = self._beside(tuple(sorted(ways)), left)
