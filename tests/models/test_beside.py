@@ -54,9 +54,9 @@ def test_a_counter_that_fails_leaves_the_question_to_clingo(fails: bool, monkeyp
     ("what", "error"),
     [
         ("logic.formula.counter.TemporaryFile", OSError(ENOSPC, "No space left on device")),
-        ("processes.children.Pipe", OSError(EMFILE, "Too many open files")),
-        ("processes.children.Child.send", MemoryError()),
-        ("processes.children.Child.receive", MemoryError()),
+        ("processes.workers.Pipe", OSError(EMFILE, "Too many open files")),
+        ("processes.workers.Worker.send", MemoryError()),
+        ("processes.workers.Worker.receive", MemoryError()),
     ],
 )
 def test_where_there_is_no_room_for_a_counter_the_count_goes_on_alone(

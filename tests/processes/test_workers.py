@@ -13,8 +13,8 @@ from threading import Event, Thread
 
 import pytest
 
-from prag_asp.processes import children as family
-from prag_asp.processes.workers import Child, Children, Ended, There, answered, uninterrupted
+from prag_asp.processes import workers
+from prag_asp.processes.workers import RemoteTraceback, Worker, WorkerEnded, WorkerGroup, ready_workers, uninterrupted
 from tests.processes import children, gone, interruptible
 
 MODULE = "tests.answers"
@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_a_child_answers_what_it_is_sent_in_order(started: Callable[[], list[int]]) -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         child = ours.start()
         for number in range(5):
             child.send(("echo", number))
@@ -31,17 +31,17 @@ def test_a_child_answers_what_it_is_sent_in_order(started: Callable[[], list[int
 
 
 def test_whoever_has_an_answer_is_found_among_many() -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         slow, quick = ours.start(), ours.start()
         slow.send(("sleep", 60))
         quick.send(("echo", "here"))
-        assert answered([slow, quick], 30) == [quick]
+        assert ready_workers([slow, quick], 30) == [quick]
         assert quick.receive() == "here"
-        assert answered([slow, quick], 0) == []
+        assert ready_workers([slow, quick], 0) == []
 
 
 def test_much_is_sent_before_a_child_has_begun_or_while_it_is_busy() -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         child = ours.start()
         for _ in range(3):
             child.send(("sleep", 0.1))
@@ -52,7 +52,7 @@ def test_much_is_sent_before_a_child_has_begun_or_while_it_is_busy() -> None:
 def test_a_child_reads_nothing_from_our_stdin_and_leaves_nothing_on_our_stdout(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         child = ours.start()
         child.send(("streams",))
         assert child.receive(30) == ""
@@ -60,12 +60,12 @@ def test_a_child_reads_nothing_from_our_stdin_and_leaves_nothing_on_our_stdout(
 
 
 def test_an_error_of_a_child_is_raised_here_and_says_where_it_was() -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         child = ours.start()
         child.send(("what",))
         with pytest.raises(ValueError, match="no answer to what") as caught:
             child.receive(30)
-    assert isinstance(caught.value.__cause__, There)
+    assert isinstance(caught.value.__cause__, RemoteTraceback)
     assert "answers.py" in str(caught.value.__cause__)
 
 
@@ -76,7 +76,7 @@ def test_an_error_of_a_child_is_raised_here_and_says_where_it_was() -> None:
 def test_an_error_that_cannot_travel_or_comes_before_the_work_is_told_all_the_same(
     module: str, wish: str, told: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with Children(module) as ours:
+    with WorkerGroup(module) as ours:
         child = ours.start()
         child.send((wish, None))
         with pytest.raises((RuntimeError, ModuleNotFoundError), match=told):
@@ -94,17 +94,17 @@ def test_an_error_that_cannot_travel_or_comes_before_the_work_is_told_all_the_sa
     ],
 )
 def test_a_child_that_ends_before_it_answers_is_told_with_how_it_did(wish: tuple[object, ...], how: str) -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         child = ours.start()
         child.send(wish)
-        with pytest.raises(Ended, match=f"^{how}$"):
+        with pytest.raises(WorkerEnded, match=f"^{how}$"):
             child.receive(30)
-        with pytest.raises(Ended, match=f"^{how}$"):
+        with pytest.raises(WorkerEnded, match=f"^{how}$"):
             child.send(("echo", 1))
 
 
 def test_an_answer_that_takes_too_long_is_waited_for_no_longer(started: Callable[[], list[int]]) -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         child = ours.start()
         child.send(("sleep", 600))
         begun = time.monotonic()
@@ -115,7 +115,7 @@ def test_an_answer_that_takes_too_long_is_waited_for_no_longer(started: Callable
 
 
 def test_an_error_in_the_block_ends_children_in_whatever_they_do(started: Callable[[], list[int]]) -> None:
-    with pytest.raises(RuntimeError, match="enough"), Children(MODULE) as ours:
+    with pytest.raises(RuntimeError, match="enough"), WorkerGroup(MODULE) as ours:
         for _ in range(3):
             ours.start().send(("sleep", 60))
         raise RuntimeError("enough")
@@ -126,7 +126,7 @@ def test_an_error_in_the_block_ends_children_in_whatever_they_do(started: Callab
 def test_a_child_never_hears_ctrl_c_not_even_while_python_starts(
     delay: float, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with Children(MODULE) as ours:
+    with WorkerGroup(MODULE) as ours:
         child = ours.start()
         time.sleep(delay)
         for _ in range(20):
@@ -140,7 +140,7 @@ def test_a_child_never_hears_ctrl_c_not_even_while_python_starts(
 def test_an_interruption_while_a_child_is_started_comes_when_it_is_known_and_ends_it(
     monkeypatch: pytest.MonkeyPatch, started: Callable[[], list[int]]
 ) -> None:
-    begun: list[Child] = []
+    begun: list[Worker] = []
     start = subprocess.Popen
 
     def interrupted(*arguments, **options):  # type: ignore[no-untyped-def]
@@ -149,8 +149,8 @@ def test_an_interruption_while_a_child_is_started_comes_when_it_is_known_and_end
         begun.append(process)
         return process
 
-    monkeypatch.setattr(family.subprocess, "Popen", interrupted)
-    with pytest.raises(KeyboardInterrupt), Children(MODULE) as ours:
+    monkeypatch.setattr(workers.subprocess, "Popen", interrupted)
+    with pytest.raises(KeyboardInterrupt), WorkerGroup(MODULE) as ours:
         ours.start()
     assert len(begun) == 1 and not started()
 
@@ -184,8 +184,8 @@ PARENT = f"""
 import signal, sys
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup would have it ignore
 sys.path.insert(0, {str(ROOT)!r})
-from prag_asp.processes.workers import Children
-with Children("tests.answers") as ours:
+from prag_asp.processes.workers import WorkerGroup
+with WorkerGroup("tests.answers") as ours:
     children = [ours.start(), ours.start()]
     for child in children:
         child.send(("echo", "ready"))

@@ -219,8 +219,7 @@ class _Drawing:
             if not isinstance(name, str):
                 raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
             try:
-                path, robot = self.recordings / name, next(iter(scene.robots))
-                recorded = Demonstration.load(path, robot=robot, within=self.recordings)
+                recorded = Demonstration.load(self.recordings / name, within=self.recordings)
             except QueryError as error:
                 raise QueryError(f"{error}; {RECORD}") from None
             for fault in check_demonstration(record.task, recorded, scene)[:1]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from prag_asp.physics.checks.approaches import End, approach_problems
 from prag_asp.physics.checks.furniture_motion import carried_along, handling_problems, openings_at
@@ -49,7 +50,7 @@ def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulato
             if hit is not None:
                 yield f"{waypoint.name}: {hit}"
     for name, arm in () if wrong else after.arms.items():
-        if arms[name][:3] != arm[:3]:
+        if replace(arms[name], grasp=arm.grasp) != arm:
             yield "its last waypoint is not the arm of the next state"
 
 
@@ -68,15 +69,15 @@ def _waypoint_collision(
     before, after = around
     poses = carried_along(before.poses, before.openings, openings, simulator.scene)
     situation = situation_of(simulator, poses, openings, arms)
-    joints, width, held, grasp = arms[robot]
-    if held is not None and grasp is not None:
-        poses = _carried(poses, held, compose(situation.tool(robot), grasp), simulator.scene)
+    arm = arms[robot]
+    if arm.held is not None and arm.grasp is not None:
+        poses = _carried(poses, arm.held, compose(situation.tool(robot), arm.grasp), simulator.scene)
     elif before.arms[robot].held is not None:
         poses = dict(after.poses)
     situation = situation.with_poses(poses)
     carried = [entity for entity in poses if poses[entity] != before.poses[entity]] if moving else []
     simulator.turn_to(robot)
-    hit = arm_collision(simulator, situation, joints, width, held or visited(situation, robot))
+    hit = arm_collision(simulator, situation, arm.joints, arm.width, arm.held or visited(situation, robot))
     if hit is not None:
         return f"the arm collides with {hit.other}"
     pair = colliding(simulator, situation, [*openings, *carried], list(poses))

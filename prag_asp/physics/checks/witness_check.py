@@ -35,11 +35,14 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
 def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[str]]]:
     """Yield a function like `check_witness` for tasks of one scene, which checks them all in one simulator."""
     with open_simulator(scene) as simulator:
-        yield lambda task, witness: _checked(task, witness, scene, simulator)
+        yield lambda task, witness: witness_problems(task, witness, simulator, scene)
 
 
-def _checked(task: Task, witness: Witness, scene: Scene, simulator: Simulator) -> list[str]:
-    """Return what is wrong with a witness of a task."""
+def witness_problems(task: Task, witness: Witness, simulator: Simulator, scene: Scene) -> list[str]:
+    """Return what is wrong with a witness of a task, nothing if it passes, as `check_witness` does.
+
+    The `simulator` of the scene is left with the bodies in the sizes of the witness.
+    """
     physical = physical_task(task, scene)
     unfit = misfit(witness, len(physical.effects))
     if unfit is not None:

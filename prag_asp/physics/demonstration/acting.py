@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from prag_asp.physics.demonstration.driving import Driver
 from prag_asp.physics.demonstration.planning import Action, Angles, Leg, legs, planned_way, pulling_way
 from prag_asp.physics.demonstration.recording import Recorder
@@ -50,7 +52,7 @@ class Actor:
                 self._driver.move_fingers(robot, waypoint.width)
             if waypoint.joints != leg.start:
                 ways.append(self._way(arm, leg, action))
-                arm = self._arms[robot] = arm._replace(joints=tuple(ways[-1][-1].tolist()))
+                arm = self._arms[robot] = replace(arm, joints=tuple(ways[-1][-1].tolist()))
             if waypoint.held != arm.held:
                 self._drive(robot, ways)
                 self._grip(waypoint)
@@ -63,7 +65,7 @@ class Actor:
     def _grip(self, waypoint: Waypoint) -> None:
         """Close the gripper on what it holds at a waypoint, or open it, and let things come to rest."""
         squeeze = SQUEEZE if waypoint.held is not None else 0.0
-        self._arms[waypoint.robot] = self._arms[waypoint.robot]._replace(held=waypoint.held)
+        self._arms[waypoint.robot] = replace(self._arms[waypoint.robot], held=waypoint.held)
         self._driver.move_fingers(waypoint.robot, waypoint.width - squeeze)
         self._driver.rest()
 
@@ -93,7 +95,7 @@ class Actor:
     def _situation(self) -> Situation:
         """Return where everything is now."""
         world = self._world
-        arms = {name: arm._replace(held=self._arms[name].held) for name, arm in world.arms().items()}
+        arms = {name: replace(arm, held=self._arms[name].held) for name, arm in world.arms().items()}
         return Situation(world.scene, world.poses(), arms, world.openings())
 
 

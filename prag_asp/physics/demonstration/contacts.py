@@ -20,13 +20,13 @@ from typing import NamedTuple
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
-from prag_asp.physics.witness_json import PARTS
+from prag_asp.physics.witness import ROBOT_PARTS
 from prag_asp.physics.world.support import TABLE, contacts
 
 GENTLE = 1.0
 """Newtons that no contact exceeds for which a task does not ask."""
 
-ARM, *FINGERS = PARTS
+ARM, *FINGERS = ROBOT_PARTS
 BOARD = "table"
 Pair = tuple[str, str]
 
@@ -140,7 +140,7 @@ def _resting(situation: Situation) -> Iterator[Pair]:
 def _part(body: str) -> tuple[str, str]:
     """Return which part of which robot a body is, two empty texts where it is of none."""
     part, _, robot = body.partition(" of ")
-    return (part, robot) if part in PARTS else ("", "")
+    return (part, robot) if part in ROBOT_PARTS else ("", "")
 
 
 def _named(body: str) -> str:

@@ -19,8 +19,7 @@ from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.footage import Footage, read_footage
 from prag_asp.physics.demonstration.packing import with_packed
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import Arm
-from prag_asp.physics.witness_json import PARTS, VERSION
+from prag_asp.physics.witness import VERSION, Arm
 from prag_asp.safe_reading import open_binary
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.scene import Scene
@@ -33,9 +32,6 @@ TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
 
 VARIED = "varied"
 """The text of what was drawn, which most recordings do not have."""
-
-OF_ROBOTS = ("joints", "widths", "commands")
-"""The arrays that have an axis of robots."""
 
 LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
 """Bytes of the file of a recording, and of its arrays but for pictures, which stay compressed."""
@@ -154,8 +150,8 @@ class Demonstration:
         return archive if self.footage is None else with_packed(archive, self.footage.packed())
 
     @classmethod
-    def load(cls, path: str | Path, robot: str = "panda", *, within: str | Path | None = None) -> Demonstration:
-        """Return the recording that `save` wrote, now or in the form before, in which a single `robot` had no name.
+    def load(cls, path: str | Path, *, within: str | Path | None = None) -> Demonstration:
+        """Return the episode that `save` wrote.
 
         Where somebody else names the file, `within` is the folder that it has to lie in.
 
@@ -164,14 +160,14 @@ class Demonstration:
         """
         try:
             with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
-                return _read(file, Path(path), robot)
+                return _read(file, Path(path))
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
         except (BadArchive, ValueError) as error:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
-def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
+def _read(file: BinaryIO, path: Path) -> Demonstration:
     """Return the recording in a file.
 
     Raises:
@@ -181,8 +177,8 @@ def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
     """
     content = read_arrays(file, ("version", *ARRAYS, *TEXTS, VARIED), LARGEST)
     if "version" not in content:
-        content = _upgraded(content, robot)
-    elif content["version"].shape != () or content["version"] != VERSION:
+        raise BadArchive("it has no version")
+    if content["version"].shape != () or content["version"] != VERSION:
         version = shown(content["version"].tolist())
         raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
     missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
@@ -222,18 +218,6 @@ def _variation(text: NDArray[Any] | None) -> Variation | None:
         return variation_of(str(text))
     except QueryError as error:
         raise ValueError(str(error)) from None
-
-
-def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:
-    """Return the arrays of the form before in that of today: a single robot gets its axis, and its name."""
-    if "robots" in content:
-        return dict(content)
-    found = {**content, "robots": np.array([robot])}
-    found |= {name: content[name][:, None] for name in OF_ROBOTS if name in content and content[name].ndim > 0}
-    if "bodies" in content:
-        names = content["bodies"].ravel().tolist()
-        found["bodies"] = np.array([f"{name} of {robot}" if name in PARTS else name for name in names])
-    return found
 
 
 def situation_of(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
@@ -64,7 +65,7 @@ def _act(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypo
     elif effect.visits is not None and snapshot.arm.held is None:
         snapshot = _visit(search, snapshot, effect.visits, attempt, waypoints)
     elif effect.closes and snapshot.arm.held is None:
-        snapshot = snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
+        snapshot = snapshot.with_arm(replace(snapshot.arm, width=0.0), snapshot.above)
     return snapshot
 
 

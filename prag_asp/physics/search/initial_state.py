@@ -94,7 +94,7 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
         if hit is not None:
             raise Failure(ARM_COLLIDES, hit.other)
     if any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in own):
-        return snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
+        return snapshot.with_arm(replace(snapshot.arm, width=0.0), snapshot.above)
     return snapshot
 
 

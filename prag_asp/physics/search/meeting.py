@@ -37,15 +37,15 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, wayp
         Failure: this attempt found no way.
     """
     tool = _tool_over(search, snapshot, place, attempt)
-    situation, (_, width, held, grasp) = snapshot.situation, snapshot.arm
+    situation, arm = snapshot.situation, snapshot.arm
     poses = situation.poses
-    if held is not None:
-        assert grasp is not None
-        poses = with_riders(situation, held, compose(tool, grasp), search.objects)
+    if arm.held is not None:
+        assert arm.grasp is not None
+        poses = with_riders(situation, arm.held, compose(tool, arm.grasp), search.objects)
         verify_objects(search, situation.with_poses(poses), changed(snapshot, poses))
-    wanted = Configuration(situation.with_poses(poses), width, held)
+    wanted = Configuration(situation.with_poses(poses), arm.width, arm.held)
     after = moved_arm(snapshot, configure(search, tool, wanted), poses)
-    waypoints.append(arm_waypoint("move" if held is None else "carry", after))
+    waypoints.append(arm_waypoint("move" if arm.held is None else "carry", after))
     return after
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from prag_asp.physics.predicates.gripper import slips
 from prag_asp.physics.search.attempt import ARM_COLLIDES, LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
@@ -58,7 +59,7 @@ def changed(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
 
 def moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose]) -> Snapshot:
     """Return a snapshot with the arm elsewhere, not down at an object; the held one goes along as `poses` say."""
-    return snapshot.with_poses(poses).with_arm(snapshot.arm._replace(joints=joints))
+    return snapshot.with_poses(poses).with_arm(replace(snapshot.arm, joints=joints))
 
 
 def require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:

@@ -12,8 +12,7 @@ from typing import NamedTuple
 from prag_asp.physics.bullet import STDOUT, pybullet, silenced
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
 from prag_asp.physics.robot.robot_files import robot_file
-from prag_asp.physics.witness import Arm, Moment
-from prag_asp.physics.witness_json import PARTS
+from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
 from prag_asp.physics.world.bodies import make_body, make_table, parking_place
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
@@ -192,7 +191,7 @@ class Dynamics:
     @property
     def parts(self) -> tuple[str, ...]:
         """The names of the bodies and links that contacts are told of, before those of the objects."""
-        grippers = [f"{part} of {name}" for name in self.scene.robots for part in PARTS]
+        grippers = [f"{part} of {name}" for name in self.scene.robots for part in ROBOT_PARTS]
         return (*grippers, "table")
 
     def contacts(self) -> Mapping[tuple[int, int], float]:

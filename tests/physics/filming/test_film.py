@@ -17,13 +17,13 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, compose
 from prag_asp.scene.variation import USUAL_LIGHT
 
-RECORDINGS = Path(__file__).parents[1] / "old_form"
+EPISODES = Path(__file__).parents[1] / "episodes"
 OBJECTS = ("bin_1", "brick_1", "brick_2", "can_1", "cube_1", "cube_2", "tray_1")
 
 
 @pytest.fixture(scope="module")
 def recorded():
-    return Demonstration.load(RECORDINGS / "one_robot.npz")
+    return Demonstration.load(EPISODES / "one_robot.npz")
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +129,7 @@ def test_each_picture_says_for_which_subgoal_is_worked(recorded):
 
 
 def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
-    shown = Demonstration.load(RECORDINGS / "two_robots.npz")
+    shown = Demonstration.load(EPISODES / "two_robots.npz")
     scene = load_scene(load_domain("two_arms"))
     footage = film(shown, scene, Staging(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
     assert footage.tools.shape == (2, 2, 7)

@@ -10,12 +10,12 @@ from prag_asp.physics import Demonstration, Staging, Variation, check_footage, f
 from prag_asp.physics.demonstration.packing import Packer
 from prag_asp.scene.scene import Mount
 
-RECORDINGS = Path(__file__).parents[1] / "old_form"
+EPISODES = Path(__file__).parents[1] / "episodes"
 
 
 @pytest.fixture(scope="module")
 def filmed(tabletop):
-    shown = Demonstration.load(RECORDINGS / "one_robot.npz")
+    shown = Demonstration.load(EPISODES / "one_robot.npz")
     drawn = Variation(light=(0.0, 0.0, 1.0), colours={"cube_1": "#112233"})
     return film(replace(shown, variation=drawn), tabletop, Staging(("front", "wrist"), (48, 32), rate=2))
 
