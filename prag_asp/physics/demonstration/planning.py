@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.route import Grip, Load, free_path, grip_of, pulled, straight, vertical
+from prag_asp.physics.motion.route import carrying, free_path, grasp_of, pulled, straight, vertical
 from prag_asp.physics.motion.trajectory import limits_of, timed
 from prag_asp.physics.robot.kinematics import adjusted, tool_pose
 from prag_asp.physics.situation import Situation
@@ -78,10 +78,11 @@ def planned_way(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, ac
         return timed(path, TIME_STEP, limits_of(robot))
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
-    load = Load(situation.arm(waypoint.robot).width, _seen_grip(situation, waypoint.robot, arm.held))
-    if not leg.way:
-        return free_path(planner, situation, load, arm.joints, goal, TIME_STEP)
-    return timed(_along(arm, leg, goal), TIME_STEP, load.limits(robot))
+    if leg.way:
+        return timed(_along(arm, leg, goal), TIME_STEP, limits_of(robot, loaded=arm.held is not None))
+    grasp = _measured_grasp(situation, waypoint.robot, arm.held)
+    loaded = carrying(arm, situation.arm(waypoint.robot).width, arm.held, grasp)
+    return free_path(planner, situation, loaded, goal, TIME_STEP)
 
 
 def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
@@ -94,9 +95,9 @@ def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: s
     return timed(path, TIME_STEP, limits_of(planner.robot, loaded=True))
 
 
-def _seen_grip(situation: Situation, robot: str, held: str | None) -> Grip | None:
-    """Return what a gripper holds, as it really lies in it."""
-    return None if held is None else Grip(held, compose(invert(situation.tool(robot)), situation.poses[held]))
+def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose | None:
+    """Return the grasp of the object that a gripper holds as it is in a situation, None if it holds none."""
+    return None if held is None else compose(invert(situation.tool(robot)), situation.poses[held])
 
 
 def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
@@ -115,12 +116,12 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
     """
     waypoint, before = leg.waypoint, action.before
     arms = (moment.arms[waypoint.robot] for moment in (before, action.after))
-    grip, seen = grip_of(waypoint.held, *arms), _seen_grip(situation, waypoint.robot, waypoint.held)
-    if grip is not None and seen is not None:
-        turn = _turn(compose(planned, seen.pose), compose(planned, grip.pose))
+    grasp, measured = grasp_of(waypoint.held, *arms), _measured_grasp(situation, waypoint.robot, waypoint.held)
+    if grasp is not None and measured is not None:
+        turn = _turn(compose(planned, measured), compose(planned, grasp))
         quaternion = multiply(turn, planned.quaternion)
-        x, y, z = compose(planned, grip.pose).position
-        dx, dy, dz = rotate(quaternion, seen.pose.position)
+        x, y, z = compose(planned, grasp).position
+        dx, dy, dz = rotate(quaternion, measured.position)
         return Pose((x - dx, y - dy, z - dz), quaternion)
     if leg.target is None:
         return planned

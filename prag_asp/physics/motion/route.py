@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.motion.clearance import Gaps, Passing, clear, gaps
-from prag_asp.physics.motion.trajectory import Limits, limits_of, timed
+from prag_asp.physics.motion.trajectory import limits_of, timed
 from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
@@ -39,37 +38,14 @@ PULL_RUNGS = 6
 STRAIGHT = 1e-3
 
 
-@dataclass(frozen=True)
-class Grip:
-    """What a gripper holds and how: the pose of the object in the frame of the tool."""
-
-    entity: str
-    pose: Pose
+def grasp_of(held: str | None, *arms: Arm) -> Pose | None:
+    """Return the grasp of the first of some states of an arm that hold an object, None if none does."""
+    return next((arm.grasp for arm in arms if arm.held is not None and arm.held == held and arm.grasp is not None), None)
 
 
-@dataclass(frozen=True)
-class Load:
-    """What moves with the gripper: its opening in metres, and what it holds."""
-
-    width: float
-    grip: Grip | None = None
-
-    @property
-    def held(self) -> str | None:
-        """The object that the gripper holds, None where it is empty."""
-        return None if self.grip is None else self.grip.entity
-
-    def limits(self, robot: Robot) -> Limits:
-        """Return how fast the joints of a robot may turn and gather speed on the way."""
-        return limits_of(robot, loaded=self.grip is not None)
-
-
-def grip_of(held: str | None, *arms: Arm) -> Grip | None:
-    """Return how the first of some states of an arm that hold an object do so, None where none does."""
-    for arm in arms:
-        if arm.held is not None and arm.held == held and arm.grasp is not None:
-            return Grip(arm.held, arm.grasp)
-    return None
+def carrying(arm: Arm, width: float, held: str | None, grasp: Pose | None) -> Arm:
+    """Return an arm with the gripper open by `width` metres and an object in it; without a grasp nothing moves along."""
+    return Arm(arm.joints, width, None if grasp is None else held, grasp)
 
 
 def vertical(robot: Robot, one: Joints, two: Joints) -> bool:
@@ -114,30 +90,31 @@ def pulled(robot: Robot, situation: Situation, furniture: str, grip: Pose, goal:
 
 
 def free_path(
-    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+    simulator: Simulator, situation: Situation, arm: Arm, goal: Joints, time_step: float
 ) -> NDArray[np.float64] | None:
     """Return the joint angles of every time step on a free way, shape (steps, 7); None where none is found."""
-    for path in _ways(simulator, start, goal):
-        angles = timed(path, time_step, load.limits(simulator.robot))
-        if _free(simulator, situation, load, np.concatenate([[start], angles])):
+    for path in _ways(simulator, arm.joints, goal):
+        angles = timed(path, time_step, limits_of(simulator.robot, loaded=arm.held is not None))
+        if _free(simulator, situation, arm, np.concatenate([[arm.joints], angles])):
             return angles
     return None
 
 
 def checked_path(
-    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+    simulator: Simulator, situation: Situation, arm: Arm, goal: Joints, time_step: float
 ) -> tuple[Joints, ...] | None:
     """Return joint angles on a free way, each a stride after the last; None where none is found.
 
     The ends are left out, and joints turn evenly from each to the next. Straight up and down there is one way only.
     """
+    start = arm.joints
     if vertical(simulator.robot, start, goal):
         path = straight(simulator.robot, start, goal)
-        return tuple(path[1:-1]) if path is not None and _free(simulator, situation, load, np.array(path)) else None
+        return tuple(path[1:-1]) if path is not None and _free(simulator, situation, arm, np.array(path)) else None
     for around in _ways(simulator, start, goal):
-        angles = timed(around, time_step, load.limits(simulator.robot))
+        angles = timed(around, time_step, limits_of(simulator.robot, loaded=arm.held is not None))
         way = tuple(_strides(start, angles))
-        if _free(simulator, situation, load, np.array([start, *way, goal])):
+        if _free(simulator, situation, arm, np.array([start, *way, goal])):
             return way
     return None
 
@@ -162,14 +139,14 @@ def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None
     return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
 
 
-def _free(simulator: Simulator, situation: Situation, load: Load, path: NDArray[np.float64]) -> bool:
+def _free(simulator: Simulator, situation: Situation, arm: Arm, path: NDArray[np.float64]) -> bool:
     """Tell whether the arm and what it holds keep clear of all else on a path, shape (points, 7), its ends left out."""
-    carried = _carried(situation, load)
+    carried = _carried(situation, arm)
     start, *between, goal = _looked_at(path)
-    first, last = (gaps(simulator, _passing(simulator, situation, load, carried, end)) for end in (start, goal))
+    first, last = (gaps(simulator, _passing(simulator, situation, arm, carried, end)) for end in (start, goal))
     found: list[Gaps] = []
     for joints in between:
-        here = gaps(simulator, _passing(simulator, situation, load, carried, joints))
+        here = gaps(simulator, _passing(simulator, situation, arm, carried, joints))
         if here.keys() - first.keys() - last.keys():
             return False
         found.append(here)
@@ -195,20 +172,16 @@ def _strides(start: Joints, angles: NDArray[np.float64]) -> Iterator[Joints]:
             yield tuple(row.tolist())
 
 
-def _carried(situation: Situation, load: Load) -> list[str]:
+def _carried(situation: Situation, arm: Arm) -> list[str]:
     """Return what moves with the gripper: what it holds, and what rests on that."""
-    if load.grip is None:
-        return []
-    held = load.grip.entity
-    return [held, *riders(situation, held, [other for other in situation.poses if other != held])]
+    held = arm.held
+    return [] if held is None else [held, *riders(situation, held, [each for each in situation.poses if each != held])]
 
 
-def _passing(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> Passing:
+def _passing(simulator: Simulator, situation: Situation, arm: Arm, carried: Sequence[str], joints: Joints) -> Passing:
     """Return where everything is with the arm at joint angles."""
-    if load.grip is not None:
-        delta = compose(
-            compose(tool_pose(simulator.robot, joints), load.grip.pose), invert(situation.poses[load.grip.entity])
-        )
+    if arm.held is not None and arm.grasp is not None:
+        delta = compose(compose(tool_pose(simulator.robot, joints), arm.grasp), invert(situation.poses[arm.held]))
         moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}
         situation = situation.with_poses({**situation.poses, **moved})
-    return Passing(situation, Arm(joints, load.width, load.held), carried)
+    return Passing(situation, Arm(joints, arm.width, arm.held), carried)

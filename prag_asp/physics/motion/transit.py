@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from prag_asp.physics.motion.route import Load, checked_path, grip_of
+from prag_asp.physics.motion.route import carrying, checked_path, grasp_of
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.furniture_handling import opened
 from prag_asp.physics.search.moving import with_riders
@@ -53,21 +53,23 @@ def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, a
     arms, poses, openings = dict(before.arms), _relocated(effect, before, after), before.openings
     for waypoint in own:
         robot = waypoint.robot
-        grip = grip_of(waypoint.held, arms[robot], after.arms[robot])
-        load = Load(waypoint.width, grip)
+        grasp = grasp_of(waypoint.held, arms[robot], after.arms[robot])
         situation = Situation(simulator.scene, poses, dict(arms), openings)
         if waypoint.opening is not None:  # the way of a handle has been checked step by step
             moved = opened(situation, str(waypoint.held), waypoint.opening, list(poses))
             poses, openings = moved.poses, moved.openings
         elif waypoint.joints != arms[robot].joints:
             simulator.turn_to(robot)
-            way = checked_path(simulator, situation, load, arms[robot].joints, waypoint.joints, TIME_STEP)
+            arm = carrying(arms[robot], waypoint.width, waypoint.held, grasp)
+            way = checked_path(simulator, situation, arm, waypoint.joints, TIME_STEP)
             if way is None:
                 return None
             found += [Waypoint(TRANSIT, robot, each, waypoint.width, waypoint.held) for each in way]
-            poses = _carried(situation, load, tool_pose(robot_of(simulator.scene, robot), waypoint.joints))
+            if arm.held is not None and grasp is not None:
+                tool = tool_pose(robot_of(simulator.scene, robot), waypoint.joints)
+                poses = with_riders(situation, arm.held, compose(tool, grasp), situation.poses)
         found.append(waypoint)
-        arms[robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, None if grip is None else grip.pose)
+        arms[robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, grasp)
     return tuple(found)
 
 
@@ -76,10 +78,3 @@ def _relocated(effect: Effect, before: Moment, after: Moment) -> Mapping[str, Po
     if (effect.grasps, effect.releases, effect.holds) == (None, None, None):
         return after.poses
     return before.poses
-
-
-def _carried(situation: Situation, load: Load, tool: Pose) -> Mapping[str, Pose]:
-    """Return where the objects are after the gripper has carried its load to a pose of the tool."""
-    if load.grip is None:
-        return situation.poses
-    return with_riders(situation, load.grip.entity, compose(tool, load.grip.pose), situation.poses)

@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.motion.clearance import CLEARANCE, clear
-from prag_asp.physics.motion.route import Grip, Load, _free, free_path, straight, vertical
+from prag_asp.physics.motion.route import _free, free_path, straight, vertical
 from prag_asp.physics.motion.trajectory import LOADED_ACCELERATION, ROUNDING, blended, limits_of, timed
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import KUKA, PANDA, Joints
@@ -158,15 +159,15 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
     start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
     with open_simulator(_walled(tabletop, 0.2)) as simulator:
         poses = {"brick_1": Pose((0.6, 0.0, 0.1))}
-        load = Load(0.05)
+        arm = Arm(start, 0.05)
         if held:
             poses["cube_1"] = Pose((0.5, -0.2, 0.115))
-            load = Load(0.05, Grip("cube_1", Pose((0.0, 0.0, 0.005), DOWN)))
+            arm = Arm(start, 0.05, "cube_1", Pose((0.0, 0.0, 0.005), DOWN))
         situation = Situation(simulator.scene, poses)
         direct = timed([start, goal], TIME_STEP, limits_of(PANDA))
         simulator.place({"brick_1": poses["brick_1"]})
         assert _gap(simulator, direct, held) < -0.01
-        found = free_path(simulator, situation, load, start, goal, TIME_STEP)
+        found = free_path(simulator, situation, arm, goal, TIME_STEP)
         assert found is not None and found[-1] == pytest.approx(goal)
         simulator.place({"brick_1": poses["brick_1"]})
         assert _gap(simulator, found, held) > 0.8 * CLEARANCE
@@ -182,7 +183,7 @@ def test_a_way_over_a_wall_is_free_where_it_keeps_a_centimetre_away(tabletop):
             pose = Pose((0.6, 0.0, height))
             simulator.place({"brick_1": pose})
             gap = _gap(simulator, rows, False)
-            free = _free(simulator, Situation(scene, {"brick_1": pose}), Load(0.05), rows)
+            free = _free(simulator, Situation(scene, {"brick_1": pose}), Arm(start, 0.05), rows)
             if not 0.9 * CLEARANCE < gap < 1.1 * CLEARANCE:
                 assert free == (gap > CLEARANCE), gap
                 found.add((free, gap > 0.0))
@@ -205,4 +206,4 @@ def test_no_path_is_made_up_where_there_is_none(tabletop):
     start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
     with open_simulator(_walled(tabletop, 1.8)) as simulator:
         situation = Situation(simulator.scene, {"brick_1": Pose((0.6, 0.0, 0.9))})
-        assert free_path(simulator, situation, Load(0.05), start, goal, TIME_STEP) is None
+        assert free_path(simulator, situation, Arm(start, 0.05), goal, TIME_STEP) is None
