@@ -168,7 +168,7 @@ def _searched(look: Look, draw: Draw, task: Task, validator: Validator) -> tuple
     verdicts = _verdicts(look, draw, task, validator)
     first = verdicts[0].to_json()
     texts = [first.pop("witness"), *(None if each.witness is None else each.witness.to_json() for each in verdicts[1:])]
-    recordings = tuple(None if each.demonstration is None else each.demonstration.packed() for each in verdicts)
+    recordings = tuple(None if each.demonstration is None else each.demonstration.to_bytes() for each in verdicts)
     starts = [
         Start(each.index, msgspec.Raw(msgspec.json.encode(text)), _recorded(each.demonstration, content))
         for each, text, content in zip(verdicts, texts, recordings, strict=True)

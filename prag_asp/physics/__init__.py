@@ -1,7 +1,7 @@
-"""Whether a robot can do a task: spatial predicates, witnesses, and the search for them in PyBullet.
+"""Physical feasibility of tasks: spatial predicates, witnesses, and the search for them in PyBullet.
 
-The names below are loaded when they are first used: those that compute no motion need neither PyBullet nor frankik. The
-others raise `PhysicsMissingError` where these are not installed.
+The names below are loaded when they are first used. Those that compute no motion need neither PyBullet nor frankik; the
+others raise `PhysicsMissingError` if these are not installed.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.filming.film import film
 from prag_asp.physics.motion.transit import with_transit
-from prag_asp.physics.search.attempt import NO_PATH, Fault
+from prag_asp.physics.search.attempt import NO_PATH, PhysicsFault
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.verdict import Budget, Tier
 from prag_asp.physics.witness import Witness
@@ -32,7 +32,7 @@ class TierOutcome(NamedTuple):
     """
 
     witness: Witness
-    fault: Fault | None = None
+    fault: PhysicsFault | None = None
     demonstration: Demonstration | None = None
 
 
@@ -59,18 +59,18 @@ class TierPipeline:
         if budget.includes(Tier.TRANSIT) and not witness.has_transit:
             complete = with_transit(self._simulator, physical, witness)
             if complete is None:
-                return TierOutcome(witness, Fault(NO_PATH))
+                return TierOutcome(witness, PhysicsFault(NO_PATH))
             witness = complete
         if not budget.includes(Tier.DEMONSTRATION):
             return TierOutcome(witness)
         demonstration = self._perform(physical, witness, seeds, staging)
         if not demonstration.success:
-            return TierOutcome(witness, Fault(demonstration.cause, text=demonstration.detail), demonstration)
+            return TierOutcome(witness, PhysicsFault(demonstration.cause, text=demonstration.detail), demonstration)
         return TierOutcome(
             witness, None, film(demonstration, self._scene, staging) if staging.cameras else demonstration
         )
 
-    def _settle(self, physical: PhysicalTask, witness: Witness) -> Fault | None:
+    def _settle(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
         if self._settling is None:
             self._settling = self._resources.enter_context(open_settling(self._scene))
         return self._settling.fault(physical, witness)
@@ -80,7 +80,7 @@ class TierPipeline:
     ) -> Demonstration:
         if self._performer is None:
             self._performer = self._resources.enter_context(open_performer(self._scene, self._simulator))
-        variation = staging.drawn(self._scene.with_sizes(witness.sizes), physical.objects, seeds)
+        variation = staging.sample_variation(self._scene.with_sizes(witness.sizes), physical.objects, seeds)
         return self._performer.perform(physical, witness, variation)
 
 
@@ -103,7 +103,7 @@ def open_tier_check(
 
         def check(task: Task, witness: Witness, index: int = 0) -> TierOutcome:
             for problem in witness_problems(task, witness, simulator, scene)[:1]:
-                return TierOutcome(witness, Fault(problem))
+                return TierOutcome(witness, PhysicsFault(problem))
             return pipeline.run(physical_task(task, scene), witness, budget, (seed, index, 0), staging or Staging())
 
         yield check

@@ -14,11 +14,11 @@ from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.action_effects import advance
-from prag_asp.physics.search.attempt import CAUSES, Exhausted, Failure, Fault, Search, Snapshot
+from prag_asp.physics.search.attempt import CAUSES, Exhausted, Failure, PhysicsFault, Search, Snapshot
 from prag_asp.physics.search.foresight import foresee
-from prag_asp.physics.search.initial_state import draw_start
+from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
-from prag_asp.physics.symbolic_facts import Effect, PhysicalTask, physical_task
+from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical_task
 from prag_asp.physics.tiers import TierPipeline
 from prag_asp.physics.verdict import Budget, Detail, Status, Verdict
 from prag_asp.physics.witness import Waypoint, Witness
@@ -71,7 +71,7 @@ class Validator:
         self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
     ) -> Verdict:
         """Search for a witness that passes the tiers of a budget."""
-        faults = Counter[Fault]()
+        faults = Counter[PhysicsFault]()
         status: Status = "not_found"
         restarts, witness, demonstration = budget.restarts, None, None
         for restart in range(budget.restarts):
@@ -144,9 +144,9 @@ def validate_task(
 
 
 def _attempt(
-    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[Fault]
+    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[PhysicsFault]
 ) -> Witness | None:
-    """Return a witness found from one first state, None where an action fails in all its samples."""
+    """Return a witness found from one initial state, None if an action fails in all its samples."""
     snapshot = _start(search, physical, samples, faults)
     if snapshot is None:
         return None
@@ -161,20 +161,20 @@ def _attempt(
     return Witness(tuple(moments), tuple(motions), sizes)
 
 
-def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter[Fault]) -> Snapshot | None:
-    """Return a first state, None where all samples fail."""
+def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter[PhysicsFault]) -> Snapshot | None:
+    """Return an initial state, None if all samples fail."""
     for _ in range(samples):
         try:
-            return draw_start(search, physical)
+            return sample_initial_state(search, physical)
         except Failure as failure:
             faults[failure.fault] += 1
     return None
 
 
 def _step(
-    search: Search, snapshot: Snapshot, effect: Effect, samples: int, faults: Counter[Fault]
+    search: Search, snapshot: Snapshot, effect: ActionEffect, samples: int, faults: Counter[PhysicsFault]
 ) -> tuple[Snapshot, tuple[Waypoint, ...]] | None:
-    """Return what an action leads to, None where all samples fail."""
+    """Return what an action leads to, None if all samples fail."""
     for attempt in range(samples):
         try:
             return advance(search, snapshot, effect, attempt)
@@ -185,25 +185,25 @@ def _step(
     return None
 
 
-def _causes(faults: Counter[Fault]) -> dict[str, int]:
+def _causes(faults: Counter[PhysicsFault]) -> dict[str, int]:
     """Return how often attempts failed for each cause, in the order of the checks."""
     counted = _by_cause(faults)
     return {cause: counted[cause] for cause in CAUSES if counted[cause]}
 
 
-def _most_common(faults: Counter[Fault]) -> str:
+def _most_common(faults: Counter[PhysicsFault]) -> str:
     """Return the cause for which most attempts failed, of several the first one met."""
     return _by_cause(faults).most_common(1)[0][0]
 
 
-def _by_cause(faults: Counter[Fault]) -> Counter[str]:
+def _by_cause(faults: Counter[PhysicsFault]) -> Counter[str]:
     counted: Counter[str] = Counter()
     for fault, number in faults.items():
         counted[fault.cause] += number
     return counted
 
 
-def _details(faults: Counter[Fault], scene: Scene) -> tuple[Detail, ...]:
+def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
     """Return of what the attempts failed that say so, the most common first, `LISTED` at most."""
     found: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
     for fault, number in faults.items():

@@ -56,7 +56,7 @@ GIVE = HANDOVER.index("give(left,right,bar_1)")
 def with_arm(moment: Moment, **changes: object) -> Moment:
     """Return a moment of one robot with its arm changed."""
     [(robot, arm)] = moment.arms.items()
-    return replace(moment, arms={robot: arm._replace(**changes)})
+    return replace(moment, arms={robot: replace(arm, **changes)})
 
 
 def state(*fluents: str) -> dict[Atom, bool]:

@@ -45,7 +45,7 @@ class Touch(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Asked:
+class IntendedContacts:
     """The contacts that a task asks for during an action.
 
     `handled` are the bodies that the fingers of each robot may touch; `resting` are pairs of bodies of which the first
@@ -56,7 +56,7 @@ class Asked:
     resting: frozenset[Pair]
 
 
-def asked(physical: PhysicalTask, number: int, *around: Situation) -> Asked:
+def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -> IntendedContacts:
     """Return the contacts that a task asks for during an action, counted from 1; 0 is before the first.
 
     `around` are the situations before and after it.
@@ -69,17 +69,17 @@ def asked(physical: PhysicalTask, number: int, *around: Situation) -> Asked:
         if effect is not None and effect.robot in (None, robot):
             bodies |= {effect.grasps, effect.releases, effect.holds, effect.visits, *effect.turns}
         handled[robot] = frozenset(body for body in bodies if body is not None)
-    return Asked(handled, frozenset(pair for situation in around for pair in _resting(situation)))
+    return IntendedContacts(handled, frozenset(pair for situation in around for pair in _resting(situation)))
 
 
-def unasked(touches: Iterable[Touch], wanted: Asked) -> list[Touch]:
+def unintended_contacts(touches: Iterable[Touch], wanted: IntendedContacts) -> list[Touch]:
     """Return the contacts of an action for which the task does not ask, of each two bodies the one with most force."""
     found: dict[Pair, Touch] = {}
     for together in _frames(touches):
         moved = _moved(together, wanted)
         for touch in together:
             pair = (touch.one, touch.two)
-            if touch.force > GENTLE and not _is_asked(touch, moved, wanted):
+            if touch.force > GENTLE and not _is_intended(touch, moved, wanted):
                 worst = found.get(pair)
                 found[pair] = touch if worst is None or touch.force > worst.force else worst
     return sorted(found.values(), key=lambda touch: touch.frame)
@@ -92,7 +92,7 @@ class _Moved(NamedTuple):
     riding: frozenset[str]
 
 
-def _moved(touches: Iterable[Touch], wanted: Asked) -> _Moved:
+def _moved(touches: Iterable[Touch], wanted: IntendedContacts) -> _Moved:
     """Return what the robots move in a frame."""
     pairs = [pair for touch in touches for pair in ((touch.one, touch.two), (touch.two, touch.one))]
     touched = {two for one, two in pairs if _part(one)[0] in FINGERS and not _part(two)[0]} - {BOARD}
@@ -102,8 +102,8 @@ def _moved(touches: Iterable[Touch], wanted: Asked) -> _Moved:
     return _Moved(frozenset(touched), frozenset(riding - touched))
 
 
-def _is_asked(touch: Touch, moved: _Moved, wanted: Asked) -> bool:
-    """Tell whether a task asks for a contact, or no robot has to do with it."""
+def _is_intended(touch: Touch, moved: _Moved, wanted: IntendedContacts) -> bool:
+    """Return whether a task asks for a contact, or no robot has to do with it."""
     (part, robot), (other_part, other_robot) = _part(touch.one), _part(touch.two)
     if part and other_part:
         return False
@@ -126,7 +126,7 @@ def _frames(touches: Iterable[Touch]) -> Iterator[Sequence[Touch]]:
 
 
 def _at_hand(fact: Fact, robot: str) -> bool:
-    """Tell whether a fact says that the gripper of a robot holds something or is at it."""
+    """Return whether a fact says that the gripper of a robot holds something or is at it."""
     return fact.value and fact.predicate.gripper in (Gripper.HOLDS, Gripper.AT) and fact.arguments[0] == robot
 
 

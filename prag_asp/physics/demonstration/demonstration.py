@@ -31,17 +31,17 @@ ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings",
 TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
 
 VARIED = "varied"
-"""The text of what was drawn, which most recordings do not have."""
+"""The text of what was drawn, which most episodes do not have."""
 
 LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
-"""Bytes of the file of a recording, and of its arrays but for pictures, which stay compressed."""
+"""Bytes of the file of an episode, and of its arrays except for pictures, which stay compressed."""
 
 FRAMES_A_SECOND = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstration:
-    """A recording at 20 Hz of a task being performed: T frames, O objects, F of them furniture, C contacts, R robots.
+    """An episode at 20 Hz of a task being performed: T frames, O objects, F of them furniture, C contacts, R robots.
 
     `times` (T,) in seconds; `joints` (T, R, 7) in radians, in the order of the names of `robots`; `widths` (T, R) how
     far their grippers are open in metres; `commands` (T, R, 8) the joint angles and the opening that the motors drive
@@ -79,7 +79,7 @@ class Demonstration:
         return not self.cause
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether two recordings are the same, bit by bit."""
+        """Return whether two episodes are the same, bit by bit."""
         if not isinstance(other, Demonstration):
             return NotImplemented
         names = [each.name for each in fields(self) if each.name not in ("footage", "variation")]
@@ -88,7 +88,7 @@ class Demonstration:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def sized(self, scene: Scene) -> Scene:
+    def sized_scene(self, scene: Scene) -> Scene:
         """Return a scene with the sizes of the recorded objects, and with what was drawn for them.
 
         Raises:
@@ -104,14 +104,16 @@ class Demonstration:
         Raises:
             SceneError: the scene does not allow the size of an object.
         """
-        return situation_of(self.sized(scene), self.objects, self.poses[frame], self.opened(frame), self.arms(frame))
+        return situation_of(
+            self.sized_scene(scene), self.objects, self.poses[frame], self.openings_at(frame), self.arms(frame)
+        )
 
     def arms(self, frame: int) -> dict[str, Arm]:
         """Return the arms in a frame by the names of their robots."""
         rows = zip(self.robots, self.joints[frame].tolist(), self.widths[frame].tolist(), strict=True)
         return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
-    def opened(self, frame: int) -> dict[str, float]:
+    def openings_at(self, frame: int) -> dict[str, float]:
         """Return how far furniture is open in a frame, in metres or radians."""
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
@@ -123,17 +125,17 @@ class Demonstration:
             yield Touch(frame, self.bodies[one], self.bodies[two], force)
 
     def save(self, path: Path) -> None:
-        """Write the recording whole as a compressed .npz file with its `version`; equal ones have equal bytes.
+        """Write the episode whole as a compressed .npz file with its `version`; equal ones have equal bytes.
 
         Raises:
             OutputError: the file cannot be written.
         """
         try:
-            replace_file(path, self.packed())
+            replace_file(path, self.to_bytes())
         except ValueError as error:
             raise OutputError(f"{path}: {error}") from None
 
-    def packed(self) -> bytes:
+    def to_bytes(self) -> bytes:
         """Return the content of the file that `save` writes.
 
         Raises:
@@ -147,7 +149,7 @@ class Demonstration:
         buffer = BytesIO()
         np.savez_compressed(buffer, **content)
         archive = buffer.getvalue()
-        return archive if self.footage is None else with_packed(archive, self.footage.packed())
+        return archive if self.footage is None else with_packed(archive, self.footage.packed_arrays())
 
     @classmethod
     def load(cls, path: str | Path, *, within: str | Path | None = None) -> Demonstration:
@@ -168,7 +170,7 @@ class Demonstration:
 
 
 def _read(file: BinaryIO, path: Path) -> Demonstration:
-    """Return the recording in a file.
+    """Return the episode in a file.
 
     Raises:
         OSError: the file cannot be read.
@@ -189,8 +191,8 @@ def _read(file: BinaryIO, path: Path) -> Demonstration:
     return replace(found, footage=footage, variation=_variation(content.get(VARIED)))
 
 
-def drawn_for(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
-    """Return what was drawn for the recording in a file, None where nothing was; nothing else of it is read.
+def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
+    """Return what was drawn for the episode in a file, None if nothing was; nothing else of it is read.
 
     Raises:
         QueryError: the file cannot be read, or holds something else.
@@ -205,7 +207,7 @@ def drawn_for(path: str | Path, *, within: str | Path | None = None) -> Variatio
 
 
 def _variation(text: NDArray[Any] | None) -> Variation | None:
-    """Return what was drawn for a recording, None where nothing was.
+    """Return what was drawn for an episode, None if nothing was.
 
     Raises:
         ValueError: it is of another form.
@@ -238,7 +240,7 @@ def pose_of(row: list[float]) -> Pose:
 
 
 def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
-    """Return a recording from the arrays of a file.
+    """Return an episode from the arrays of a file.
 
     Raises:
         ValueError: their shapes do not belong together, or they hold something else.
@@ -265,7 +267,7 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
 
 
 def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
-    """Check that the arrays of a recording belong together.
+    """Check that the arrays of an episode belong together.
 
     Raises:
         ValueError: they do not, or they hold something else.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.demonstration.contacts import asked, unasked
+from prag_asp.physics.demonstration.contacts import intended_contacts, unintended_contacts
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import physical_task
@@ -33,12 +33,12 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
             return [f"state {k}: there is no frame {frame}"]
         try:
             situation = demonstration.situation(scene, frame)
-            wanted = asked(physical, k, begun or situation, situation)
-            broken = [fact for fact in facts if not fact.satisfied(situation)]
+            wanted = intended_contacts(physical, k, begun or situation, situation)
+            broken = [fact for fact in facts if not fact.is_satisfied(situation)]
         except SceneError as error:
             return [f"state {k}: {error}"]
         touches = demonstration.touches(ends[k - 1] + 1 if k else 0, frame)
-        found += [f"{_during(task, k)}: {touch.sentence()}" for touch in unasked(touches, wanted)]
+        found += [f"{_during(task, k)}: {touch.sentence()}" for touch in unintended_contacts(touches, wanted)]
         found += [f"state {k}: it does not hold that {fact.sentence()}" for fact in broken]
         begun = situation
     return found

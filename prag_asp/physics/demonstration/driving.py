@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.demonstration.recording import FRAME_STEPS, Recorder
-from prag_asp.physics.world.dynamics import STILL, TIME_STEP, Command, Dynamics
+from prag_asp.physics.world.dynamics import STILL, TIME_STEP, ArmCommand, Dynamics
 from prag_asp.scene.robots import Joints
 
 LONGEST_REST = 0.5
@@ -22,13 +22,13 @@ FINGER_SPEED = 0.16
 class Driver:
     """Drives the arms of a world; those that are not told to move hold their places by their motors."""
 
-    def __init__(self, world: Dynamics, recorder: Recorder, commands: Mapping[str, Command]):
+    def __init__(self, world: Dynamics, recorder: Recorder, commands: Mapping[str, ArmCommand]):
         self._world, self._recorder = world, recorder
         self._commands = dict(commands)
         self._steps = 0
         self._still = False
         for robot, command in commands.items():
-            self._tell(robot, command)
+            self._command(robot, command)
         recorder.frame(self._commands)
 
     def joints(self, robot: str) -> Joints:
@@ -44,16 +44,16 @@ class Driver:
         begun, opening = self._commands[robot]
         speeds = np.diff(angles, axis=0, prepend=np.array([begun])) / TIME_STEP
         for row, speed in zip(angles.tolist(), speeds.tolist(), strict=True):
-            self._tell(robot, Command(tuple(row), opening), speed)
+            self._command(robot, ArmCommand(tuple(row), opening), speed)
             self._step()
-        self._tell(robot, self._commands[robot])
+        self._command(robot, self._commands[robot])
 
     def move_fingers(self, robot: str, opening: float) -> None:
         """Move the fingers of an arm to an opening in metres, at `FINGER_SPEED`."""
         joints, begun = self._commands[robot]
         steps = math.ceil(abs(opening - begun) / FINGER_SPEED / TIME_STEP)
         for i in range(1, steps + 1):
-            self._tell(robot, Command(joints, begun + i / steps * (opening - begun)))
+            self._command(robot, ArmCommand(joints, begun + i / steps * (opening - begun)))
             self._step()
 
     def rest(self) -> None:
@@ -65,7 +65,7 @@ class Driver:
             if self._still:
                 return
 
-    def _tell(self, robot: str, command: Command, speeds: Sequence[float] = STILL) -> None:
+    def _command(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
         """Tell the motors of an arm what to drive to, with speeds of the joints in radians a second."""
         self._commands[robot] = command
         self._world.drive(robot, command, speeds)

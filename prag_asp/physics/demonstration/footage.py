@@ -33,7 +33,7 @@ def segmentation_type(legend: Sequence[str]) -> str:
 class Picture(NamedTuple):
     """What a camera sees at a moment: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
 
-    The depth is along the axis of the camera, 0 where there is nothing; the segmentation is positions in the legend.
+    The depth is along the axis of the camera, 0 if there is nothing; the segmentation is positions in the legend.
     """
 
     rgb: NDArray[np.uint8]
@@ -81,7 +81,7 @@ class Film:
             yield Picture(rgb, depth, segmentation)
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether two films are the same, bit by bit."""
+        """Return whether two films are the same, bit by bit."""
         if not isinstance(other, Film):
             return NotImplemented
         same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in OF_CAMERA)
@@ -92,9 +92,9 @@ class Film:
 
 @dataclass(frozen=True, eq=False)
 class Footage:
-    """The films of a recording, by the names of the cameras, and what its R robots do in each of the N pictures.
+    """The films of an episode, by the names of the cameras, and what its R robots do in each of the N pictures.
 
-    `frames` (N,) are the frames of the recording that are shown; `tools` (N, R, 7) the poses of the points between the
+    `frames` (N,) are the frames of the episode that are shown; `tools` (N, R, 7) the poses of the points between the
     finger tips as x, y, z in metres and a quaternion x, y, z, w; `deltas` (N, R, 6) how they move until the next
     picture: metres along the axes of the scene, and a rotation vector in radians, about those too; `grippers` (N, R)
     how far they are open in metres; `subgoals` (N,) which of the task's subgoals is being worked for, 0 the first.
@@ -110,7 +110,7 @@ class Footage:
     films: Mapping[str, Film]
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether two are the same, bit by bit."""
+        """Return whether two are the same, bit by bit."""
         if not isinstance(other, Footage):
             return NotImplemented
         names = [each.name for each in fields(self) if each.name != "films"]
@@ -127,7 +127,7 @@ class Footage:
             found |= {f"{name}/{each}": getattr(film, each) for each in OF_CAMERA}
         return found
 
-    def packed(self) -> dict[str, Packed]:
+    def packed_arrays(self) -> dict[str, Packed]:
         """Return the arrays of a file that are large."""
         return {
             f"{name}/{what}": packed
@@ -137,14 +137,14 @@ class Footage:
 
 
 def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Footage | None:
-    """Return the films of a recording with so many frames and robots, None where it has none.
+    """Return the films of an episode with so many frames and robots, None if it has none.
 
     `at_most` bounds the bytes of what is not pictures.
 
     Raises:
         OSError: the file cannot be read.
         BadArchive: they are of another form.
-        ValueError: they do not fit the recording.
+        ValueError: they do not fit the episode.
     """
     lists = read_arrays(file, LISTS, at_most)
     if not lists:

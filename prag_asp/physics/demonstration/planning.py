@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.route import carrying, free_path, grasp_of, pulled, straight, vertical
-from prag_asp.physics.motion.trajectory import limits_of, timed
-from prag_asp.physics.robot.kinematics import adjusted, tool_pose
+from prag_asp.physics.motion.route import carry_object, free_path, grasp_of, is_vertical, pull_path, straight_path
+from prag_asp.physics.motion.trajectory import joint_limits, time_path
+from prag_asp.physics.robot.kinematics import adjust_joints, tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.symbolic_facts import Effect
+from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
@@ -31,7 +31,7 @@ LARGEST_TURN = 0.3
 class Action:
     """An action as a witness shows it: what it brings about, the moments before and after, the waypoints between."""
 
-    effect: Effect
+    effect: ActionEffect
     before: Moment
     after: Moment
     motion: tuple[Waypoint, ...]
@@ -50,7 +50,7 @@ class Leg:
     target: str | None
 
 
-def legs(action: Action) -> Iterator[Leg]:
+def action_legs(action: Action) -> Iterator[Leg]:
     """Yield the parts of an action."""
     way: list[Joints] = []
     planned = {name: arm.joints for name, arm in action.before.arms.items()}
@@ -63,36 +63,36 @@ def legs(action: Action) -> Iterator[Leg]:
         planned[waypoint.robot], way = waypoint.joints, []
 
 
-def planned_way(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
-    """Return the joint angles of every time step on a way, shape (steps, 7); None where no free one is found.
+def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
+    """Return the joint angles of every time step on a way, shape (steps, 7); None if no free one is found.
 
     It is straight up or down, the one of the witness, or another that is free. `situation` is what is seen now, `arm`
     what the motors hold.
     """
     robot, waypoint = planner.robot, leg.waypoint
-    if vertical(robot, leg.start, waypoint.joints):
+    if is_vertical(robot, leg.start, waypoint.joints):
         height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, leg.start).position[2]
         tool = raised(tool_pose(robot, arm.joints), height)
-        goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
-        path = straight(robot, arm.joints, goal) or [arm.joints, goal]
-        return timed(path, TIME_STEP, limits_of(robot))
+        goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
+        path = straight_path(robot, arm.joints, goal) or [arm.joints, goal]
+        return time_path(path, TIME_STEP, joint_limits(robot))
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
-    goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
+    goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
     if leg.way:
-        return timed(_along(arm, leg, goal), TIME_STEP, limits_of(robot, loaded=arm.held is not None))
+        return time_path(_along(arm, leg, goal), TIME_STEP, joint_limits(robot, loaded=arm.held is not None))
     grasp = _measured_grasp(situation, waypoint.robot, arm.held)
-    loaded = carrying(arm, situation.arm(waypoint.robot).width, arm.held, grasp)
+    loaded = carry_object(arm, situation.arm(waypoint.robot).width, arm.held, grasp)
     return free_path(planner, situation, loaded, goal, TIME_STEP)
 
 
-def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
+def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
     """Return the joint angles of every time step on which an arm moves furniture, shape (steps, 7).
 
     `opening` is how far it shall be open, in metres or radians.
     """
     grip = compose(invert(situation.part(furniture)), tool_pose(planner.robot, arm.joints))
-    path = pulled(planner.robot, situation, furniture, grip, opening, arm.joints)
-    return timed(path, TIME_STEP, limits_of(planner.robot, loaded=True))
+    path = pull_path(planner.robot, situation, furniture, grip, opening, arm.joints)
+    return time_path(path, TIME_STEP, joint_limits(planner.robot, loaded=True))
 
 
 def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose | None:
@@ -136,6 +136,6 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
 
 
 def _turn(one: Pose, two: Pose) -> tuple[float, float, float, float]:
-    """Return the rotation about z from the heading of one pose to that of another, none where it is not small."""
+    """Return the rotation about z from the heading of one pose to that of another, none if it is not small."""
     angle = wrap(yaw_of(two.quaternion) - yaw_of(one.quaternion))
     return yaw_quaternion(angle if abs(angle) < LARGEST_TURN else 0.0)

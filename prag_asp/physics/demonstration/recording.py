@@ -11,7 +11,7 @@ from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.demonstration import Demonstration, situation_of
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
+from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, Dynamics
 
 FRAME_STEPS = 6
 """Time steps of a frame: 20 frames a second."""
@@ -38,7 +38,7 @@ class Recorder:
             if force > self._pressing.get(pair, 0.0):
                 self._pressing[pair] = force
 
-    def frame(self, commands: Mapping[str, Command]) -> None:
+    def frame(self, commands: Mapping[str, ArmCommand]) -> None:
         """Record the world as it is, with what the motors of each arm drive to."""
         arms = self._world.arms()
         rows = [[*pose.position, *pose.quaternion] for pose in self._world.poses().values()]
@@ -75,7 +75,7 @@ class Recorder:
         return situation_of(self._world.scene, self._objects, poses, openings, arms)
 
     def finish(self, cause: str = "", detail: str = "") -> Demonstration:
-        """Return the recording."""
+        """Return the episode."""
         shapes, robots = self._world.scene.shapes, tuple(self._world.scene.robots)
         arms, frames = np.array(self._arms, dtype=np.float32), len(self._arms)
         return Demonstration(

@@ -1,1 +1,1 @@
-"""What cameras of a scene see of a recording."""
+"""What cameras of a scene see of an episode."""

@@ -66,7 +66,7 @@ def low_files(kind: str) -> Mapping[str, bytes]:
 
 
 def _rgb(material: ElementTree.Element) -> Colour | None:
-    """Return the colour of a material, None where it only names one."""
+    """Return the colour of a material, None if it only names one."""
     color = material.find("color")
     if color is None:
         return None
@@ -119,7 +119,7 @@ def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:
             painted = DARK if max(colours.get(name, WHITE)) < DARK_BELOW else WHITE
             colour = painted if min(given) > WHITE_ABOVE else given
             cell = min(CELL, max(longest / CELLS, FINEST))
-            found.setdefault(colour, []).append(clustered(mesh, cell))
+            found.setdefault(colour, []).append(cluster_corners(mesh, cell))
     return found
 
 
@@ -158,7 +158,7 @@ def _colours(text: str) -> Mapping[str, Colour]:
     return found
 
 
-def clustered(mesh: Mesh, cell: float) -> Mesh:
+def cluster_corners(mesh: Mesh, cell: float) -> Mesh:
     """Return a mesh in which all corners within a cube of a grid are one, at their mean; `cell` is its side in metres.
 
     Triangles that become lines or points, or that were there already, are gone.

@@ -41,7 +41,7 @@ class Backdrop(NamedTuple):
     numbers: NDArray[np.int32]
 
 
-class Patch(NamedTuple):
+class LevelPatch(NamedTuple):
     """A level rectangle: its middle and half its sides in metres, its yaw, its colour and its number.
 
     `z` is how high over the table it is, in metres.
@@ -65,31 +65,31 @@ def _rays(camera: Camera) -> tuple[Floats, Floats]:
     return x[None, :].astype(np.float32), y[:, None].astype(np.float32)
 
 
-def patches(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
+def patches(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
     """Return the zones of a scene as rectangles; `numbers` are those of the entities."""
     found = []
     for entity, shape in scene.shapes.items():
         if shape.kind == "zone":
             x, y, yaw = scene.fixed[entity]
-            found.append(Patch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
+            found.append(LevelPatch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
     return found
 
 
 def has_still_floor(scene: Scene, entity: str) -> bool:
-    """Tell whether an entity is a container that stands on the table for good, so that its floor needs no triangles."""
+    """Return whether an entity is a container fixed on the table, so that its floor needs no triangles."""
     shape = scene.shapes[entity]
     return shape.kind == "container" and shape.model is None and entity in scene.fixed
 
 
-def floors(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
-    """Return the floors of containers that stand on the table for good; `numbers` are those of the entities."""
+def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
+    """Return the floors of containers that stand on the table permanently; `numbers` are those of the entities."""
     found = []
     for entity, shape in scene.shapes.items():
         if entity in numbers and has_still_floor(scene, entity):
             x, y, yaw = scene.fixed[entity]
             half = shape.half[0] - shape.wall / 2, shape.half[1] - shape.wall / 2
             color = scene.colors.get(entity, "#808080")
-            found.append(Patch(x, y, half, yaw, color, numbers[entity], shape.wall))
+            found.append(LevelPatch(x, y, half, yaw, color, numbers[entity], shape.wall))
     return found
 
 
@@ -97,10 +97,10 @@ def backdrop(
     scene: Scene,
     camera: Camera,
     pose: NDArray[np.float64],
-    zones: Sequence[Patch],
+    zones: Sequence[LevelPatch],
     table: int,
     light: Vector,
-    raised: Sequence[Patch] = (),
+    raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
     """Return what a camera at a pose sees of the table, the zones, what is `raised` over it, and what is around.
 
@@ -138,8 +138,8 @@ def backdrop(
     return Backdrop(rgb, depth, numbers)
 
 
-def _within(x: Floats, y: Floats, zone: Patch) -> NDArray[np.bool_]:
-    """Tell which points of the table's top lie in a zone."""
+def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
+    """Return which points of the table's top lie in a zone."""
     cosine, sine = math.cos(zone.yaw), math.sin(zone.yaw)
     along, across = cosine * (x - zone.x) + sine * (y - zone.y), cosine * (y - zone.y) - sine * (x - zone.x)
     found: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])

@@ -13,7 +13,7 @@ from prag_asp.scene.variation import KINDS, Variation, draw_variation
 from prag_asp.wording import did_you_mean
 
 RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND % rate == 0)
-"""Pictures a second that a recording has frames for, evenly."""
+"""Pictures a second that an episode has frames for, evenly."""
 
 SMALLEST, LARGEST = 16, 2048
 """Pixels of a side of a picture."""
@@ -49,8 +49,8 @@ class Staging:
             width, height = self.size
             raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")
 
-    def drawn(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
-        """Return what varies for a demonstration with some objects, None where nothing is to."""
+    def sample_variation(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
+        """Return what varies for a demonstration with some objects, None if nothing is to."""
         return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:

@@ -1,4 +1,4 @@
-"""Film a recording: let cameras see every so many of its frames again."""
+"""Film an episode: let cameras see every so many of its frames again."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from prag_asp.scene.variation import USUAL_LIGHT
 
 
 def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
-    """Return a recording with what cameras see of it; light, colours and cameras are those that were drawn for it.
+    """Return an episode with what cameras see of it; light, colours and cameras are those that were drawn for it.
 
     Each picture is compressed as it is taken: memory holds one of each camera, and what is compressed.
 
@@ -35,12 +35,14 @@ def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demons
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
     """
     frames = range(0, len(demonstration.times), FRAMES_A_SECOND // staging.rate)
-    footage = filmed(demonstration, scene, staging.cameras_of(demonstration.sized(scene)), frames)
+    footage = film_frames(demonstration, scene, staging.cameras_of(demonstration.sized_scene(scene)), frames)
     return replace(demonstration, footage=footage)
 
 
-def filmed(demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Camera], frames: Sequence[int]) -> Footage:
-    """Return what cameras see in some frames of a recording.
+def film_frames(
+    demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Camera], frames: Sequence[int]
+) -> Footage:
+    """Return what cameras see in some frames of an episode.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
@@ -48,8 +50,8 @@ def filmed(demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Cam
     drawn = demonstration.variation
     light = USUAL_LIGHT if drawn is None or drawn.light is None else drawn.light
     tools = [_tools(demonstration, scene, frame) for frame in frames]
-    with open_studio(demonstration.sized(scene), demonstration.objects, light) as studio:
-        reels = {name: _Reel(camera, len(frames), studio.legend) for name, camera in cameras.items()}
+    with open_studio(demonstration.sized_scene(scene), demonstration.objects, light) as studio:
+        reels = {name: _FilmRecorder(camera, len(frames), studio.legend) for name, camera in cameras.items()}
         for frame in frames:
             studio.show(moment_of(demonstration, frame))
             for reel in reels.values():
@@ -75,10 +77,10 @@ def subgoal_at(demonstration: Demonstration, frame: int) -> int:
 def moment_of(demonstration: Demonstration, frame: int) -> Moment:
     """Return what a frame of a demonstration shows."""
     poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
-    return Moment(poses, demonstration.arms(frame), demonstration.opened(frame))
+    return Moment(poses, demonstration.arms(frame), demonstration.openings_at(frame))
 
 
-class _Reel:
+class _FilmRecorder:
     """The film of a camera that is being taken."""
 
     def __init__(self, camera: Camera, count: int, legend: Sequence[str]):

@@ -1,4 +1,4 @@
-"""Check films: the cameras of the scene look at the recording once more."""
+"""Check films: the cameras of the scene look at the episode once more."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.footage import OF_CAMERA, Film, Footage, Picture
-from prag_asp.physics.filming.film import filmed
+from prag_asp.physics.filming.film import film_frames
 from prag_asp.scene.scene import Scene
 
 NUMBERS = 1e-4
@@ -23,7 +23,7 @@ another machine rounds otherwise."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return what in the films of a recording is not what the cameras of a scene see of it, in its own world.
+    """Return what in the films of an episode is not what the cameras of a scene see of it, in its own world.
 
     There is nothing to return where all is right, or where there are no films.
 
@@ -35,10 +35,10 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
         return []
     if demonstration.robots != tuple(scene.robots):
         return [f"it shows the robots {', '.join(demonstration.robots)}; the scene has {', '.join(scene.robots)}"]
-    known = demonstration.sized(scene).cameras
+    known = demonstration.sized_scene(scene).cameras
     unknown = [f"the scene has no camera {name}" for name in footage.films if name not in known]
     cameras = {name: known[name]._replace(size=each.size) for name, each in footage.films.items() if name in known}
-    again = filmed(demonstration, scene, cameras, footage.frames.tolist())
+    again = film_frames(demonstration, scene, cameras, footage.frames.tolist())
     found = [f"{name} is not what the recording says" for name in _differing(footage, again)]
     return [*unknown, *found, *(fault for name in cameras for fault in _faults(name, footage, again))]
 

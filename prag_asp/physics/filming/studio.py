@@ -1,4 +1,4 @@
-"""A world that is only looked at: robots of few corners, the objects of a recording, and cameras.
+"""A world that is only looked at: robots of few corners, the objects of an episode, and cameras.
 
 TinyRenderer draws robots and objects; table, zones, the floors of containers that are fixed, and what is around come
 from `backdrop`, behind them by their depth.
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.bullet import STDOUT, pybullet, silenced
+from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
 from prag_asp.physics.filming.appearance_meshes import low_files
 from prag_asp.physics.filming.backdrop import (
@@ -33,7 +33,7 @@ from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, set_opening
-from prag_asp.physics.world.simulated_arm import load_written
+from prag_asp.physics.world.simulated_arm import load_robot_files
 from prag_asp.physics.world.simulator import open_client, start_world
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
@@ -66,7 +66,7 @@ class Studio:
         start_world(client)
         self._robots = {name: robot_of(scene, name) for name in scene.robots}
         self._arms = {
-            name: load_written(client, low_files(mount.kind), self._robots[name].base, visual=True)
+            name: load_robot_files(client, low_files(mount.kind), self._robots[name].base, visual=True)
             for name, mount in scene.robots.items()
         }
         self._bodies = {
@@ -204,6 +204,6 @@ def open_studio(scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGH
         SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has none.
     """
     with open_client() as client:
-        with silenced(STDOUT):
+        with mute_output(STDOUT):
             studio = Studio(scene, objects, client, light)
         yield studio

@@ -1,16 +1,16 @@
-"""Find the ways of the arm between the waypoints of a witness, and add them: then it says all that the arm does."""
+"""Add the collision-free paths of the arm between the waypoints of a witness, which then shows the whole motion."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from prag_asp.physics.motion.route import carrying, checked_path, grasp_of
+from prag_asp.physics.motion.route import carry_object, checked_path, grasp_of
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.physics.search.furniture_handling import opened
+from prag_asp.physics.search.furniture_handling import open_furniture
 from prag_asp.physics.search.moving import with_riders
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.symbolic_facts import Effect, PhysicalTask, physical_task
+from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical_task
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
@@ -23,9 +23,9 @@ Motion = tuple[Waypoint, ...]
 
 
 def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness) -> Witness | None:
-    """Return a witness with the waypoints of free ways between its own, None where a way is not found.
+    """Return a witness with waypoints of collision-free paths added, None if a path is not found.
 
-    On the way neither the arm nor what it carries meets anything. What a witness already has is found anew.
+    Neither the arm nor what it carries collides on these paths. Transit waypoints of the witness are replaced.
     """
     motions = []
     for k, effect in enumerate(physical.effects):
@@ -38,7 +38,7 @@ def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness)
 
 
 def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
-    """Return a witness with the waypoints of free ways between its own, None where a way is not found.
+    """Return a witness with waypoints of collision-free paths added, None if a path is not found.
 
     Raises:
         SceneError: the task speaks about something for which the scene has no shape.
@@ -47,20 +47,20 @@ def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
         return with_transit(simulator, physical_task(task, scene), witness)
 
 
-def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, after: Moment) -> Motion | None:
-    """Return the waypoints of an action with those of free ways in between, None where a way is not found."""
+def _motion(simulator: Simulator, effect: ActionEffect, own: Motion, before: Moment, after: Moment) -> Motion | None:
+    """Return the waypoints of an action with transit waypoints in between, None if a path is not found."""
     found: list[Waypoint] = []
     arms, poses, openings = dict(before.arms), _relocated(effect, before, after), before.openings
     for waypoint in own:
         robot = waypoint.robot
         grasp = grasp_of(waypoint.held, arms[robot], after.arms[robot])
         situation = Situation(simulator.scene, poses, dict(arms), openings)
-        if waypoint.opening is not None:  # the way of a handle has been checked step by step
-            moved = opened(situation, str(waypoint.held), waypoint.opening, list(poses))
+        if waypoint.opening is not None:  # the motion of a handle was checked step by step
+            moved = open_furniture(situation, str(waypoint.held), waypoint.opening, list(poses))
             poses, openings = moved.poses, moved.openings
         elif waypoint.joints != arms[robot].joints:
             simulator.turn_to(robot)
-            arm = carrying(arms[robot], waypoint.width, waypoint.held, grasp)
+            arm = carry_object(arms[robot], waypoint.width, waypoint.held, grasp)
             way = checked_path(simulator, situation, arm, waypoint.joints, TIME_STEP)
             if way is None:
                 return None
@@ -73,8 +73,8 @@ def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, a
     return tuple(found)
 
 
-def _relocated(effect: Effect, before: Moment, after: Moment) -> Mapping[str, Pose]:
-    """Return where objects are when the arm begins to move: those that no gripper moves have moved by then."""
+def _relocated(effect: ActionEffect, before: Moment, after: Moment) -> Mapping[str, Pose]:
+    """Return the poses of the objects when the arm begins to move: if no gripper moves any, they have moved by then."""
     if (effect.grasps, effect.releases, effect.holds) == (None, None, None):
         return after.poses
     return before.poses

@@ -14,7 +14,7 @@ import numpy as np
 
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError, SceneError
-from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
+from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, count_mismatch
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.filming.film import moment_of
 from prag_asp.physics.pictures.camera import picture, pillow
@@ -42,7 +42,7 @@ GIVE = 0.005
 """How far a joint or a finger that was measured may be pressed beyond its limit, in radians and metres."""
 
 START_FACTS = 4
-"""How many facts of a first state are told, of what the task's actions name."""
+"""How many facts of an initial state are told, of what the task's actions name."""
 
 SIDES = re.compile(r"\b(left|right|in front|behind)\b")
 
@@ -62,7 +62,7 @@ def film_strip(
 
     They stand side by side, at most `columns` in a row; `size` is that of one frame in pixels. Under each stand the
     action and what it made true, in plain words; `headings` replace the words for the actions,
-    but for those that are None, and `told` all words: a heading and a caption for each state.
+    except for those that are None, and `told` all words: a heading and a caption for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -80,7 +80,7 @@ def film_strip(
         pictures = [picture(simulator, moments[k], size, view) for k in chosen]
     if told is not None and len(told) != last + 1:
         raise QueryError(f"{plural(len(told), 'caption')} for {plural(last + 1, 'state')}; give one for each")
-    captions = captioned(task, scene, chosen, headings, told)
+    captions = make_captions(task, scene, chosen, headings, told)
     return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
 
 
@@ -154,7 +154,7 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
         QueryError: they are not as many as the task has.
     """
     if isinstance(shown, Witness):
-        unfit = misfit(shown, len(task.actions))
+        unfit = count_mismatch(shown, len(task.actions))
         if unfit is not None:
             raise QueryError(unfit)
         return shown.moments
@@ -180,7 +180,7 @@ def _simulator(
             has another, or numbers that cannot be.
     """
     try:
-        sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized(scene)
+        sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized_scene(scene)
     except SceneError as error:
         raise QueryError(str(error)) from None
     with open_simulator(sized, visual=True) as simulator:
@@ -220,7 +220,7 @@ def _things(fact: Fact, scene: Scene) -> set[str]:
     return {argument for argument in fact.arguments if argument in scene.shapes and scene.shapes[argument].traits.body}
 
 
-def captioned(
+def make_captions(
     task: Task,
     scene: Scene,
     chosen: Iterable[int],
@@ -244,7 +244,7 @@ def _action_words(action: Atom, scene: Scene) -> str:
 
 def _told(made: Sequence[Fact], most: int = 2) -> str:
     """Return what is most worth telling of some facts; relations of the domain's own come first."""
-    worth = (fact for fact in made if fact.predicate.told < math.inf)
-    known = sorted(worth, key=lambda fact: fact.predicate.told)
+    worth = (fact for fact in made if fact.predicate.caption_rank < math.inf)
+    known = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
     told = known[:most] or list(made[:1])
     return ", ".join(fact.sentence() for fact in told)

@@ -1,7 +1,7 @@
-"""What an action has to lift, and whether the gripper bears it: proofs about two states in a row.
+"""Proofs about two consecutive states: an action has to lift an object that slips out of the gripper.
 
-A gripper may close around anything that it spans; only what it lifts weighs on it. A witness lifts what it moves: the
-arm leaves straight up from where it has taken an object, and comes straight down to where it lets it go.
+A gripper may close around anything that it spans, but only lifting loads it. A witness lifts what it moves: the arm
+retreats straight up from where it grasps an object, and comes straight down to where it releases it.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from collections.abc import Iterator
 
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import slips
-from prag_asp.physics.symbolic_facts import Effect, Fact, PhysicalTask
+from prag_asp.physics.symbolic_facts import ActionEffect, Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 
-def slipping(physical: PhysicalTask, scene: Scene) -> Iterator[tuple[int, str, tuple[Fact, ...]]]:
-    """Yield what is lifted though it slips, whatever its size: the state that it comes to, why, and by which facts."""
+def slip_reasons(physical: PhysicalTask, scene: Scene) -> Iterator[tuple[int, str, tuple[Fact, ...]]]:
+    """Yield lifts of objects that slip in every size: the number of the next state, the reason, and the facts."""
     for number, effect in enumerate(physical.effects, 1):
-        found = _lifted(effect, physical.states[number - 1])
+        found = _lift(effect, physical.states[number - 1])
         if found is not None:
             _, held, _ = found
             robot, entity = held.arguments
@@ -27,11 +27,11 @@ def slipping(physical: PhysicalTask, scene: Scene) -> Iterator[tuple[int, str, t
                 yield number, reasons[0], found
 
 
-def _lifted(effect: Effect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
-    """Return that an object is at a place, that it is held, and that it is not there: it moves in the gripper.
+def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
+    """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
 
-    The place stands still where the action moves nothing but the object, and opens nothing. What is handed over may
-    stay where it is.
+    Only actions that move nothing but the object, and open nothing, leave the place itself still. An object in a
+    handover may stay where it is.
     """
     entity = effect.grasps or effect.holds or effect.releases
     if effect.robot is None or entity is None or effect.giver or effect.turns or {*effect.moved} - {entity}:

@@ -1,6 +1,6 @@
-"""Meshes as PyBullet reads them, written from what was read and measured: it has that body and no other.
+"""Mesh files for PyBullet, written from the meshes that we have read and measured, so that both agree.
 
-Its own readers count points that no face uses, and a face of two corners or an .stl that is text ends the process.
+PyBullet's own readers include points that no face uses, and crash on a face of two corners or on an ASCII .stl.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from prag_asp.scene.scene import Solid
 
 
 def mesh_file(solid: Solid) -> tuple[str, bytes]:
-    """Return an .obj with a mesh in metres, of which each object collides as its hull, and a name that is its alone.
+    """Return a unique name and an .obj with a mesh in metres, each object of which collides as its convex hull.
 
     Raises:
         SceneError: the mesh cannot be read.
@@ -25,7 +25,7 @@ def mesh_file(solid: Solid) -> tuple[str, bytes]:
 
 @lru_cache(maxsize=32)
 def _file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int]) -> tuple[str, bytes]:
-    """Return an .obj and its name; a mesh that is in another state is another one.
+    """Return a name and an .obj; `_state` is that of the mesh's file, so that a changed file is read again.
 
     Raises:
         SceneError: the mesh cannot be read.
@@ -35,7 +35,7 @@ def _file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int])
 
 
 def _lines(parts: Sequence[Part]) -> Iterator[str]:
-    """Yield the lines of an .obj: all points, then the faces of each part as an object of its own."""
+    """Yield the lines of an .obj: all points, then the faces of each part as a separate object."""
     numbers = {point: i for i, point in enumerate(dict.fromkeys(chain.from_iterable(chain.from_iterable(parts))), 1)}
     for x, y, z in numbers:
         yield f"v {x!r} {y!r} {z!r}"

@@ -276,7 +276,7 @@ def test_what_rests_sleeps_and_what_tips_slowly_does_not(tabletop, witness, beyo
     with dynamics.open_dynamics(tabletop) as world:
         world.begin(list(poses), replace(witness.moments[0], poses=poses))
         arm = witness.moments[0].arms["panda"]
-        world.drive("panda", dynamics.Command(arm.joints, arm.width))
+        world.drive("panda", dynamics.ArmCommand(arm.joints, arm.width))
         rested, places = [], []
         for _ in range(20):
             for _ in range(FRAME_STEPS):

@@ -70,7 +70,7 @@ def test_floors_of_containers_by_rays_are_seen_as_those_of_triangles(recorded, t
             if triangles:
                 patch.setattr(studio, "has_still_floor", lambda *_: False)
                 patch.setattr(studio, "floors", lambda *_: [])
-            with studio.open_studio(recorded.sized(tabletop), recorded.objects, light) as shown:
+            with studio.open_studio(recorded.sized_scene(tabletop), recorded.objects, light) as shown:
                 shown.show(moment)
                 pictures.append([shown.take(camera) for camera in (*cameras.values(), above)])
                 tray = shown.legend.index("tray_1")

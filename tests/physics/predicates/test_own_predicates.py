@@ -80,7 +80,7 @@ def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, 
     )
     assert (floor is not None) == fits
     if floor is not None:
-        at = Volume.draw(floor, chance.generator(1).uniform)
+        at = Volume.sample(floor, chance.generator(1).uniform)
         assert at is not None
         assert predicate.distance(situation.with_pose("brick_1", Pose(at, turned)), ("brick_1", "camera_1")) == 0.0
 

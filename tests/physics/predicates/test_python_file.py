@@ -182,7 +182,11 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
         ("excludes", "True", r"own\.py:10: why odd excludes another has to be told in a string, or None; got True"),
         ("nowhere", "None", r"own\.py:10: whether odd is so nowhere has to be True or False; got None"),
         ("otherwise", "None", r"own\.py:10: the volume where odd does not hold has to be a Volume, .*; got None"),
-        ("named", "None", r"own\.py:10: the sentence of odd that names its gripper has to be a string; got None"),
+        (
+            "robot_sentence",
+            "None",
+            r"own\.py:10: the sentence of odd that names its gripper has to be a string; got None",
+        ),
     ],
 )
 def test_what_goes_wrong_in_a_function_for_proofs_is_told_with_its_line(
