@@ -113,7 +113,7 @@ def facts(scene: Scene, state: State) -> tuple[Fact, ...]:
     """Return the spatial facts of a state; other fluents are ignored.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     return _facts(scene, state, {})
 
@@ -122,7 +122,7 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
     """Return the physical meaning of a task.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     known: dict[tuple[Atom, bool], Fact | None] = {}
     states = [_facts(scene, state, known) for state in (task.initial, *task.states)]

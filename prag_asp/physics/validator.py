@@ -46,12 +46,12 @@ class Validator:
     def validate(
         self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None, staging: Staging | None = None
     ) -> Verdict:
-        """Return the verdict on a task; it depends on nothing but the arguments and the scene.
+        """Return the verdict on a task; it depends on the arguments and the scene alone.
 
-        `staging` says how it is demonstrated, where the budget asks for that.
+        `staging` says how the task is demonstrated, if the budget includes that tier.
 
         Raises:
-            SceneError: the task speaks about something for which the scene has no shape.
+            SceneError: the task names an entity that has no shape.
             QueryError: the scene has no camera of a name that `staging` has.
         """
         budget = budget or Budget()
@@ -97,7 +97,7 @@ class Validator:
         )
 
     def _sized(self, physical: PhysicalTask, search: Search) -> tuple[Search, Mapping[str, Size]]:
-        """Return the search with sizes drawn for the objects that have a range of them, and the sizes in metres."""
+        """Return the search with random sizes of the objects that have a range of them, and these sizes in metres."""
         ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
         if not ranges:
             return search, {}
@@ -134,10 +134,10 @@ def validate_task(
     budget: Budget | None = None,
     staging: Staging | None = None,
 ) -> Verdict:
-    """Return the verdict on one task; open a validator to check many.
+    """Return the verdict on one task; `open_validator` is for many.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_validator(scene) as validator:
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
@@ -146,7 +146,7 @@ def validate_task(
 def _attempt(
     physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[PhysicsFault]
 ) -> Witness | None:
-    """Return a witness found from one initial state, None if an action fails in all its samples."""
+    """Return a witness from one initial state, None if all samples of an action fail."""
     snapshot = _start(search, physical, samples, faults)
     if snapshot is None:
         return None
@@ -174,7 +174,7 @@ def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter
 def _step(
     search: Search, snapshot: Snapshot, effect: ActionEffect, samples: int, faults: Counter[PhysicsFault]
 ) -> tuple[Snapshot, tuple[Waypoint, ...]] | None:
-    """Return what an action leads to, None if all samples fail."""
+    """Return the snapshot and the waypoints after an action, None if all samples fail."""
     for attempt in range(samples):
         try:
             return advance(search, snapshot, effect, attempt)
@@ -186,13 +186,13 @@ def _step(
 
 
 def _causes(faults: Counter[PhysicsFault]) -> dict[str, int]:
-    """Return how often attempts failed for each cause, in the order of the checks."""
+    """Return the number of failed attempts by cause, in the order of the checks."""
     counted = _by_cause(faults)
     return {cause: counted[cause] for cause in CAUSES if counted[cause]}
 
 
 def _most_common(faults: Counter[PhysicsFault]) -> str:
-    """Return the cause for which most attempts failed, of several the first one met."""
+    """Return the cause of most failed attempts; the first one met breaks ties."""
     return _by_cause(faults).most_common(1)[0][0]
 
 
@@ -204,7 +204,7 @@ def _by_cause(faults: Counter[PhysicsFault]) -> Counter[str]:
 
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
-    """Return of what the attempts failed that say so, the most common first, `LISTED` at most."""
+    """Return the details of failed attempts, the most common first, at most `LISTED`."""
     found: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
     for fault, number in faults.items():
         fact, value, text = "", None, fault.text

@@ -1,4 +1,4 @@
-"""The outcome of a physical check, as values that round-trip to JSON."""
+"""Budgets and verdicts of physical validation, as values that round-trip to JSON."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ class Budget:
 
     @classmethod
     def parse(cls, text: str, tier: Tier = Tier.KINEMATICS) -> Budget:
-        """Return the budget that a text such as ``10x10`` spells: restarts, and samples.
+        """Return the budget of a text such as ``10x10``: restarts, and samples.
 
         Raises:
-            QueryError: it spells none.
+            QueryError: the text has another form.
         """
         restarts, _, samples = text.partition("x")
         if not all(each.isdecimal() and len(each) <= LONGEST and int(each) for each in (restarts, samples)):

@@ -192,7 +192,7 @@ class _Drawing:
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with told_with_place(record, domain, MEND if self.recordings is None else RECORD):
             if self.form == "strip":
-                image = film_strip(task, shown, scene, columns=self.columns, told=told, size=self.size)
+                image = film_strip(task, shown, scene, columns=self.columns, captions=told, size=self.size)
             elif self.form == "state":
                 image = still(task, shown, scene, state, size=self.size)
             else:

@@ -17,11 +17,11 @@ LIMIT_TOLERANCE = 1e-9
 
 def count_mismatch(witness: Witness, actions: int) -> str | None:
     """Return that the numbers of states and motions of a witness do not match those of a task, None if they do."""
-    for name, found, wanted in (
+    for name, found, expected in (
         ("motion", len(witness.motions), actions),
         ("state", len(witness.moments), actions + 1),
     ):
-        if found != wanted:
+        if found != expected:
             return f"the witness has {plural(found, name)}, the task {plural(actions, 'action')}"
     return None
 
@@ -43,8 +43,8 @@ def broken_numbers(
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
     if sorted(moment.arms) != sorted(simulator.arms):
-        has, wanted = ", ".join(moment.arms) or "none", ", ".join(simulator.arms)
-        yield f"it has the arms of {has}; the scene has those of {wanted}"
+        has, expected = ", ".join(moment.arms) or "none", ", ".join(simulator.arms)
+        yield f"it has the arms of {has}; the scene has those of {expected}"
         return
     for name, arm in moment.arms.items():
         yield from broken_arm(name, arm.joints, arm.width, simulator, tolerance)

@@ -116,7 +116,7 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
     """Return why a state of a witness is not stable (one of `CAUSES`), None if all are.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_settling(scene) as settling:
         return settling.failure(physical_task(task, scene), witness)

@@ -25,7 +25,7 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
     forward kinematics agrees with the grasp of the held object, and only what an action moves has moved.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_witness_check(scene) as check:
         return check(task, witness)

@@ -1,4 +1,4 @@
-"""Carry out the actions of a witness in a world with forces: move the arms, open and close their grippers."""
+"""Execute the actions of a witness in a dynamic simulation: move the arms, open and close their grippers."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
-"""How much farther than an object is wide a gripper wants to close, in metres."""
+"""By how much the target opening of a gripper is below the width of the object that it holds, in metres."""
 
 
 class PerformanceFailed(Exception):
-    """A performance failed: the cause, one of `CAUSES`, and what went wrong. It never leaves the performer."""
+    """An execution failed: the cause, one of `CAUSES`, and what went wrong; the performer catches it."""
 
 
 class Actor:
-    """Moves the arms of a world from waypoint to waypoint, and knows where the witness has them by then."""
+    """Moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states."""
 
     def __init__(self, world: Dynamics, planner: Simulator, recorder: Recorder, first: Moment):
         self._world, self._planner = world, planner
@@ -32,14 +32,14 @@ class Actor:
         self._arms = dict(first.arms)
 
     def rest(self) -> None:
-        """Let things come to rest."""
+        """Simulate until nothing moves."""
         self._driver.rest()
 
     def act(self, action: Action) -> None:
-        """Carry out an action.
+        """Execute an action.
 
         Raises:
-            PerformanceFailed: a way is not free.
+            PerformanceFailed: a path is not free.
         """
         ways: list[Angles] = []
         robot = ""
@@ -59,25 +59,25 @@ class Actor:
         self._drive(robot, ways)
 
     def _fingers_move(self, waypoint: Waypoint) -> bool:
-        """Return whether a gripper that holds nothing is open otherwise than at a waypoint."""
+        """Return whether an empty gripper has another opening than at a waypoint."""
         return self._arms[waypoint.robot].held is None and waypoint.width != self._driver.opening(waypoint.robot)
 
     def _grip(self, waypoint: Waypoint) -> None:
-        """Close the gripper on what it holds at a waypoint, or open it, and let things come to rest."""
+        """Close the gripper on what it holds at a waypoint, or open it, and wait until nothing moves."""
         squeeze = SQUEEZE if waypoint.held is not None else 0.0
         self._arms[waypoint.robot] = replace(self._arms[waypoint.robot], held=waypoint.held)
         self._driver.move_fingers(waypoint.robot, waypoint.width - squeeze)
         self._driver.rest()
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:
-        """Move an arm along ways without a stop between them, and forget them."""
+        """Move an arm along paths without a stop between them, and clear the list."""
         if ways:
             limits = joint_limits(robot_of(self._world.scene, robot))
             self._driver.move(robot, blend_paths(ways, self._driver.joints(robot), TIME_STEP, limits))
             ways.clear()
 
     def _way(self, arm: Arm, leg: Leg, action: Action) -> Angles:
-        """Return the joint angles of every time step on the way to a waypoint, shape (steps, 7).
+        """Return the joint angles of every time step on the path to a waypoint, shape (steps, 7).
 
         Raises:
             PerformanceFailed: there is no collision-free path.
@@ -93,12 +93,12 @@ class Actor:
         return found
 
     def _situation(self) -> Situation:
-        """Return where everything is now."""
+        """Return the present situation."""
         world = self._world
         arms = {name: replace(arm, held=self._arms[name].held) for name, arm in world.arms().items()}
         return Situation(world.scene, world.poses(), arms, world.openings())
 
 
 def holding_command(arm: Arm) -> ArmCommand:
-    """Return what the motors of an arm drive to at first."""
+    """Return the motor targets that hold an arm in its state, squeezing what it holds."""
     return ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))

@@ -1,4 +1,4 @@
-"""What is recorded while the robot performs a task, as arrays that round-trip to a file."""
+"""Episodes: the arrays that are recorded while robots execute a task, which round-trip to a file."""
 
 from __future__ import annotations
 
@@ -31,27 +31,27 @@ ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings",
 TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
 
 VARIED = "varied"
-"""The text of what was drawn, which most episodes do not have."""
+"""The name of the variation, as text, which most episodes do not have."""
 
 LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
-"""Bytes of the file of an episode, and of its arrays except for pictures, which stay compressed."""
+"""The largest size in bytes of an episode's file, and of its arrays without camera images, which stay compressed."""
 
 FRAMES_A_SECOND = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstration:
-    """An episode at 20 Hz of a task being performed: T frames, O objects, F of them furniture, C contacts, R robots.
+    """An episode at 20 Hz: T frames of the execution of a task with O objects, F of them furniture, and R robots.
 
-    `times` (T,) in seconds; `joints` (T, R, 7) in radians, in the order of the names of `robots`; `widths` (T, R) how
-    far their grippers are open in metres; `commands` (T, R, 8) the joint angles and the opening that the motors drive
-    to. `sizes` (O, 3) the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres
-    and a quaternion x, y, z, w; `openings` (T, F) how far `furniture` is open in metres or radians;
-    `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the largest normal force
-    between them since the frame before, in newtons. `ends` holds for each state of the
-    task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
-    where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when. `footage` is what
-    cameras saw, where they were asked for, and `variation` what the world was, where that was to vary.
+    `times` (T,) are in seconds; `joints` (T, R, 7) in radians, in the order of `robots`; `widths` (T, R) the openings
+    of their grippers in metres; `commands` (T, R, 8) the targets of the motors, joint angles and opening. `sizes` (O,
+    3) are the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a
+    quaternion x, y, z, w; `openings` (T, F) how far `furniture` is open in metres or radians. `contacts` (C, 3) are a
+    frame and the indices of two bodies in `bodies`, `forces` (C,) the largest normal force between them since the frame
+    before, in newtons. `ends` has for each state of the task that was reached the frame in which its facts were
+    checked, the initial state first. `cause` is empty if the task succeeded, otherwise one of `CAUSES`, and `detail`
+    says what went wrong when. `footage` is what cameras saw, if any filmed, and `variation` how the world was varied,
+    if it was.
     """
 
     robots: tuple[str, ...]
@@ -79,7 +79,7 @@ class Demonstration:
         return not self.cause
 
     def __eq__(self, other: object) -> bool:
-        """Return whether two episodes are the same, bit by bit."""
+        """Return whether two episodes are equal, bit by bit."""
         if not isinstance(other, Demonstration):
             return NotImplemented
         names = [each.name for each in fields(self) if each.name not in ("footage", "variation")]
@@ -89,7 +89,7 @@ class Demonstration:
     __hash__ = None  # type: ignore[assignment]
 
     def sized_scene(self, scene: Scene) -> Scene:
-        """Return a scene with the sizes of the recorded objects, and with what was drawn for them.
+        """Return a scene with the sizes of the objects and the variation of the episode.
 
         Raises:
             SceneError: the scene does not allow one of them.
@@ -99,7 +99,7 @@ class Demonstration:
         return sized if self.variation is None else self.variation.applied(sized)
 
     def situation(self, scene: Scene, frame: int) -> Situation:
-        """Return what a frame shows, for predicates to check.
+        """Return the situation in a frame, for predicates.
 
         Raises:
             SceneError: the scene does not allow the size of an object.
@@ -118,14 +118,14 @@ class Demonstration:
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
     def touches(self, first: int, last: int) -> Iterator[Touch]:
-        """Yield the contacts in the frames from one to another, which is included."""
+        """Yield the contacts in the frames from `first` to `last`, both included."""
         frames = self.contacts[:, 0]
         those = (frames >= first) & (frames <= last)
         for (frame, one, two), force in zip(self.contacts[those].tolist(), self.forces[those].tolist(), strict=True):
             yield Touch(frame, self.bodies[one], self.bodies[two], force)
 
     def save(self, path: Path) -> None:
-        """Write the episode whole as a compressed .npz file with its `version`; equal ones have equal bytes.
+        """Write the episode atomically as a compressed .npz file with a `version`; equal episodes give equal bytes.
 
         Raises:
             OutputError: the file cannot be written.
@@ -155,7 +155,7 @@ class Demonstration:
     def load(cls, path: str | Path, *, within: str | Path | None = None) -> Demonstration:
         """Return the episode that `save` wrote.
 
-        Where somebody else names the file, `within` is the folder that it has to lie in.
+        If the path comes from an untrusted source, `within` is the folder in which the file has to lie.
 
         Raises:
             QueryError: the file cannot be read, holds something else, or too much, or lies elsewhere.
@@ -192,7 +192,7 @@ def _read(file: BinaryIO, path: Path) -> Demonstration:
 
 
 def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
-    """Return what was drawn for the episode in a file, None if nothing was; nothing else of it is read.
+    """Return the variation of the episode in a file, None if it has none; nothing else is read.
 
     Raises:
         QueryError: the file cannot be read, or holds something else.
@@ -207,10 +207,10 @@ def read_variation(path: str | Path, *, within: str | Path | None = None) -> Var
 
 
 def _variation(text: NDArray[Any] | None) -> Variation | None:
-    """Return what was drawn for an episode, None if nothing was.
+    """Return the variation of an episode from its text, None if there is none.
 
     Raises:
-        ValueError: it is of another form.
+        ValueError: the text has another form.
     """
     if text is None:
         return None
@@ -225,7 +225,7 @@ def _variation(text: NDArray[Any] | None) -> Variation | None:
 def situation_of(
     scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Return a situation from the poses of objects, shape (O, 7), and where the arms are.
+    """Return a situation from the poses of objects, shape (O, 7), and the states of the arms.
 
     `openings` say how far furniture is open, in metres or radians.
     """
@@ -243,7 +243,7 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
     """Return an episode from the arrays of a file.
 
     Raises:
-        ValueError: their shapes do not belong together, or they hold something else.
+        ValueError: their shapes do not match, or they have other contents.
     """
     _require_fitting(content)
     return Demonstration(
@@ -267,16 +267,16 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
 
 
 def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
-    """Check that the arrays of an episode belong together.
+    """Check that the shapes and types of an episode's arrays match.
 
     Raises:
-        ValueError: they do not, or they hold something else.
+        ValueError: they do not.
     """
     for name in ("times", "forces", "ends", "robots", "bodies", "objects", "furniture"):
         if content[name].ndim != 1:
             raise ValueError(f"{name} has the shape {content[name].shape}; it has to be a list")
     frames, touches, robots = len(content["times"]), len(content["forces"]), len(content["robots"])
-    wanted = {
+    shapes = {
         "times": (frames,),
         "joints": (frames, robots, 7),
         "widths": (frames, robots),
@@ -288,7 +288,7 @@ def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
         "forces": (touches,),
         "ends": (len(content["ends"]),),
     }
-    for name, shape in wanted.items():
+    for name, shape in shapes.items():
         if content[name].shape != shape:
             raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
         kinds = "iu" if name in ("contacts", "ends") else "iuf"

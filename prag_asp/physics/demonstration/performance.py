@@ -1,4 +1,4 @@
-"""Let the robots perform a task in a world with forces, as a witness shows it, and judge every state."""
+"""Execute a witness in a dynamic simulation, and check every state and contact."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from prag_asp.task import Task
 
 
 class Performer:
-    """Performs witnesses in one world with forces; use `open_performer`, which closes it."""
+    """Executes witnesses in one dynamic simulation; use `open_performer`, which closes it."""
 
     def __init__(self, world: Dynamics, planner: Simulator):
         self._scene = world.scene
@@ -32,12 +32,10 @@ class Performer:
         self._planner = planner
 
     def perform(self, physical: PhysicalTask, witness: Witness, variation: Variation | None = None) -> Demonstration:
-        """Return the episode of a task as it is performed from the initial state of a witness.
+        """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
 
-        The world is as was drawn for it, if anything was.
-
-        No contact may press for which the task does not ask, and after every action each fact of the state has to pass
-        its predicate's check; otherwise the episode ends there, with the cause.
+        There must be no unintended contacts, and after every action each fact of the state has to hold; otherwise the
+        episode ends there, with the cause.
         """
         scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
         self._planner.use(scene)
@@ -46,16 +44,16 @@ class Performer:
         actor = Actor(self._world, self._planner, recorder, first)
         try:
             actor.rest()
-            seen = recorder.end_state()
-            _judge_contacts(intended_contacts(physical, 0, seen), recorder, "the start")
-            _judge(physical.initial, seen, "the start")
+            situation = recorder.end_state()
+            _judge_contacts(intended_contacts(physical, 0, situation), recorder, "the start")
+            _judge(physical.initial, situation, "the start")
             for k, effect in enumerate(physical.effects):
                 before, after = witness.moments[k : k + 2]
                 actor.act(Action(effect, before, after, witness.motions[k]))
                 actor.rest()
-                begun, seen = seen, recorder.end_state()
-                _judge_contacts(intended_contacts(physical, k + 1, begun, seen), recorder, str(effect.action))
-                _judge(effect.after, seen, str(effect.action))
+                previous, situation = situation, recorder.end_state()
+                _judge_contacts(intended_contacts(physical, k + 1, previous, situation), recorder, str(effect.action))
+                _judge(effect.after, situation, str(effect.action))
         except PerformanceFailed as stopped:
             cause, detail = stopped.args
             return replace(recorder.finish(cause, detail), variation=variation)
@@ -66,7 +64,7 @@ def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
     """Check the facts of a state.
 
     Raises:
-        PerformanceFailed: one does not hold.
+        PerformanceFailed: a fact does not hold.
     """
     broken = [fact for fact in facts if not fact.is_satisfied(situation)]
     lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
@@ -77,30 +75,28 @@ def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
         )
 
 
-def _judge_contacts(wanted: IntendedContacts, recorder: Recorder, during: str) -> None:
-    """Check the contacts of the action that has ended.
+def _judge_contacts(intended: IntendedContacts, recorder: Recorder, during: str) -> None:
+    """Check the contacts of the last action.
 
     Raises:
-        PerformanceFailed: two bodies have pressed on each other for which the task does not ask.
+        PerformanceFailed: a contact was not intended.
     """
-    for touch in unintended_contacts(recorder.touches(), wanted)[:1]:
+    for touch in unintended_contacts(recorder.touches(), intended)[:1]:
         raise PerformanceFailed(PRESSED, f"during {during} {touch.sentence()}")
 
 
 @contextmanager
 def open_performer(scene: Scene, planner: Simulator) -> Iterator[Performer]:
-    """Open a world to perform witnesses in, and close it afterwards; `planner` finds the paths of the arms."""
+    """Open a simulation to execute witnesses, and close it afterwards; `planner` is used to plan paths."""
     with open_dynamics(scene) as world:
         yield Performer(world, planner)
 
 
 def demonstrate(task: Task, witness: Witness, scene: Scene, variation: Variation | None = None) -> Demonstration:
-    """Return the episode of the robots performing a task from the initial state of a witness.
-
-    The world is as was drawn for it, if anything was.
+    """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_simulator(scene) as planner, open_performer(scene, planner) as performer:
         return performer.perform(physical_task(task, scene), witness, variation)

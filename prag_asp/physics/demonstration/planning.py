@@ -1,7 +1,7 @@
-"""Plan the ways of an arm between the waypoints of a witness, from where things really are.
+"""Plan the paths of an arm between the waypoints of a witness from the actual poses of the objects.
 
-The robot sees where the objects are: it grasps each as the witness does, from where it really stands, and puts it
-where the witness has it, however it lies in the hand. So small errors do not add up.
+The robot knows where the objects are: it grasps each as in the witness, at its actual pose, and places it where the
+witness has it, whatever its actual grasp. So small errors do not accumulate.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LARGEST_TURN = 0.3
 
 @dataclass(frozen=True)
 class Action:
-    """An action as a witness shows it: what it brings about, the moments before and after, the waypoints between."""
+    """An action of a witness: its effect, the moments before and after it, and the waypoints between."""
 
     effect: ActionEffect
     before: Moment
@@ -39,9 +39,9 @@ class Action:
 
 @dataclass(frozen=True)
 class Leg:
-    """A part of an action: a waypoint, the way there as far as the witness has one, the object that the arm goes to.
+    """A part of an action: a waypoint, the transit path to it in the witness, and the object that the arm goes to.
 
-    `start` are the joint angles with which the witness has the arm begin.
+    `start` are the joint angles of the arm in the witness at its begin.
     """
 
     waypoint: Waypoint
@@ -64,10 +64,10 @@ def action_legs(action: Action) -> Iterator[Leg]:
 
 
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
-    """Return the joint angles of every time step on a way, shape (steps, 7); None if no free one is found.
+    """Return the joint angles of every time step on a path, shape (steps, 7); None if no free one is found.
 
-    It is straight up or down, the one of the witness, or another that is free. `situation` is what is seen now, `arm`
-    what the motors hold.
+    The path is straight up or down, that of the witness, or another free one. `situation` is the actual one, `arm` the
+    target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
     if is_vertical(robot, leg.start, waypoint.joints):
@@ -86,9 +86,9 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
 
 
 def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
-    """Return the joint angles of every time step on which an arm moves furniture, shape (steps, 7).
+    """Return the joint angles of every time step for moving furniture to an opening, shape (steps, 7).
 
-    `opening` is how far it shall be open, in metres or radians.
+    `opening` is in metres or radians.
     """
     grip = compose(invert(situation.part(furniture)), tool_pose(planner.robot, arm.joints))
     path = pull_path(planner.robot, situation, furniture, grip, opening, arm.joints)
@@ -101,7 +101,7 @@ def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose 
 
 
 def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
-    """Return the way of the witness, from where the arm is to a goal: the small differences are spread over it."""
+    """Return the path of the witness from the actual state of the arm to a goal, with the differences interpolated."""
     first, last = np.subtract(arm.joints, leg.start), np.subtract(goal, leg.waypoint.joints)
     shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
     between = np.array(leg.way) + (1 - shares) * first + shares * last
@@ -109,10 +109,10 @@ def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
 
 
 def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) -> Pose:
-    """Return where the tool has to be at a waypoint, `planned` in the witness: objects are not just where it has them.
+    """Return the tool pose at a waypoint, `planned` in the witness, corrected for the actual poses of objects.
 
-    A held object shall come to where it is in the witness; the tool shall stand to another, which it goes to,
-    as in the witness.
+    A held object comes to its pose in the witness; relative to an object that it goes to, the tool has the pose of the
+    witness.
     """
     waypoint, before = leg.waypoint, action.before
     arms = (moment.arms[waypoint.robot] for moment in (before, action.after))

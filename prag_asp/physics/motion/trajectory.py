@@ -48,13 +48,13 @@ class JointLimits(NamedTuple):
     speeds: Angles
     accelerations: Angles
 
-    def excess(self, angles: Angles, begun: Angles, time_step: float) -> Angles:
+    def excess(self, angles: Angles, start: Angles, time_step: float) -> Angles:
         """Return the largest ratio of a joint's speed or acceleration to its limit at each step, shape (steps + 1,).
 
         The motion goes from rest at joint angles `begun` through `angles`, shape (steps, 7), to rest.
         """
         still = np.zeros((1, angles.shape[1]))
-        speeds = np.diff(np.concatenate([begun[None], angles]), axis=0) / time_step
+        speeds = np.diff(np.concatenate([start[None], angles]), axis=0) / time_step
         accelerations = np.diff(np.concatenate([still, speeds, still]), axis=0) / time_step
         found: Angles = np.abs(accelerations / self.accelerations).max(axis=1)
         fast = np.abs(speeds / self.speeds).max(axis=1)
@@ -165,19 +165,19 @@ def _at(points: Angles, cells: _Cells, places: Angles) -> Angles:
     return np.column_stack([np.interp(places, cells.corners, column) for column in points.T])
 
 
-def blend_paths(ways: Sequence[Angles], begun: Joints, time_step: float, limits: JointLimits) -> Angles:
+def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits: JointLimits) -> Angles:
     """Return the joint angles of every time step along consecutive paths, shape (steps, 7).
 
     Each path begins during the last `ROUNDING` of the one before, as far as the joint limits allow: while one
     decelerates at a constant rate and the other accelerates, the sum does not exceed the limit of one.
     """
-    whole, start = ways[0], np.array(begun)
+    whole, origin = ways[0], np.array(start)
     for way in ways[1:]:
         most = min(round(ROUNDING / time_step), len(whole), len(way))
         for both in (most, most // 2, 0):
             joined = np.concatenate([whole, np.repeat(whole[-1:], len(way) - both, axis=0)])
             joined[len(whole) - both :] += way - whole[-1]
-            if limits.excess(joined, start, time_step).max() <= 1.0 + TOLERANCE:
+            if limits.excess(joined, origin, time_step).max() <= 1.0 + TOLERANCE:
                 break
         whole = joined
     return whole

@@ -41,7 +41,7 @@ def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
     """Return a witness with waypoints of collision-free paths added, None if a path is not found.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_simulator(scene) as simulator:
         return with_transit(simulator, physical_task(task, scene), witness)

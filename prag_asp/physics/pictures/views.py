@@ -1,4 +1,4 @@
-"""From where to draw a task: so that what acts, what is acted on, and what that touches are seen."""
+"""Choose the view of a task in which the acting hands and the objects of its actions are visible."""
 
 from __future__ import annotations
 
@@ -19,17 +19,16 @@ AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)
 are to someone who faces it; and heights beside the way along the table."""
 
 FAVOUR = 1.1
-"""How much better another view has to be than the usual one."""
+"""The factor by which another view has to be better than the default one."""
 
 SMALL, FAR = 96, 10.0
-"""Pixels of the longer side of the pictures that views are judged by, and how far these see, in metres."""
+"""The longer side in pixels of the images by which views are compared, and their far plane in metres."""
 
 ABOVE_TABLE, ABOVE_BASE, BEHIND_BASE = 0.06, 0.78, 0.12
-"""How high over the table things stand, and how high over its base and how far behind it the elbow of a robot is, in
-metres."""
+"""The height of objects above the table, and the position of a robot's elbow above and behind its base, in metres."""
 
 View = tuple[Vector, Vector]
-"""Where the eye of a picture is, and what it looks at, in metres."""
+"""The position of the camera, and the point that it looks at, in metres."""
 
 
 def best_view(

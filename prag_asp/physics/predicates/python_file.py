@@ -46,8 +46,8 @@ def load_predicate(own: Own) -> Predicate:
         raise SceneError(
             f"{own.file}:1: {own.name} has the subject {predicate.subject}, but {count}; count them from 0"
         )
-    given = {part: getattr(predicate, part) for part in RESULTS}
-    functions = {part: function for part, function in given.items() if function is not None or part in NEEDED}
+    parts = {part: getattr(predicate, part) for part in RESULTS}
+    functions = {part: function for part, function in parts.items() if function is not None or part in NEEDED}
     for part, function in functions.items():
         if not callable(function):
             raise SceneError(f"{own.file}:1: {own.name}: its {part} is no function; got {function!r}")

@@ -29,18 +29,18 @@ Proofs = Mapping[Fluents, str | None]
 """Why fluents cannot hold together; None if the domain itself excludes them."""
 
 
-def prove_exclusions(stated: Facts, scene: Scene, tell: Callable[[str], None] = lambda words: None) -> Proofs:
+def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], None] = lambda words: None) -> Proofs:
     """Return the single fluents that never hold, and the pairs that never hold together.
 
     Pairs that the domain itself excludes have no reason. Only pairs that share an argument can exclude each other,
     because all proofs link facts by bodies.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     stage("proving")
-    prover, graph = Prover(scene), invariant_graph(stated)
-    spatial = list(_spatial(stated.fluents, scene))
+    prover, graph = Prover(scene), invariant_graph(domain_facts)
+    spatial = list(_spatial(domain_facts.fluents, scene))
     found: dict[Fluents, str | None] = {}
     possible = []
     for symbol, fluent, fact in spatial:
@@ -69,7 +69,7 @@ def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
     """Yield the learned exclusions of a domain that physics does not prove, such as after a change of the scene.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     prover, graph = Prover(scene), invariant_graph(domain.facts)
     for pair in domain.learned:

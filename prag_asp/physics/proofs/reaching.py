@@ -28,9 +28,9 @@ def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
     stated = [
         of[action] for of in (facts.preconditions, facts.postconditions) for action in facts.actions if action in of
     ]
-    spoken = {atom_of(fluent) for conditions in stated for fluent, _ in conditions}
+    named = {atom_of(fluent) for conditions in stated for fluent, _ in conditions}
     places = set[str]()
-    for fluent in spoken:
+    for fluent in named:
         meaning = PREDICATES.get(scene.meaning(fluent) or "")
         if meaning is not None and (meaning.supports or meaning.places):
             places.add(fluent.arguments[-1])
@@ -50,18 +50,18 @@ def _beyond(scene: Scene, place: str) -> str:
             top = cut(top, a, b, c)
         if not top:
             return "no part of it is in the workspace, where things are put; move it, or widen scene.workspace"
-    said = []
+    reasons = []
     for name in scene.robots:
         robot = robot_of(scene, name)
         near, far = _distances(top, robot)
         if near <= robot.reach[1] and far >= robot.reach[0] and height <= robot.reach_height:
             return ""
         if height > robot.reach_height:
-            said.append(f"its top is {height:.3g} m high, and {name} reaches {robot.reach_height:.3g} m high")
+            reasons.append(f"its top is {height:.3g} m high, and {name} reaches {robot.reach_height:.3g} m high")
         else:
             away = f"{near:.3g} m or more" if near > robot.reach[1] else f"{far:.3g} m or less"
-            said.append(f"it is {away} from {name}, which reaches {robot.reach[0]:.3g} to {robot.reach[1]:.3g} m")
-    return f"{'; '.join(said)}; move it"
+            reasons.append(f"it is {away} from {name}, which reaches {robot.reach[0]:.3g} to {robot.reach[1]:.3g} m")
+    return f"{'; '.join(reasons)}; move it"
 
 
 def _top(scene: Scene, place: str) -> tuple[Outline, float]:

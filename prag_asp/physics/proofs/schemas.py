@@ -107,25 +107,25 @@ class _Folding:
         """Return the most general rule for a proof whose instances are all proved for the same reason."""
         shape, entities = self._abstract(fluents)
         table = self._tables[shape]
-        wanted = _in_variables(reason, entities)
+        reason_pattern = _in_variables(reason, entities)
         options = [self._kinds(entity) for entity in entities]
         best: tuple[int, tuple[str, ...], list[Entities]] = (-1, (), [])
         for kinds in product(*options):
             instances = [e for e in table.possible if all(map(self._belongs, e, kinds))]
-            if len(instances) > best[0] and all(self._same(table, each, wanted) for each in instances):
+            if len(instances) > best[0] and all(self._same(table, each, reason_pattern) for each in instances):
                 best = (len(instances), kinds, instances)
         _, kinds, instances = best
         stated = [table.proofs[each] for each in sorted(instances) if table.reasons[each] is not None]
         return ExclusionRule(
-            shape, kinds, frozenset(self._entities), self._different(shape, kinds), wanted, tuple(stated)
+            shape, kinds, frozenset(self._entities), self._different(shape, kinds), reason_pattern, tuple(stated)
         )
 
-    def _same(self, table: _InstanceTable, entities: Entities, wanted: str) -> bool:
+    def _same(self, table: _InstanceTable, entities: Entities, reason_pattern: str) -> bool:
         """Return whether an instance is excluded for the same reason, or by the domain itself."""
         if entities not in table.reasons:
             return False
         reason = table.reasons[entities]
-        return reason is None or _kind(_in_variables(reason, entities)) == _kind(wanted)
+        return reason is None or _kind(_in_variables(reason, entities)) == _kind(reason_pattern)
 
     def _kinds(self, entity: str) -> list[str]:
         """Return the possible kinds of a variable for an entity, the most general first, the entity itself last."""

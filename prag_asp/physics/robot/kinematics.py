@@ -116,9 +116,9 @@ def nudge_joints(
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
-    drawn = POSTURE_GAIN * (_posture(robot) - joints)
-    drawn[0] = 0.0
-    found: NDArray[np.float64] = joints + drawn + inverse @ (twist - jacobian @ drawn)
+    posture_step = POSTURE_GAIN * (_posture(robot) - joints)
+    posture_step[0] = 0.0
+    found: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
     return found
 
 

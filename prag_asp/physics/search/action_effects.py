@@ -114,8 +114,8 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoi
         raise Exhausted
     tool, _ = options[attempt]
     opening = search.robot.opening
-    wanted = CollisionQuery(snapshot.situation, opening, entity)
-    at, above = descend(search, tool, wanted, wanted)
+    query = CollisionQuery(snapshot.situation, opening, entity)
+    at, above = descend(search, tool, query, query)
     acting = snapshot.acting
     waypoints += [Waypoint("approach", acting, above, opening), Waypoint("at", acting, at, opening)]
     return snapshot.with_arm(Arm(at, opening), above)

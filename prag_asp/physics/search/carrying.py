@@ -86,8 +86,8 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect,
     assert arm.grasp is not None
     others = {other: pose for other, pose in situation.poses.items() if other != entity}
     around = situation.with_poses(others)
-    wanted_of_it = [fact for fact in effect.fresh if fact.value and fact.arguments[0] == entity]
-    if wanted_of_it and all(fact.predicate.on_the_spot for fact in wanted_of_it):
+    required = [fact for fact in effect.fresh if fact.value and fact.arguments[0] == entity]
+    if required and all(fact.predicate.on_the_spot for fact in required):
         pose = _turned(search, situation, entity, effect)
     else:
         support = known_support(around, entity, effect.after) or TABLE

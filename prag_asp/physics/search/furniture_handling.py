@@ -67,13 +67,13 @@ def sample_opening(search: Search, situation: Situation, furniture: str, facts: 
         for fact in facts
         if fact.predicate.of_joint and fact.arguments[0] == furniture
     ]
-    wanted = Volume()
+    allowed = Volume()
     for volume in volumes or [ENDS[int(search.rng.integers(len(ENDS)))].volume]:
         if volume is not None:
-            wanted = wanted.meet(volume(situation, (furniture,), IDENTITY))
-    if wanted.empty:
+            allowed = allowed.meet(volume(situation, (furniture,), IDENTITY))
+    if allowed.empty:
         raise Failure(EMPTY_VOLUME, furniture)
-    return search.uniform(*wanted.opening)
+    return search.uniform(*allowed.opening)
 
 
 def turn(

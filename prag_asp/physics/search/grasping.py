@@ -98,15 +98,15 @@ def _at_ends(shape: Shape, pose: Pose, grasp: tuple[Pose, float]) -> Iterator[tu
         yield Pose((cx + x, cy + y, cz + z), tool.quaternion), width
 
 
-def configure(search: Search, tool: Pose, wanted: CollisionQuery, near: Joints | None = None) -> Joints:
+def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | None = None) -> Joints:
     """Return a collision-free joint configuration for a tool pose.
 
     Raises:
         Failure: there are none.
     """
-    failed = Failure(NO_KINEMATICS_AT, *_touched(wanted))
+    failed = Failure(NO_KINEMATICS_AT, *_touched(query))
     for joints in inverse(search.robot, tool, near):
-        collision = collide(search, joints, wanted)
+        collision = collide(search, joints, query)
         if collision is None:
             return joints
         failed = Failure(ARM_COLLIDES, collision.other)
@@ -138,11 +138,11 @@ def descend(search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuer
     raise failed or Failure(NO_KINEMATICS_AT, *_touched(at))
 
 
-def _touched(wanted: CollisionQuery) -> tuple[str, ...]:
+def _touched(query: CollisionQuery) -> tuple[str, ...]:
     """Return the object that the arm may touch, if any."""
-    return () if wanted.touched is None else (wanted.touched,)
+    return () if query.touched is None else (query.touched,)
 
 
-def collide(search: Search, joints: Joints, wanted: CollisionQuery) -> ArmCollision | None:
+def collide(search: Search, joints: Joints, query: CollisionQuery) -> ArmCollision | None:
     """Return the collision of the acting arm, None if it is free."""
-    return arm_collision(search.simulator, wanted.situation, joints, wanted.width, wanted.touched)
+    return arm_collision(search.simulator, query.situation, joints, query.width, query.touched)

@@ -43,8 +43,8 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, wayp
         assert arm.grasp is not None
         poses = with_riders(situation, arm.held, compose(tool, arm.grasp), search.objects)
         verify_objects(search, situation.with_poses(poses), changed_objects(snapshot, poses))
-    wanted = CollisionQuery(situation.with_poses(poses), arm.width, arm.held)
-    after = moved_arm(snapshot, configure(search, tool, wanted), poses)
+    query = CollisionQuery(situation.with_poses(poses), arm.width, arm.held)
+    after = moved_arm(snapshot, configure(search, tool, query), poses)
     waypoints.append(arm_waypoint("move" if arm.held is None else "carry", after))
     return after
 
@@ -60,8 +60,8 @@ def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Wa
     opened = snapshot.with_arm(Arm(before.joints, opening))
     require_free(search, opened, before.held)
     waypoints.append(arm_waypoint("at", opened))
-    wanted = CollisionQuery(opened.situation, opening, None)
-    joints = configure(search, raised(tool, LIFT), wanted, near=before.joints)
+    query = CollisionQuery(opened.situation, opening, None)
+    joints = configure(search, raised(tool, LIFT), query, near=before.joints)
     gone = moved_arm(opened, joints, opened.situation.poses)
     waypoints.append(arm_waypoint("retreat", gone))
     return gone

@@ -65,8 +65,8 @@ def moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose]) -> 
 def require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:
     """Check that the arm of a snapshot is free of collisions."""
     arm = snapshot.arm
-    wanted = CollisionQuery(snapshot.situation, arm.width, touched or arm.held)
-    hit = collide(search, arm.joints, wanted)
+    query = CollisionQuery(snapshot.situation, arm.width, touched or arm.held)
+    hit = collide(search, arm.joints, query)
     if hit is not None:
         raise Failure(ARM_COLLIDES, hit.other)
 

@@ -116,8 +116,8 @@ def sample_pose(
     facts = list(facts)
     about = relevant_facts(facts, entity, situation)
     ahead = _ahead(search, situation, entity, support, state)
-    wanted = PlacementRequest(entity, support, about, height, ahead, spacing_chains(situation, entity, facts))
-    quaternion, volume, everything = _place(search, situation, wanted)
+    request = PlacementRequest(entity, support, about, height, ahead, spacing_chains(situation, entity, facts))
+    quaternion, volume, everything = _place(search, situation, request)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
@@ -142,7 +142,7 @@ def sample_pose(
     raise failed
 
 
-def _place(search: Search, situation: Situation, wanted: PlacementRequest) -> tuple[Quaternion, Volume, Floor]:
+def _place(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Quaternion, Volume, Floor]:
     """Return the orientation of an object, its volume with that, and the floor of the volume.
 
     The yaw is random. If it leaves no room for the object or for later ones, the object is aligned with the axes
@@ -152,29 +152,31 @@ def _place(search: Search, situation: Situation, wanted: PlacementRequest) -> tu
         Failure: the volume is empty.
     """
     found: tuple[Quaternion, Volume, Floor] | None = None
-    for yaw in _yaws(search, situation, wanted):
+    for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
-        volume, floor = _roomy(situation, wanted, quaternion)
+        volume, floor = _roomy(situation, request, quaternion)
         if floor is None:
             continue
-        half = extents(situation.shape(wanted.entity), quaternion)
-        for wished in (volume.meet(_shrunk(room, half)) for room in wanted.ahead):
-            wished_floor = wished.floor()
-            if wished_floor and (wished.rings == volume.rings or Volume.sample(wished_floor, search.uniform)):
-                return quaternion, wished, wished_floor
+        half = extents(situation.shape(request.entity), quaternion)
+        for preferred_volume in (volume.meet(_shrunk(room, half)) for room in request.ahead):
+            preferred_floor = preferred_volume.floor()
+            if preferred_floor and (
+                preferred_volume.rings == volume.rings or Volume.sample(preferred_floor, search.uniform)
+            ):
+                return quaternion, preferred_volume, preferred_floor
         found = found or (quaternion, volume, floor)
-        if not wanted.ahead:
+        if not request.ahead:
             break
     if found is None:
-        raise Failure(EMPTY_VOLUME, wanted.entity)
+        raise Failure(EMPTY_VOLUME, request.entity)
     return found
 
 
-def _roomy(situation: Situation, wanted: PlacementRequest, quaternion: Quaternion) -> tuple[Volume, Floor | None]:
+def _roomy(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> tuple[Volume, Floor | None]:
     """Return the volume of an object that leaves room for what comes between, ample if possible, and its floor."""
-    volume = _volume(situation, wanted, quaternion)
-    for chained in wanted.between or ([],):
-        part = volume.meet(spacing_volume(situation, wanted.entity, quaternion, chained)) if chained else volume
+    volume = _volume(situation, request, quaternion)
+    for chained in request.between or ([],):
+        part = volume.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else volume
         floor = part.floor()
         if floor is not None:
             return part, floor
@@ -203,12 +205,12 @@ def _ahead(search: Search, situation: Situation, entity: str, support: str, stat
     return tuple(found)
 
 
-def _volume(situation: Situation, wanted: PlacementRequest, quaternion: Quaternion) -> Volume:
+def _volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
     """Return the volume of an object with its orientation on or above a support, as the facts require.
 
     An object on the table has to be within reach, unless it is known not to be or several robots share the table.
     """
-    entity, support, about, height, *_ = wanted
+    entity, support, about, height, *_ = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     volume = _surface(situation, entity, support, quaternion, out_of_reach)
     if height > 0.0:
@@ -294,16 +296,16 @@ def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[
     yield from repeat((everything, SPACING if support == TABLE else 0.0), TRIES)
 
 
-def _yaws(search: Search, situation: Situation, wanted: PlacementRequest) -> Iterator[float]:
+def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
     """Yield yaws in radians: in required ranges, else random and then axis-aligned, on a support along it."""
-    ranges = yaw_ranges(situation, wanted.entity, wanted.about)
+    ranges = yaw_ranges(situation, request.entity, request.about)
     if ranges is not None:
         yield from sample_yaws(search, ranges)
         return
-    if wanted.support == TABLE:
+    if request.support == TABLE:
         yield search.uniform(-math.pi, math.pi)
         along = int(search.rng.integers(2)) * math.pi / 2
         yield from (along, math.pi / 2 - along)
         return
     quarter = int(search.rng.integers(4)) * math.pi / 2
-    yield yaw_of(situation.pose(wanted.support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
+    yield yaw_of(situation.pose(request.support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
