@@ -50,7 +50,7 @@ class TierPipeline:
     def run(
         self, physical: PhysicalTask, witness: Witness, budget: Budget, seeds: Sequence[int], staging: Staging
     ) -> TierOutcome:
-        """Return how far a witness passes the tiers of a budget; transit waypoints are added where it has none.
+        """Return how far a witness passes the tiers of a budget; transit waypoints are added if it has none.
 
         `staging` says how it is demonstrated, `seeds` what varies in that.
         """

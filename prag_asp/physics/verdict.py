@@ -111,7 +111,7 @@ class Verdict:
     `reason` says why a task is proved infeasible, or the cause for which most attempts failed; `causes` counts the
     failed attempts by their cause (one of `CAUSES`), and `details` say of which facts and bodies; `restarts` is the
     number of initial states tried. `seed` and `index` together repeat the search. `demonstration` is there if the
-    budget includes one; it is too large for JSON, and has a file of its own.
+    budget includes one; it is too large for JSON, and has a separate file.
     """
 
     status: Status

@@ -21,17 +21,17 @@ def stage(words: str) -> None:
     """Report that a stage begins, in words that follow ``while``: "grounding tabletop"."""
     global _now  # noqa: PLW0603  a process does one thing at a time
     _now = words
-    _tell(words)
+    _publish(words)
 
 
 def so_far(words: str) -> None:
     """Report how far the current stage is."""
-    _tell(f"{_now} ({words})" if _now else words)
+    _publish(f"{_now} ({words})" if _now else words)
 
 
 def note(words: str) -> None:
     """Report a message to the user; the stage stays the same."""
-    _tell(Note(words))
+    _publish(Note(words))
 
 
 def hear(listener: Listener) -> None:
@@ -39,6 +39,6 @@ def hear(listener: Listener) -> None:
     _listeners.append(listener)
 
 
-def _tell(words: str) -> None:
+def _publish(words: str) -> None:
     for listener in _listeners:
         listener(words)

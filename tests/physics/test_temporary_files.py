@@ -23,8 +23,7 @@ from contextlib import ExitStack
 from tempfile import gettempdir
 from prag_asp.physics.filming.studio import open_studio
 from prag_asp.physics.world.dynamics import open_dynamics
-from prag_asp.physics.world.meshes import mesh_file
-from prag_asp.physics.world.primitives import make_shapes
+from prag_asp.physics.world.primitives import make_shapes, mesh_file
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.scene.scene import Scene, Shape, Solid

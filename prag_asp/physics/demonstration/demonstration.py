@@ -182,7 +182,7 @@ def _read(file: BinaryIO, path: Path) -> Demonstration:
         raise BadArchive("it has no version")
     if content["version"].shape != () or content["version"] != VERSION:
         version = shown(content["version"].tolist())
-        raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
+        raise QueryError(f"{path}: an episode of the version {version}; this program reads {VERSION}")
     missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
     if missing:
         raise BadArchive(f"it has no {missing[0]}")

@@ -32,7 +32,7 @@ LOCAL, CENTRAL, END = struct.Struct("<4s5H3L2H"), struct.Struct("<4s6H3L5H2L"), 
 VERSION, UTF8, DEFLATED, FIRST_DAY = 20, 1 << 11, 8, 33
 LARGEST = 2**32 - 1
 PIECE = 1 << 16
-BROKEN = "the pictures of a recording were cut off or changed; record it anew"
+BROKEN = "the pictures of an episode were cut off or changed; record it anew"
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ class Staging:
                 raise QueryError(f"the camera {name} is named {self.cameras.count(name)} times; name it once")
         if self.rate not in RATES:
             known = ", ".join(map(str, RATES))
-            raise QueryError(f"a recording has {FRAMES_A_SECOND} frames a second: film at {known}; got {self.rate}")
+            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: film at {known}; got {self.rate}")
         if self.size is not None and not all(SMALLEST <= side <= LARGEST for side in self.size):
             width, height = self.size
             raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")

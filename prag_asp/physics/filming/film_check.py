@@ -37,7 +37,7 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
     unknown = [f"the scene has no camera {name}" for name in footage.films if name not in known]
     cameras = {name: known[name]._replace(size=each.size) for name, each in footage.films.items() if name in known}
     again = film_frames(demonstration, scene, cameras, footage.frames.tolist())
-    found = [f"{name} is not what the recording says" for name in _differing(footage, again)]
+    found = [f"{name} is not what the episode says" for name in _differing(footage, again)]
     return [*unknown, *found, *(fault for name in cameras for fault in _faults(name, footage, again))]
 
 

@@ -151,7 +151,7 @@ def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
 
 
 def _slower(cells: _Cells, reached: Angles, excess: Angles, window: int) -> _Cells:
-    """Return cells with lower speeds where a joint exceeds its limits: all that is averaged there is passed slower."""
+    """Return cells with lower speeds in the averaging windows in which a joint exceeds its limits."""
     caps = cells.caps.copy()
     for step in np.flatnonzero(excess > 1.0).tolist():
         first, last = np.searchsorted(reached, (step - window - 1, step + 1))

@@ -160,11 +160,11 @@ RESULTS: Mapping[str, Result] = {
     "robot_sentence": Result(_is_text, "the sentence of {} that names its gripper has to be a string"),
     "otherwise": Result(_is_volume, "the volume where {} does not hold has to be a Volume, with numbers as its bounds"),
     "impossible": Result(
-        lambda found: all(map(_is_text, found)), "why {} is impossible has to be told in strings", yielded=True
+        lambda found: all(map(_is_text, found)), "the reasons why {} is impossible have to be strings", yielded=True
     ),
     "demands": Result(_are_demands, "the demands of {} have to be pairs of an axis (0 to 2) and a Gap", yielded=True),
     "excludes": Result(
-        lambda found: found is None or _is_text(found), "why {} excludes another has to be told in a string, or None"
+        lambda found: found is None or _is_text(found), "the reason why {} excludes another has to be a string, or None"
     ),
     "nowhere": Result(lambda found: isinstance(found, bool), "whether {} is so nowhere has to be True or False"),
 }

@@ -12,9 +12,9 @@ from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Gap, Node
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
-    """Return nodes in a row, each higher than the one before, the first higher than the last; () where none are.
+    """Return a cycle of positive length: nodes, each of which has to be above the one before; () if there is none.
 
-    The row begins at the origin where it passes it.
+    The cycle begins at the origin if it passes it.
     """
     reached = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
     last: dict[Node, Gap] = {}
