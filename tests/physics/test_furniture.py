@@ -53,7 +53,7 @@ def validator(kitchen):
 
 
 def closed_start(*fluents: str):
-    """Return the first state of the kitchen, all that is not named false."""
+    """Return the initial state of the kitchen, all that is not named false."""
     inside = {"apple_1": "drawer_1", "apple_2": "drawer_1", "cup_1": "cupboard_1"}
     places = ("drawer_1", "cupboard_1", "table_1", "bowl_1")
     away = [f"-located({item},{place})" for item, home in inside.items() for place in places if place != home]

@@ -214,7 +214,7 @@ def test_what_is_asked_for_is_read_off_the_task_action_by_action(tabletop, table
     assert ("cube_1", "brick_1") in stack and ("cube_1", "table") not in stack
 
 
-def test_a_contact_that_was_written_into_a_recording_does_not_pass_the_check(tabletop, tabletop_validator):
+def test_a_contact_that_was_written_into_an_episode_does_not_pass_the_check(tabletop, tabletop_validator):
     shown = tabletop_validator.validate(stacking(), seed=1, budget=Budget(5, 10, "demonstration")).demonstration
     assert check_demonstration(stacking(), shown, tabletop) == []
     names = shown.bodies.index("arm of panda"), shown.bodies.index("brick_1")

@@ -28,7 +28,7 @@ def recorded():
 
 @pytest.fixture(scope="module")
 def filmed(recorded, tabletop):
-    """A recording with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
+    """An episode with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
     return film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
 
 
@@ -82,7 +82,7 @@ def test_floors_of_containers_by_rays_are_seen_as_those_of_triangles(recorded, t
     assert (pictures[0][-1].segmentation == tray).mean() > 0.3, "the last camera looks into the tray"
 
 
-def test_a_recording_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):
+def test_an_episode_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):
     recorded.save(tmp_path / "before.npz")
     replace(filmed, footage=None).save(tmp_path / "after.npz")
     assert (tmp_path / "before.npz").read_bytes() == (tmp_path / "after.npz").read_bytes()
@@ -158,7 +158,7 @@ def test_an_unknown_camera_is_told(tabletop):
         Staging(("frnt",)).cameras_of(tabletop)
 
 
-def test_a_recording_of_another_scene_is_told(recorded, prag):
+def test_an_episode_of_another_scene_is_told(recorded, prag):
     with pytest.raises(SceneError, match="bin_1 is to be filmed; give its class the shape of an object"):
         film(recorded, prag, Staging(("front",), (16, 16), rate=1))
     with pytest.raises(SceneError, match="there is no robot panda"):
