@@ -1,1 +1,1 @@
-"""What cameras of a scene see of an episode."""
+"""Camera images of an episode."""

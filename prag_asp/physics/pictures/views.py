@@ -15,8 +15,8 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)
-"""Directions to the eye: degrees from the axis that points away from the robot, so that left and right stay what they
-are to someone who faces it; and heights beside the way along the table."""
+"""Directions to the camera: degrees from the axis that points away from the robot, so that left and right stay those of
+a viewer who faces it; and heights relative to the horizontal distance."""
 
 FAVOUR = 1.1
 """The factor by which another view has to be better than the default one."""
@@ -34,11 +34,11 @@ View = tuple[Vector, Vector]
 def best_view(
     task: Task, moments: Sequence[Moment], scene: Scene, size: tuple[int, int], states: Iterable[int] | None = None
 ) -> View:
-    """Return the view in which the states of a task show best what is done; `size` is that of a picture in pixels.
+    """Return the view that shows the actions of a task best; `size` is that of a picture in pixels.
 
-    Of each state count the things that its action and its subgoal name, and the hand that acts, each by the pixels that
-    show it beside the most that any view shows: their mean, and the one that is seen worst. `moments` are all states;
-    `states` are those that are drawn, as a rule all.
+    A view scores, for each state, the entities of its action and subgoal and the acting hand, each by the ratio of its
+    visible pixels to the most in any view: the mean and the minimum of the ratios. `moments` are all states; `states`
+    are the drawn ones, by default all.
     """
     aspect = size[0] / size[1]
     views = [view_from(scene, aspect, towards) for towards in (TOWARDS_EYE, *_directions())]
@@ -63,7 +63,7 @@ def best_view(
 
 
 def acting(task: Task, scene: Scene, state: int) -> set[str]:
-    """Return what the action that leads to a state acts with and on, and its subgoal names; nothing at the start."""
+    """Return the entities of the action that leads to a state, and of its subgoal; none for the initial state."""
     if state == 0:
         return set()
     action, subgoal = task.actions[state - 1], task.subgoals[state - 1]
@@ -77,7 +77,7 @@ def acting(task: Task, scene: Scene, state: int) -> set[str]:
 
 
 def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> View:
-    """Return the view in a direction that just sees the workspace, the robots and what is fixed.
+    """Return the closest view in a direction that shows the workspace, the robots and the fixed objects.
 
     The aspect of the picture is its width by its height.
     """
@@ -92,7 +92,7 @@ def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> Vie
 
 
 def _directions() -> list[Vector]:
-    """Return the directions to the eye that are tried besides the usual one."""
+    """Return the directions to the camera that are tried besides the default one."""
     found = []
     for azimuth, height in product(AZIMUTHS, HEIGHTS):
         angle = math.radians(azimuth)

@@ -32,7 +32,7 @@ def shapes_volume(fact: Fact, entity: str) -> bool:
 
 
 def allowed_volume(situation: Situation, fact: Fact, entity: str, quaternion: Quaternion) -> Volume:
-    """Return the volume of an object with its orientation by a fact that `shapes_volume`."""
+    """Return the volume that a fact allows an object with its orientation; the fact has to satisfy `shapes_volume`."""
     predicate, arguments = fact.predicate, fact.arguments
     if arguments[predicate.subject] == entity:
         return predicate.volume(situation, arguments, quaternion)
