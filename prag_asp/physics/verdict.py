@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 import msgspec
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole, one_of, read
 from prag_asp.physics.witness import Witness, witness_of
+from prag_asp.tables.json_fields import Whole, one_of, read
 
 if TYPE_CHECKING:
     from prag_asp.physics.demonstration.demonstration import Demonstration

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import msgspec
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Number, read, shown
+from prag_asp.tables.json_fields import Number, read
+from prag_asp.tables.report import shown
 
 VERSION = 2
 """The form in which witnesses and recordings are written; the one before has no number.

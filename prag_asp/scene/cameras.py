@@ -79,7 +79,7 @@ class Camera(NamedTuple):
         return placed
 
 
-class Placed(Protocol):
+class StandsAt(Protocol):
     """Where the base of a robot stands."""
 
     @property
@@ -92,7 +92,7 @@ class Placed(Protocol):
 
 
 def usual_cameras(
-    workspace: tuple[float, float, float, float], robots: Mapping[str, Placed], fixed: Sequence[Vector] = ()
+    workspace: tuple[float, float, float, float], robots: Mapping[str, StandsAt], fixed: Sequence[Vector] = ()
 ) -> dict[str, Camera]:
     """Return the cameras of a scene that says nothing: one in front.
 

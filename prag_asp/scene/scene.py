@@ -40,7 +40,7 @@ class Solid(NamedTuple):
     mesh: str = ""
 
 
-class Model(NamedTuple):
+class BodyModel(NamedTuple):
     """What a URDF says of a body: what it collides with, and its mass in kilograms."""
 
     solids: tuple[Solid, ...]
@@ -56,7 +56,7 @@ class Shape(NamedTuple):
     kind: str
     size: Size = (0.0, 0.0, 0.0)
     wall: float = 0.0
-    model: Model | None = None
+    model: BodyModel | None = None
 
     @property
     def traits(self) -> Kind:
@@ -149,7 +149,7 @@ def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mo
 
 
 @dataclass(frozen=True)
-class Table:
+class TableTop:
     """The table: sides along x and y in metres, centre of its top (at z = 0), colour."""
 
     size: tuple[float, float] = (1.3, 1.6)
@@ -178,7 +178,7 @@ class Scene:
     shapes: Mapping[str, Shape]
     frame: str = "robot"
     workspace: tuple[float, float, float, float] = (0.3, 0.7, -0.4, 0.4)
-    table: Table = field(default_factory=Table)
+    table: TableTop = field(default_factory=TableTop)
     colors: Mapping[str, str] = field(default_factory=dict)
     fixed: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     predicates: Mapping[str, str] = field(default_factory=dict)

@@ -15,11 +15,11 @@ import msgspec
 import numpy as np
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Number, decoded, read
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.colours import from_lab, to_lab
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
+from prag_asp.tables.json_fields import Number, decoded, read
 
 KINDS = ("friction", "mass", "light", "camera", "colour")
 """What can vary."""

@@ -19,9 +19,9 @@ from prag_asp.errors import SceneError
 from prag_asp.safe_reading import is_inside, read_bytes
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.read.mesh import mesh_points, thickness
-from prag_asp.scene.read.report import SMALLEST
+from prag_asp.scene.read.scene_values import SMALLEST
 from prag_asp.scene.read.stability import rotation
-from prag_asp.scene.scene import Model, Shape, Size, Solid
+from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
 from prag_asp.wording import plural
 
 ZEROS = "0 0 0"
@@ -63,7 +63,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
-    return Shape("urdf", _minus(high, low), model=Model(centred, weight))
+    return Shape("urdf", _minus(high, low), model=BodyModel(centred, weight))
 
 
 def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:

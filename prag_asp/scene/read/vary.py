@@ -1,4 +1,4 @@
-"""Read ``[scene.vary]``: within what ranges recordings differ, and collect everything that is wrong with them.
+"""Read ``[scene.vary]``: the ranges within which episodes differ.
 
 [scene.vary]
 friction = [0.8, 1.2]           # times what the material has
@@ -13,39 +13,33 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from prag_asp.scene.read.report import Report, is_number
 from prag_asp.scene.scene import Ranges
+from prag_asp.tables.report import Entry
 
 FACTORS = (0.05, 20.0)
+"""The least and the largest factor of friction and mass: they cover all materials that bodies are made of."""
+
 LIMITS: Mapping[str, tuple[float, str]] = {
     "light": (80.0, "degrees"),
     "camera": (0.4, "a share of how far the camera is from what it looks at"),
     "colour": (60.0, "Delta E in CIELAB"),
 }
+"""The largest value of each kind, and its unit."""
 
 
-def read_vary(report: Report, value: Mapping[str, Any]) -> Ranges:
+def read_vary(section: Entry) -> Ranges:
     """Return the ranges, the usual ones where nothing is said."""
-    usual = Ranges()
-    report.unknown("scene.vary", value, Ranges._fields)
-    low, high = FACTORS
-    given: dict[str, Any] = {}
+    usual, (low, high) = Ranges(), FACTORS
+    section.require_known(Ranges._fields)
+    ranges: dict[str, Any] = {}
+    what = f"a low and a high factor from {low:g} to {high:g}, such as [0.8, 1.2]"
     for name in ("friction", "mass"):
-        pair = value.get(name, list(getattr(usual, name)))
-        if (
-            isinstance(pair, list)
-            and len(pair) == 2
-            and all(map(is_number, pair))
-            and low <= pair[0] <= pair[1] <= high
-        ):
-            given[name] = (float(pair[0]), float(pair[1]))
-        else:
-            asked = f"a low and a high factor from {low:g} to {high:g}, such as [0.8, 1.2]"
-            report.add(f"scene.vary.{name}", f"needs {asked}; got {pair!r}")
+        entry = section.at(name, list(getattr(usual, name)))
+        pair = entry.numbers(2, what, low, high)
+        if pair is not None and pair[0] > pair[1]:
+            entry.needs(what)
+        ranges[name] = pair or getattr(usual, name)
     for name, (most, unit) in LIMITS.items():
-        number = value.get(name, getattr(usual, name))
-        if is_number(number) and 0.0 <= number <= most:
-            given[name] = float(number)
-        else:
-            report.add(f"scene.vary.{name}", f"needs a number from 0 to {most:g} ({unit}); got {number!r}")
-    return usual._replace(**given)
+        number = section.at(name, getattr(usual, name)).number(0.0, most, unit)
+        ranges[name] = getattr(usual, name) if number is None else number
+    return Ranges(**ranges)

@@ -10,7 +10,7 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.geometry import Pose, yaw_quaternion
 from prag_asp.scene.robots.kuka import KUKA
 from prag_asp.scene.robots.panda import PANDA
-from prag_asp.scene.robots.robot import Hand, Joints, Robot, Solver
+from prag_asp.scene.robots.robot import Hand, Joints, KinematicsSolver, Robot
 from prag_asp.scene.scene import Mount, Scene
 
 ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
@@ -36,4 +36,4 @@ def _mounted(mount: Mount) -> Robot:
     return ROBOTS[mount.kind] if base == Pose((0.0, 0.0, 0.0)) else replace(ROBOTS[mount.kind], base=base)
 
 
-__all__ = ["KUKA", "PANDA", "ROBOTS", "Hand", "Joints", "Robot", "Solver", "robot_of"]
+__all__ = ["KUKA", "PANDA", "ROBOTS", "Hand", "Joints", "KinematicsSolver", "Robot", "robot_of"]

@@ -25,7 +25,7 @@ Joints = tuple[float, ...]
 ORIGIN = Pose((0.0, 0.0, 0.0))
 
 
-class Solver(Protocol):
+class KinematicsSolver(Protocol):
     """The kinematics of an arm in closed form; of its seven freedoms one angle is left to choose.
 
     `last_resort` are the angles to try where no others gave a solution, `weights` how much the inverse kinematics
@@ -80,7 +80,7 @@ class Robot:
     """
 
     urdf: str
-    solver: Solver
+    solver: KinematicsSolver
     footprint: tuple[Footprint, ...]
     lower: Joints
     upper: Joints
