@@ -1,4 +1,4 @@
-"""What the subgoals of a task ask of physics: the facts that an action brings about, and those that have to stay."""
+"""The subgoals of a task as facts of physics: those that an action brings about, and those that have to stay."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 BROUGHT = 6
-"""How many facts that an action brings about have a place of their own; more share that of those that have to stay."""
+"""Facts that an action brings about with a separate place in a goal vector; more share the place of all others."""
 
 PLACES = 2 + BROUGHT
-"""How many numbers tell of a goal: the subgoal's, the distances of what is brought about, the worst of the rest."""
+"""The size of a goal vector: the number of the subgoal, distances of what is brought about, the worst of the rest."""
 
 
 @dataclass(frozen=True)
 class Subgoal:
-    """A subgoal: the facts that its action itself makes so, and all others that are known to be so after it.
+    """A subgoal: the facts that its action brings about, and all others that are known to hold after it.
 
-    `names` has each of them as text, those that shall not hold with a minus.
+    `names` are their texts, with a minus for those that shall not hold.
     """
 
     brought: tuple[Fact, ...]

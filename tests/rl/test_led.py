@@ -55,13 +55,13 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
     two.load_state_dict(json.loads(json.dumps(one.state_dict())))
     assert begun(one, 4) == begun(two, 4) and one.state_dict() == two.state_dict()
     state = json.loads(json.dumps(one.state_dict()))
-    for wrong in ({"rng": state["rng"], "source": {}}, {**state, "made": "another"}, "state"):
+    for wrong in ({"rng": state["rng"], "source": {}}, {**state, "spec": "another"}, "state"):
         with pytest.raises(QueryError, match="another environment"):
             two.load_state_dict(wrong)
     for wrong in (
         {**state, "source": {**state["source"], "number": -1}},
         {**state, "walk": {1, 2}},
-        {**state, "seal": 1},
+        {**state, "checksum": 1},
     ):
         with pytest.raises(QueryError, match="damaged"):
             two.load_state_dict(wrong)
@@ -101,13 +101,13 @@ def test_tasks_that_options_name_are_not_held_against_the_curriculum_of_tasks(sp
 def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(space: TaskSpace) -> None:
     env = TaskEnv(space, stage="any", steps=1)
     tried = [0]
-    find = env._draws.finder.witness
+    find = env._sampler.finder.witness
 
     def found(task: Task, **asked: int) -> Witness | None:
         tried[0] += 1
         return find(task, **asked) if tried[0] % 3 else None
 
-    env._draws.finder.witness = found  # type: ignore[method-assign]
+    env._sampler.finder.witness = found  # type: ignore[method-assign]
     told = begun(env, 12, seed=1)
     assert {info["probability"] for info in told} == {Fraction(1, space.count())}
     assert {info["stage_probability"] for info in told} == {Fraction(1, 2)}
@@ -115,7 +115,7 @@ def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(spa
     draws = sum(1 + info["rejected"] for info in told)
     source = env.state_dict()["source"]
     assert source["number"] == source["course"]["taken"] == draws > 12
-    env._draws.finder.witness = find  # type: ignore[method-assign]
+    env._sampler.finder.witness = find  # type: ignore[method-assign]
     _, info = env.reset(options={"rank": 100, "stage": 0})
     assert info["probability"] is None and info["stage_probability"] is None and info["rejected"] == 0
     env.close()
