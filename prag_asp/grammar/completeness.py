@@ -7,7 +7,7 @@ from string import Formatter
 from typing import Any
 
 from prag_asp.grammar.word_table import Words, shipped_table
-from prag_asp.tables.report import Entry
+from prag_asp.tables.report import TableEntry
 from prag_asp.wording import did_you_mean, listed
 
 PARTS = ("the", "place", "size", "color", "noun")
@@ -27,7 +27,7 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 """What stands in braces in texts of a language; the second of the exact ones has the facts, too."""
 
 
-def check_kinds(words: Entry) -> None:
+def check_kinds(words: TableEntry) -> None:
     """Report words that no language has, and those of another kind than in English."""
     known = {**shipped_table("en"), "numbers": [], "contractions": {}}
     words.require_known(known)
@@ -47,7 +47,7 @@ def _is_like(value: object, known: object) -> bool:
     return isinstance(value, str)
 
 
-def check_forms(entry: Entry, words: Words) -> None:
+def check_forms(entry: TableEntry, words: Words) -> None:
     """Report forms and braces that a language lacks, or has too many of; its tables are all there."""
     table = words.table
     unknown = next((part for part in table["phrase"] if part not in PARTS), None)
@@ -73,7 +73,7 @@ def check_forms(entry: Entry, words: Words) -> None:
     _check_agreement(entry, words)
 
 
-def _check_texts(words: Entry, table: Mapping[str, Any]) -> None:
+def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
     """Report frames and joints that are missing, or have other braces than they need."""
     for part, keys in BRACES.items():
         for key, names in keys.items():
@@ -89,7 +89,7 @@ def _check_texts(words: Entry, table: Mapping[str, Any]) -> None:
                     entry.add(f"has {braces}, in this order; got {text!r}")
 
 
-def _check_agreement(entry: Entry, words: Words) -> None:
+def _check_agreement(entry: TableEntry, words: Words) -> None:
     """Report the forms by gender and case that are missing."""
     for word in ("the", "it", "is", "is_not"):
         for gender in words.genders:

@@ -13,7 +13,7 @@ from prag_asp.grammar.template import Template, agrees, parse_template
 from prag_asp.grammar.word_table import shipped_languages
 from prag_asp.program.facts import Facts
 from prag_asp.program.settings import Settings
-from prag_asp.tables.report import Entry, TableProblem, TableReport
+from prag_asp.tables.report import TableEntry, TableProblem, TableReport
 from prag_asp.wording import did_you_mean, listed
 
 FACT_KEYS = ("is", "not", "where", "of", "silent")
@@ -24,12 +24,12 @@ def grammar_problems(settings: Settings, facts: Facts) -> list[TableProblem]:
     known, problems = tables(settings), list[TableProblem]()
     for code in languages(settings):
         report = TableReport()
-        _check_language(Entry(report, ("language", code), known.get(code, {})), settings, facts, code)
+        _check_language(TableEntry(report, ("language", code), known.get(code, {})), settings, facts, code)
         problems += report.problems
     return problems
 
 
-def _check_language(entry: Entry, settings: Settings, facts: Facts, code: str) -> None:
+def _check_language(entry: TableEntry, settings: Settings, facts: Facts, code: str) -> None:
     """Report the problems of one language of a domain; those of its sentences only where its parts are right."""
     _check_parts(entry, code)
     if not entry.is_sound:
@@ -45,7 +45,7 @@ def _check_language(entry: Entry, settings: Settings, facts: Facts, code: str) -
         _LanguageChecker(entry, reader, code).check()
 
 
-def _check_parts(entry: Entry, code: str) -> None:
+def _check_parts(entry: TableEntry, code: str) -> None:
     """Report parts that no language has, and words of another kind than those of English."""
     entry.require_known(PARTS)
     for part, table in entry.entries():
@@ -61,7 +61,7 @@ def _check_parts(entry: Entry, code: str) -> None:
 class _LanguageChecker:
     """Checks the sentences, nouns and values of one language of a domain."""
 
-    def __init__(self, entry: Entry, reader: GrammarReader, code: str) -> None:
+    def __init__(self, entry: TableEntry, reader: GrammarReader, code: str) -> None:
         self.entry, self.reader, self.code, self.cases = entry, reader, code, reader.words.cases
 
     def check(self) -> None:
@@ -98,7 +98,9 @@ class _LanguageChecker:
             if name not in arities:
                 entry.add(f"there is no such fluent; {did_you_mean(name, arities, f'fluents are {listed(arities)}')}")
                 continue
-            forms = entry if isinstance(entry.value, Mapping) else Entry(entry.report, entry.keys, {"is": entry.value})
+            forms = (
+                entry if isinstance(entry.value, Mapping) else TableEntry(entry.report, entry.keys, {"is": entry.value})
+            )
             forms.require_known(FACT_KEYS)
             for key in ("is", "not", "where"):
                 if key in forms.value:
@@ -135,7 +137,7 @@ class _LanguageChecker:
             elif not isinstance(entry.value, str) or not entry.value.strip():
                 entry.needs("a word in quotes")
 
-    def _check_sentences(self, entry: Entry, arity: int) -> None:
+    def _check_sentences(self, entry: TableEntry, arity: int) -> None:
         """Report a wrong sentence, or wrong ones among several."""
         texts = _texts(entry.value)
         if not texts or len(texts) < (len(entry.value) if isinstance(entry.value, list) else 1):
@@ -169,9 +171,13 @@ class _LanguageChecker:
                 text = f"a sentence leaves {{{left}}} open, so that two actions sound alike; name it"
                 self._place(signature[0], own).add(text, "sounds-alike")
 
-    def _place(self, action: str, own: Mapping[str, Any]) -> Entry:
+    def _place(self, action: str, own: Mapping[str, Any]) -> TableEntry:
         """Return the entry of the sentences of an action: in the language's table, or right under ``[language]``."""
-        return self.entry.at("actions").at(action) if action in own else Entry(self.entry.report, ("language", action))
+        return (
+            self.entry.at("actions").at(action)
+            if action in own
+            else TableEntry(self.entry.report, ("language", action))
+        )
 
     def _overlap(self, one: Signature, first: Template, other: Signature, second: Template) -> bool:
         """Return whether two sentences can be the same text for different actions."""

@@ -11,7 +11,7 @@ from prag_asp.program.entity_names import ambiguity, named
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
-from prag_asp.tables.report import Entry, Keys, TableProblem, TableReport
+from prag_asp.tables.report import Keys, TableEntry, TableProblem, TableReport
 from prag_asp.wording import did_you_mean, is_misspelt
 
 TYPES: Mapping[str, tuple[type, str]] = {
@@ -26,7 +26,7 @@ TYPES: Mapping[str, tuple[type, str]] = {
 
 def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Problem]:
     """Yield the unknown keys and the wrong types of a domain.toml."""
-    root = Entry(TableReport(), (), table)
+    root = TableEntry(TableReport(), (), table)
     for key, entry in root.entries():
         if key not in KEYS:
             entry.add(f"unknown key; {did_you_mean(key, KEYS)}", "" if is_misspelt(key, KEYS) else "no-effect")
@@ -52,7 +52,7 @@ def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     """
     report = TableReport()
     for key in settings.weights:
-        _check_weight(Entry(report, ("weights", key)), key, facts)
+        _check_weight(TableEntry(report, ("weights", key)), key, facts)
     _check_sentences(report, settings, facts)
     yield from _located(report.problems, settings)
     if settings.grammar:
@@ -69,7 +69,7 @@ def _located(problems: Iterable[TableProblem], settings: Settings) -> Iterator[P
         yield Problem(settings.path, settings.line_of(*each.keys), str(each), each.warning)
 
 
-def _check_weight(entry: Entry, key: str, facts: Facts) -> None:
+def _check_weight(entry: TableEntry, key: str, facts: Facts) -> None:
     """Report a weight whose key names nothing, or several things."""
     actions, known = facts.action_names, set[str]().union(*named(facts).values())
     parts = key.split(">")
@@ -92,7 +92,7 @@ def _check_sentences(report: TableReport, settings: Settings, facts: Facts) -> N
     for term in (*facts.fluents, *facts.declared_actions) if settings.language else ():
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
     for name in settings.language:
-        entry = Entry(report, ("language", name), settings.grammar[name])
+        entry = TableEntry(report, ("language", name), settings.grammar[name])
         sentences = entry.value if isinstance(entry.value, list) else [str(entry.value)]
         if name not in arities:
             hint = did_you_mean(name, arities, "give the name of an action or a fluent")

@@ -113,7 +113,7 @@ def matrix(pose: Pose) -> NDArray[np.float64]:
 
 
 def finite(pose: Pose) -> bool:
-    """Tell whether a pose is finite and its quaternion of unit length, which PyBullet never checks."""
+    """Return whether a pose is finite and its quaternion of unit length, which PyBullet never checks."""
     numbers = (*pose.position, *pose.quaternion)
     return all(map(math.isfinite, numbers)) and abs(sum(q * q for q in pose.quaternion) - 1.0) < 1e-6
 

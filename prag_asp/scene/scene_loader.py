@@ -16,7 +16,7 @@ from prag_asp.scene.read.scene_reader import read_scene
 from prag_asp.scene.read.scene_values import DomainNames
 from prag_asp.scene.scene import IGNORED, Scene, Shape
 from prag_asp.scene.shape_kinds import KINDS
-from prag_asp.tables.report import Entry, Keys, TableProblem, TableReport, path_text
+from prag_asp.tables.report import Keys, TableEntry, TableProblem, TableReport, path_text
 from prag_asp.wording import did_you_mean, is_misspelt, plural
 
 
@@ -67,7 +67,7 @@ def scene_problems(
 def _read(table: Mapping[str, Any], names: DomainNames) -> tuple[TableReport, Scene]:
     """Return a scene with the report of its problems."""
     report = TableReport()
-    return report, read_scene(Entry(report, ("scene",), table), names)
+    return report, read_scene(TableEntry(report, ("scene",), table), names)
 
 
 def _check_misspelt_fluents(report: TableReport, scene: Scene, fluents: Iterable[Atom]) -> None:

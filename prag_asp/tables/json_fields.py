@@ -13,7 +13,7 @@ from typing import Annotated, Any, TypeVar
 import msgspec
 
 from prag_asp.errors import QueryError
-from prag_asp.tables.report import Entry, Keys, TableProblem, shown
+from prag_asp.tables.report import Keys, TableEntry, TableProblem, shown
 
 Kind = TypeVar("Kind")
 Option = TypeVar("Option", bound=str)
@@ -66,7 +66,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
         raise QueryError(str(problem._replace(keys=(name, *problem.keys) if name else problem.keys))) from None
 
 
-def read_entry(entry: Entry, kind: type[Kind]) -> Kind | None:
+def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
     """Return the value of an entry as one of a kind that msgspec knows, None where it is another; that is reported."""
     try:
         return msgspec.convert(entry.value, kind)

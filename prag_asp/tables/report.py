@@ -87,7 +87,7 @@ _NONE = object()
 
 
 @dataclass(frozen=True)
-class Entry:
+class TableEntry:
     """A value of a table with the keys that lead to it, and the report of its problems."""
 
     report: TableReport
@@ -95,21 +95,23 @@ class Entry:
     value: Any = None
     missing: bool = False
 
-    def at(self, key: str | int, default: object = _NONE) -> Entry:
+    def at(self, key: str | int, default: object = _NONE) -> TableEntry:
         """Return the entry below this one; where it is missing, its value is the `default`, if there is one."""
         keys = (*self.keys, key)
         if isinstance(self.value, Mapping) and key in self.value:
-            return Entry(self.report, keys, self.value[key])
+            return TableEntry(self.report, keys, self.value[key])
         if isinstance(self.value, list) and isinstance(key, int):
-            return Entry(self.report, keys, self.value[key])
-        return Entry(self.report, keys, missing=True) if default is _NONE else Entry(self.report, keys, default)
+            return TableEntry(self.report, keys, self.value[key])
+        return (
+            TableEntry(self.report, keys, missing=True) if default is _NONE else TableEntry(self.report, keys, default)
+        )
 
-    def entries(self) -> Iterator[tuple[str, Entry]]:
+    def entries(self) -> Iterator[tuple[str, TableEntry]]:
         """Yield the name and the entry of each key of a table, nothing where the value is no table."""
         for name in self.value if isinstance(self.value, Mapping) else ():
             yield name, self.at(name)
 
-    def items(self) -> Iterator[Entry]:
+    def items(self) -> Iterator[TableEntry]:
         """Yield the entry of each item of a list, nothing where the value is no list."""
         for place in range(len(self.value)) if isinstance(self.value, list) else ():
             yield self.at(place)
@@ -136,10 +138,10 @@ class Entry:
             self.require_known(known)
         return True
 
-    def section(self, key: str) -> Entry:
+    def section(self, key: str) -> TableEntry:
         """Return the table below this one, an empty one where it is missing or something else."""
         found = self.at(key, {})
-        return found if found.is_table("") else Entry(self.report, found.keys, {})
+        return found if found.is_table("") else TableEntry(self.report, found.keys, {})
 
     def require_known(self, known: Collection[str]) -> None:
         """Report the keys of a table that are not known."""

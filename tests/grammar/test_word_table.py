@@ -11,7 +11,7 @@ from prag_asp import QueryError
 from prag_asp.grammar.completeness import check_forms, check_kinds
 from prag_asp.grammar.word_table import shipped_languages, shipped_table, words_of
 from prag_asp.scene.predicate_names import VOCABULARY
-from prag_asp.tables.report import Entry, TableReport
+from prag_asp.tables.report import TableEntry, TableReport
 
 
 @pytest.mark.parametrize("code", shipped_languages())
@@ -58,9 +58,9 @@ def test_german_contracts_and_what_is_contracted_is_read_as_it_was(whole: str, w
     assert words_of("en", {}).contracted(whole) == words_of("en", {}).expanded(written + whole)[len(written) :]
 
 
-def reported(check: Callable[[Entry], None]) -> list[str]:
+def reported(check: Callable[[TableEntry], None]) -> list[str]:
     """Return the problems that a check of words reports."""
-    entry = Entry(TableReport(), ("words",))
+    entry = TableEntry(TableReport(), ("words",))
     check(entry)
     return list(map(str, entry.report.problems))
 
@@ -74,4 +74,4 @@ def test_contractions_that_could_be_read_in_two_ways_are_refused() -> None:
     assert line.startswith("words.contractions: ")
     assert reported(lambda entry: check_forms(entry, words_of("de", {}))) == []
     words = {"contractions": {"a": "b"}}
-    assert reported(lambda entry: check_kinds(Entry(entry.report, entry.keys, words))) == []
+    assert reported(lambda entry: check_kinds(TableEntry(entry.report, entry.keys, words))) == []

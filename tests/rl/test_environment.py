@@ -226,7 +226,7 @@ def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: Task
 
 
 @pytest.mark.parametrize(
-    "asked",
+    "commanded_openings",
     [
         {"space": "tabletop"}, {"space": None, "dataset": "data"}, {"space": None, "task": "pick(panda,can_1,table_1)"},
         {"steps": True}, {"steps": 1.5}, {"discount": "x"}, {"witness": "x"},

@@ -127,7 +127,7 @@ def test_only_tasks_of_the_part_are_given(space: TaskSpace) -> None:
     told = begun(env, 6, seed=2)
     assert {info["task"] for info in told} <= set(map(str, part)) and sum(info["rejected"] for info in told)
     assert env.state_dict()["source"]["number"] == sum(1 + info["rejected"] for info in told), "each draw has a number"
-    with pytest.raises(QueryError, match="not one of the part"):
+    with pytest.raises(QueryError, match="not in the part"):
         env.reset(options={"rank": 200})
     env.close()
 
@@ -167,7 +167,7 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
         ({"curriculum": Adaptive}, "no curriculum"),
         ({"curriculum": (Adaptive(), Bandit())}, "of one kind"),
         ({"curriculum": (Backwards(), Backwards())}, "of one kind"),
-        ({"part": "train"}, "no place"),
+        ({"part": "train"}, "no origin"),
         (lambda space: {"space": TaskSpaces(space.domain, range(1, 3)), "part": space.at(1)[:2]}, "of one length"),
         (lambda space: {"part": space.at(1)[:2]}, "of length|length=1"),
         (lambda space: {"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part is one of TaskSpace"),
@@ -201,7 +201,7 @@ def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, 
 def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]], space: TaskSpace) -> None:
     task, witness = given["tabletop"][0]
     for curriculum in (Lengths(), (Backwards(), Novelty())):
-        with pytest.raises(QueryError, match="draws from a space"):
+        with pytest.raises(QueryError, match="needs a space"):
             TaskEnv(task=task, witness=witness, curriculum=curriculum)
     with pytest.raises(QueryError, match="give the space"):
         TaskEnv(task=task, part=space[:3])

@@ -27,7 +27,7 @@ from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.without_replacement import Division
 from prag_asp.tables.json_fields import read_entry
-from prag_asp.tables.report import Entry, TableReport
+from prag_asp.tables.report import TableEntry, TableReport
 from prag_asp.tables.toml_text import parse_toml
 from prag_asp.wording import did_you_mean, unknown
 
@@ -76,7 +76,7 @@ class _SuiteReader:
 
     def __init__(self, source: Source, trust: bool) -> None:
         self._source, self._trust, self._report = source, trust, TableReport()
-        root = Entry(self._report, (), parse_toml(source.path, source.text))
+        root = TableEntry(self._report, (), parse_toml(source.path, source.text))
         root.require_known(SuiteTable.__struct_fields__)
         parts = {name: self._read(entry, PartTable) for name, entry in root.at("parts").entries()}
         table = read_entry(root, SuiteTable)
@@ -89,7 +89,7 @@ class _SuiteReader:
         self._parts = {name: part for name, part in parts.items() if part is not None}
         self._written = root.at("parts")
 
-    def _read(self, entry: Entry, kind: type[Kind]) -> Kind | None:
+    def _read(self, entry: TableEntry, kind: type[Kind]) -> Kind | None:
         """Return a table as a struct, None where it has problems."""
         fields: tuple[str, ...] = kind.__struct_fields__  # type: ignore[attr-defined]
         entry.require_known(fields)
@@ -276,14 +276,14 @@ class _SuiteReader:
 
     def _worded(self, part: Part, table: PartTable, language: str, phrasings: str) -> Part:
         """Return a part with its language and its phrasings, unchanged where the domain does not have them."""
-        from prag_asp.dataset.language import teller_of
+        from prag_asp.dataset.language import instruction_writer_of
 
         language = table.language or language
         phrasings = phrasings if table.phrasings is None else table.phrasings
         key = "language" if table.phrasings is None else "phrasings"
         with self._report.errors_at("parts", part.name, key):
             spelled = str(Phrasings.parse(phrasings))
-            teller_of(self._domain, language, phrasings=spelled)
+            instruction_writer_of(self._domain, language, phrasings=spelled)
             return replace(part, language=language, phrasings=spelled)
         return part
 

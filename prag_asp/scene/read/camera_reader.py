@@ -19,7 +19,7 @@ from collections.abc import Mapping
 
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
-from prag_asp.tables.report import Entry
+from prag_asp.tables.report import TableEntry
 from prag_asp.wording import did_you_mean
 
 KEYS = ("at", "look_at", "field_of_view", "mount", "size", "near", "far")
@@ -40,7 +40,7 @@ RANGE = (0.005, 100.0)
 """The least and the largest distance of the clipping planes, in metres."""
 
 
-def read_cameras(section: Entry, robots: Mapping[str, object]) -> dict[str, Camera]:
+def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str, Camera]:
     """Return the cameras without problems by their names; `robots` are those that can carry one."""
     found = {}
     for name, entry in section.entries():
@@ -53,7 +53,7 @@ def read_cameras(section: Entry, robots: Mapping[str, object]) -> dict[str, Came
     return found
 
 
-def _camera(entry: Entry, robots: Mapping[str, object]) -> Camera:
+def _camera(entry: TableEntry, robots: Mapping[str, object]) -> Camera:
     """Return one camera; values with a problem are replaced by the usual ones."""
     usual = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     mount = entry.at("mount")
@@ -73,14 +73,14 @@ def _camera(entry: Entry, robots: Mapping[str, object]) -> Camera:
     )
 
 
-def _point(entry: Entry) -> Vector | None:
+def _point(entry: TableEntry) -> Vector | None:
     """Return a point in metres."""
     what = f"x, y and z in metres, within {FARTHEST:g} m of the origin"
     numbers = entry.numbers(3, what, -FARTHEST, FARTHEST)
     return None if numbers is None else (numbers[0], numbers[1], numbers[2])
 
 
-def _size(entry: Entry) -> tuple[int, int] | None:
+def _size(entry: TableEntry) -> tuple[int, int] | None:
     """Return width and height in pixels."""
     low, high = PIXELS
     value = entry.value

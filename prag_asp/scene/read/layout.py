@@ -9,14 +9,14 @@ from itertools import combinations
 from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart, corners
 from prag_asp.scene.read.scene_values import MAX_LENGTH, DomainNames, color, lengths
 from prag_asp.scene.scene import Shape, TableTop
-from prag_asp.tables.report import Entry
+from prag_asp.tables.report import TableEntry
 
 PLACELESS = ("robot", "table")
 WORKSPACE = {"x": (0.3, 0.7), "y": (-0.4, 0.4)}
 """The ends of the workspace in metres where a scene names none: what an arm at the origin reaches from above."""
 
 
-def read_table(section: Entry) -> TableTop:
+def read_table(section: TableEntry) -> TableTop:
     """Return the table."""
     usual = TableTop()
     section.require_known(("size", "centre", "color"))
@@ -25,7 +25,7 @@ def read_table(section: Entry) -> TableTop:
     return TableTop((size[0], size[1]), (centre[0], centre[1]), color(section.at("color", usual.color)))
 
 
-def read_workspace(section: Entry) -> tuple[float, float, float, float]:
+def read_workspace(section: TableEntry) -> tuple[float, float, float, float]:
     """Return the part of the table top where objects are put: low x, high x, low y, high y in metres."""
     section.require_known(tuple(WORKSPACE))
     what = f"a low and a high end in metres, within {MAX_LENGTH:g} m of the origin"
@@ -39,7 +39,7 @@ def read_workspace(section: Entry) -> tuple[float, float, float, float]:
     return (bounds[0], bounds[1], bounds[2], bounds[3])
 
 
-def read_fixed(section: Entry, names: DomainNames, shapes: Mapping[str, Shape]) -> dict[str, Place]:
+def read_fixed(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape]) -> dict[str, Place]:
     """Return x, y in metres and yaw in radians of the entities that never move."""
     fixed, doubtful = {}, section.report.doubtful
     for entity, entry in section.entries():
@@ -63,7 +63,7 @@ def read_fixed(section: Entry, names: DomainNames, shapes: Mapping[str, Shape]) 
     return fixed
 
 
-def check_places(section: Entry, top: TableTop, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> None:
+def check_places(section: TableEntry, top: TableTop, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> None:
     """Report fixed bodies that are not wholly on the table, and pairs of the others that overlap."""
     (x, y), (size_x, size_y) = top.centre, top.size
     bodies = [entity for entity in fixed if shapes[entity].traits.body]

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from prag_asp.scene.colours import apart, more_colours
 from prag_asp.scene.read.scene_values import DomainNames, color
 from prag_asp.scene.scene import Material, Shape, TableTop
-from prag_asp.tables.report import Entry
+from prag_asp.tables.report import TableEntry
 from prag_asp.wording import did_you_mean
 
 LIMITS: Mapping[str, tuple[float, float, str]] = {
@@ -17,7 +17,7 @@ LIMITS: Mapping[str, tuple[float, float, str]] = {
 }
 
 
-def read_materials(section: Entry, names: DomainNames) -> dict[str, Material]:
+def read_materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
     """Return the material of every entity whose class or nearest ancestor has one."""
     by_class = {name: _material(entry) for name, entry in section.entries() if names.has_class(entry, name)}
     found = {
@@ -27,7 +27,7 @@ def read_materials(section: Entry, names: DomainNames) -> dict[str, Material]:
     return {entity: material for entity, material in found.items() if material is not None}
 
 
-def _material(entry: Entry) -> Material:
+def _material(entry: TableEntry) -> Material:
     """Return the material that a table describes; what it leaves out is as of light wood."""
     usual = Material()
     if not entry.is_table("like { density = 700, friction = 0.5 }", tuple(LIMITS)):
@@ -45,7 +45,7 @@ DISTINCT = 20.0
 """The least Delta E in CIELAB between colours that people do not take for one."""
 
 
-def read_colors(section: Entry, names: DomainNames, shapes: Mapping[str, Shape], top: str) -> dict[str, str]:
+def read_colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], top: str) -> dict[str, str]:
     """Return the colour of every entity: its own, its class's, or the next of the palette; `top` is the table's."""
     own_colors = {name: color(entry) for name, entry in section.entries()}
     for name, entry in section.entries():

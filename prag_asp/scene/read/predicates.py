@@ -21,8 +21,8 @@ from string import Formatter
 from prag_asp.safe_reading import is_inside
 from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.read.scene_values import DomainNames
-from prag_asp.scene.scene import IGNORED, Bounds, Own
-from prag_asp.tables.report import Entry, is_number
+from prag_asp.scene.scene import IGNORED, BoxBounds, Own
+from prag_asp.tables.report import TableEntry, is_number
 
 ROLES = tuple(dict.fromkeys(role for roles in PREDICATE_ROLES.values() for role in roles))
 """What an argument of a spatial predicate can be."""
@@ -36,7 +36,7 @@ EXAMPLE = '"{0} {is} in the corner of {1}"'
 ENDLESS = (-math.inf, math.inf)
 
 
-def read_own(section: Entry, names: DomainNames) -> dict[str, Own]:
+def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
     """Return the predicates of a ``[scene.own]`` table by their names, without those that have problems."""
     if not section.is_table("for each predicate, such as [scene.own.in_corner]"):
         return {}
@@ -50,7 +50,7 @@ def read_own(section: Entry, names: DomainNames) -> dict[str, Own]:
     return found
 
 
-def _predicate(entry: Entry, name: str, names: DomainNames) -> Own | None:
+def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:
     """Return one predicate, None where it is not even clear how it is defined."""
     if not entry.is_table("with arguments, and boxes or python"):
         return None
@@ -73,7 +73,7 @@ def _predicate(entry: Entry, name: str, names: DomainNames) -> Own | None:
     return _composed(entry, name, roles, names)
 
 
-def _composed(entry: Entry, name: str, roles: tuple[str, ...], names: DomainNames) -> Own:
+def _composed(entry: TableEntry, name: str, roles: tuple[str, ...], names: DomainNames) -> Own:
     """Return a predicate that is defined by boxes."""
     arguments, around = entry.at("arguments"), entry.at("around")
     if roles and set(roles) != {"object"}:
@@ -99,17 +99,17 @@ def _composed(entry: Entry, name: str, roles: tuple[str, ...], names: DomainName
     )
 
 
-def _box(entry: Entry) -> Bounds:
+def _box(entry: TableEntry) -> BoxBounds:
     """Return a box; nothing bounds it along an axis that it does not name."""
     if not isinstance(entry.value, Mapping) or not entry.value:
         entry.needs("a table like { x = [0.05, 0.12], y = [0, 0.1] }")
-        return Bounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        return BoxBounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     entry.require_known(AXES)
     (ax, bx), (ay, by), (az, bz) = (_ends(entry.at(axis, list(ENDLESS))) for axis in AXES)
-    return Bounds((ax, ay, az), (bx, by, bz))
+    return BoxBounds((ax, ay, az), (bx, by, bz))
 
 
-def _ends(entry: Entry) -> tuple[float, float]:
+def _ends(entry: TableEntry) -> tuple[float, float]:
     """Return the low and the high end of a box along an axis in metres; an end may be infinite."""
     value = entry.value
     if isinstance(value, list) and len(value) == 2 and all(is_number(each) or each in ENDLESS for each in value):
@@ -120,7 +120,7 @@ def _ends(entry: Entry) -> tuple[float, float]:
     return ENDLESS
 
 
-def _sentence(entry: Entry) -> str:
+def _sentence(entry: TableEntry) -> str:
     """Return the template of a sentence with {0}, {1} and {is}."""
     if not isinstance(entry.value, str) or not entry.value.strip():
         entry.needs(f"a sentence like {EXAMPLE}")
@@ -136,7 +136,7 @@ def _sentence(entry: Entry) -> str:
     return entry.value
 
 
-def _file(entry: Entry, folder: Path) -> str:
+def _file(entry: TableEntry, folder: Path) -> str:
     """Return the path of a Python file within the folder of the domain."""
     value = entry.value
     if not isinstance(value, str) or not value.endswith(".py"):

@@ -9,7 +9,7 @@ from itertools import combinations
 from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart
 from prag_asp.scene.robots import ROBOTS
 from prag_asp.scene.scene import Mount, Scene, Shape, only_robot
-from prag_asp.tables.report import Entry
+from prag_asp.tables.report import TableEntry
 
 FARTHEST = 2.0
 """How far from the origin the base of a robot may be along x and y, in metres: a table is no larger."""
@@ -18,7 +18,7 @@ CLOSEST = 0.4
 """The least distance between the bases of two robots, in metres."""
 
 
-def read_robots(section: Entry, shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
+def read_robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
     """Return where each robot stands, by entity; where the table says nothing the only one stands at the origin.
 
     `usual` is the kind of those whose table does not say.
@@ -46,7 +46,7 @@ def read_robots(section: Entry, shapes: Mapping[str, Shape], usual: str) -> dict
     return mounts or only_robot(shapes, usual)
 
 
-def _mount(entry: Entry, usual: str) -> Mount:
+def _mount(entry: TableEntry, usual: str) -> Mount:
     """Return where one robot stands."""
     kind = entry.at("kind", usual).choice(tuple(ROBOTS)) or usual
     place = entry.at("base", [0.0, 0.0, 0.0])
@@ -56,7 +56,7 @@ def _mount(entry: Entry, usual: str) -> Mount:
     return Mount(kind, x, y, math.radians(yaw))
 
 
-def check_bases(section: Entry, scene: Scene) -> None:
+def check_bases(section: TableEntry, scene: Scene) -> None:
     """Report fixed bodies that stand on the base of a robot; the section is ``scene.fixed``."""
     for entity, place in scene.fixed.items():
         shape = scene.shapes[entity]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.read.camera_reader import read_cameras
@@ -18,10 +19,9 @@ from prag_asp.scene.read.robots import check_bases, read_robots
 from prag_asp.scene.read.scene_values import DomainNames
 from prag_asp.scene.read.shapes import read_shapes
 from prag_asp.scene.read.stability import falls
-from prag_asp.scene.read.vary import read_vary
 from prag_asp.scene.robots import ROBOTS
-from prag_asp.scene.scene import IGNORED, Own, Scene
-from prag_asp.tables.report import Entry, is_number, shown
+from prag_asp.scene.scene import IGNORED, Own, Ranges, Scene
+from prag_asp.tables.report import TableEntry, is_number, shown
 from prag_asp.wording import did_you_mean
 
 FRAMES = ("robot", "viewer")
@@ -42,8 +42,18 @@ SCENE_KEYS = (
     "vary",
 )
 
+FACTORS = (0.05, 20.0)
+"""The least and the largest factor of friction and mass: they cover all materials that bodies are made of."""
 
-def read_scene(root: Entry, names: DomainNames) -> Scene:
+LARGEST_RANGES: Mapping[str, tuple[float, str]] = {
+    "light": (80.0, "degrees"),
+    "camera": (0.4, "a share of how far the camera is from what it looks at"),
+    "colour": (60.0, "Delta E in CIELAB"),
+}
+"""The largest value of each kind, and its unit."""
+
+
+def read_scene(root: TableEntry, names: DomainNames) -> Scene:
     """Return the scene of a ``[scene]`` table; the default stands in for a wrong value, which is reported."""
     report = root.report
     root.require_known(SCENE_KEYS)
@@ -69,7 +79,7 @@ def read_scene(root: Entry, names: DomainNames) -> Scene:
         materials=read_materials(root.section("materials"), names),
         own=own,
         cameras=read_cameras(root.section("cameras"), {**robots, **arms}),
-        vary=read_vary(root.section("vary")),
+        vary=_ranges(root.section("vary")),
         ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:
@@ -77,7 +87,7 @@ def read_scene(root: Entry, names: DomainNames) -> Scene:
     return scene
 
 
-def _check_bodies(root: Entry, scene: Scene, names: DomainNames) -> None:
+def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
     """Report bodies that cannot stand where they are, or anywhere.
 
     These are objects larger than the table, fixed ones off it or in each other or a robot, bodies that fall over, and
@@ -107,7 +117,7 @@ def _check_bodies(root: Entry, scene: Scene, names: DomainNames) -> None:
     check_bases(places, replace(scene, fixed=fixed))
 
 
-def _predicates(section: Entry, own: Mapping[str, Own]) -> dict[str, str]:
+def _predicates(section: TableEntry, own: Mapping[str, Own]) -> dict[str, str]:
     """Return which spatial predicate a fluent name means."""
     known = [*PREDICATE_ROLES, *own, IGNORED]
     for _, entry in section.entries():
@@ -116,7 +126,7 @@ def _predicates(section: Entry, own: Mapping[str, Own]) -> dict[str, str]:
     return {fluent: str(entry.value) for fluent, entry in section.entries()}
 
 
-def _rotations(section: Entry) -> dict[str, float]:
+def _rotations(section: TableEntry) -> dict[str, float]:
     """Return the yaw in radians that a name stands for."""
     rotations = {}
     for name, entry in section.entries():
@@ -125,3 +135,21 @@ def _rotations(section: Entry) -> dict[str, float]:
         else:
             entry.needs("a yaw in degrees")
     return rotations
+
+
+def _ranges(section: TableEntry) -> Ranges:
+    """Return the ranges of ``[scene.vary]`` within which episodes vary, the usual ones where it names none."""
+    usual, (low, high) = Ranges(), FACTORS
+    section.require_known(Ranges._fields)
+    ranges: dict[str, Any] = {}
+    what = f"a low and a high factor from {low:g} to {high:g}, such as [0.8, 1.2]"
+    for name in ("friction", "mass"):
+        entry = section.at(name, list(getattr(usual, name)))
+        pair = entry.numbers(2, what, low, high)
+        if pair is not None and pair[0] > pair[1]:
+            entry.needs(what)
+        ranges[name] = pair or getattr(usual, name)
+    for name, (most, unit) in LARGEST_RANGES.items():
+        number = section.at(name, getattr(usual, name)).number(0.0, most, unit)
+        ranges[name] = getattr(usual, name) if number is None else number
+    return Ranges(**ranges)

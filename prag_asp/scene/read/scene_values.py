@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from prag_asp.tables.report import Entry
+from prag_asp.tables.report import TableEntry
 from prag_asp.wording import did_you_mean
 
 MAX_LENGTH = 2.0
@@ -41,14 +41,14 @@ class DomainNames:
         """Return the class of an entity and its ancestors, nearest first."""
         return ancestors(self.entities[entity], self.known_classes)
 
-    def has_class(self, entry: Entry, name: str) -> bool:
+    def has_class(self, entry: TableEntry, name: str) -> bool:
         """Return whether a class exists, and report it otherwise."""
         if name in self.known_classes or any(name in parents for parents in self.classes.values()):
             return True
         entry.add(f"unknown class; {did_you_mean(name, self.known_classes)}")
         return False
 
-    def has_entity(self, entry: Entry, name: str) -> bool:
+    def has_entity(self, entry: TableEntry, name: str) -> bool:
         """Return whether an entity exists, and report it otherwise."""
         if name in self.entities:
             return True
@@ -64,12 +64,12 @@ def ancestors(name: str, classes: Mapping[str, Sequence[str]]) -> list[str]:
     return found
 
 
-def lengths(entry: Entry, count: int, least: float = SMALLEST) -> tuple[float, ...] | None:
+def lengths(entry: TableEntry, count: int, least: float = SMALLEST) -> tuple[float, ...] | None:
     """Return `count` lengths of at least `least` metres, None where the value is something else."""
     limits = f"at least {least:g}, at most {MAX_LENGTH:g}"
     return entry.numbers(count, f"{COUNTS[count]} in metres ({limits})", least, MAX_LENGTH)
 
 
-def color(entry: Entry) -> str:
+def color(entry: TableEntry) -> str:
     """Return a colour as ``#rrggbb``, grey where the value is something else."""
     return (entry.matching(r"#[0-9a-fA-F]{6}", 'a colour like "#e4572e"') or FALLBACK_COLOR).lower()

@@ -9,7 +9,7 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.read.scene_values import MAX_LENGTH, SMALLEST, DomainNames, lengths
 from prag_asp.scene.scene import Shape, Size
 from prag_asp.scene.shape_kinds import KINDS
-from prag_asp.tables.report import Entry, is_number, shown
+from prag_asp.tables.report import TableEntry, is_number, shown
 from prag_asp.wording import did_you_mean, nearest
 
 SIZES = 8
@@ -25,7 +25,7 @@ STAND_IN = (0.3, 0.3, 0.3)
 """Takes the place of sides that are wrong, so that nothing else is reported about them."""
 
 
-def read_shapes(section: Entry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:
+def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:
     """Return the shapes that every entity can have, the smallest first: those of its class or nearest ancestor."""
     by_class: dict[str, tuple[Shape, ...]] = {}
     for name, entry in section.entries():
@@ -44,7 +44,7 @@ def read_shapes(section: Entry, names: DomainNames) -> dict[str, tuple[Shape, ..
     return found
 
 
-def _shapes(entry: Entry, folder: Path) -> tuple[Shape, ...]:
+def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
     """Return the shapes that a table of ``scene.shapes`` describes: `SIZES` where it gives a range, otherwise one."""
     if not entry.is_table('like { kind = "box", size = [0.05, 0.05, 0.05] }'):
         return ()
@@ -70,7 +70,7 @@ def _shapes(entry: Entry, folder: Path) -> tuple[Shape, ...]:
     return tuple(Shape(kind, (ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az)), wall) for t in shares)
 
 
-def _urdf(entry: Entry, folder: Path) -> tuple[Shape, ...]:
+def _urdf(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
     """Return the shape of a URDF, given by its path from the folder of the domain."""
     from prag_asp.scene.read.urdf import read_urdf  # noqa: PLC0415 - few domains need to read XML
 
@@ -88,7 +88,7 @@ def _urdf(entry: Entry, folder: Path) -> tuple[Shape, ...]:
     return (shape,)
 
 
-def _sizes(entry: Entry, kind: str) -> tuple[Size, Size]:
+def _sizes(entry: TableEntry, kind: str) -> tuple[Size, Size]:
     """Return the sides of the smallest and of the largest bounding box of a shape in metres."""
     keys = KINDS[kind].keys
     if kind == "zone":
@@ -102,7 +102,7 @@ def _sizes(entry: Entry, kind: str) -> tuple[Size, Size]:
     return (diameter[0], diameter[0], height[0]), (diameter[1], diameter[1], height[1])
 
 
-def _box(entry: Entry) -> tuple[Size, Size]:
+def _box(entry: TableEntry) -> tuple[Size, Size]:
     """Return the smallest and the largest sides of a box: a list of three, or a table of two such lists."""
     ends = [entry]
     if isinstance(entry.value, Mapping):
@@ -115,7 +115,7 @@ def _box(entry: Entry) -> tuple[Size, Size]:
     return (ax, ay, az), (bx, by, bz)
 
 
-def _length(entry: Entry, least: float) -> tuple[float, float]:
+def _length(entry: TableEntry, least: float) -> tuple[float, float]:
     """Return the smallest and the largest of a length: a number, or a list of two."""
     if isinstance(entry.value, list) and len(entry.value) == 2:
         pair = lengths(entry, 2, least) or (0.0, 0.0)
@@ -126,7 +126,7 @@ def _length(entry: Entry, least: float) -> tuple[float, float]:
     return length, length
 
 
-def _wall(entry: Entry, size: Size) -> float:
+def _wall(entry: TableEntry, size: Size) -> float:
     """Return the thickness of a container's walls and floor in metres."""
     if is_number(entry.value) and entry.value >= SMALLEST and all(2 * entry.value < side for side in size):
         return float(entry.value)

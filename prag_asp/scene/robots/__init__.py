@@ -1,4 +1,4 @@
-"""The robots: one file each, behind one small description that the rest of physics reads."""
+"""The robots: one file each, with one description for the rest of physics."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def robot_of(scene: Scene, name: str) -> Robot:
 
 @cache
 def _mounted(mount: Mount) -> Robot:
-    """Return a robot that stands somewhere."""
+    """Return a robot with its base at a mount."""
     base = Pose((mount.x, mount.y, 0.0), yaw_quaternion(mount.yaw))
     return ROBOTS[mount.kind] if base == Pose((0.0, 0.0, 0.0)) else replace(ROBOTS[mount.kind], base=base)
 

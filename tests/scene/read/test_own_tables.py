@@ -9,7 +9,7 @@ import pytest
 from prag_asp import SceneError
 from prag_asp.atom import parse_atom
 from prag_asp.physics.symbolic_facts import facts
-from prag_asp.scene.scene import Bounds, Own
+from prag_asp.scene.scene import BoxBounds, Own
 from prag_asp.scene.scene_loader import parse_scene
 
 PAIR = ("object", "object")
@@ -32,7 +32,7 @@ def test_a_table_of_boxes_becomes_a_predicate_with_its_bounds() -> None:
         {"panda": "robot", "cube_1": "cube", "cube_2": "cube"},
     )
     inf = float("inf")
-    box = Bounds((0.0, -inf, -0.5), (0.1, inf, inf))
+    box = BoxBounds((0.0, -inf, -0.5), (0.1, inf, inf))
     assert scene.own["odd"] == Own("odd", PAIR, (box,), whole=True, sentence="{0} {is} odd to {1}")
     assert scene.meaning(parse_atom("strange(cube_1,cube_2)")) == "odd"
     (fact,) = facts(scene, {parse_atom("strange(cube_1,cube_2)"): False})

@@ -11,7 +11,7 @@ import pytest
 
 import prag_asp.dataset.language
 from prag_asp import QueryError, Task, TaskSpace, load_domain, parse_atom, shipped_domains
-from prag_asp.dataset.language import Instructions, Teller, start_of, teller_of
+from prag_asp.dataset.language import Instructions, InstructionWriter, context_of, instruction_writer_of
 from prag_asp.grammar.reader import GrammarReader
 from tests.chance import Chance
 from tests.dataset.language.twins import shipped, space_of, task_of, teller, twins
@@ -23,7 +23,7 @@ def tasks_of(name: str, number: int, seed: int) -> list[Task]:
     return list(space_of(name, 6 if name == "two_arms" else 4).sample(number, seed=seed))
 
 
-def assert_read_back(reader: Teller, task: Task, told: Instructions) -> None:
+def assert_read_back(reader: InstructionWriter, task: Task, told: Instructions) -> None:
     assert reader.read(task, told.default).actions == task.actions
     exact = reader.read(task, told.exact)
     assert exact.actions == task.actions
@@ -32,19 +32,19 @@ def assert_read_back(reader: Teller, task: Task, told: Instructions) -> None:
     goal = reader.read(task, told.vague)
     assert goal.goal == reader.goal(task) and not goal.actions
     for number, (action, text) in enumerate(zip(task.actions, told.subgoals, strict=True)):
-        assert reader.read(start_of(task, number), text).actions == (action,)
+        assert reader.read(context_of(task, number), text).actions == (action,)
 
 
 @pytest.mark.parametrize(("name", "language"), SPOKEN)
 def test_every_instruction_is_read_back_to_its_task(name: str, language: str, chance: Chance) -> None:
-    other = teller_of(shipped(name), language)  # the text alone goes from one to the other
+    other = instruction_writer_of(shipped(name), language)  # the text alone goes from one to the other
     for number, task in enumerate(tasks_of(name, chance.examples(12), chance.seed(4))):
         assert_read_back(other, task, teller(name, language).instructions(task, seed=number))
 
 
 def test_what_little_tells_apart_is_read_back_too(tmp_path: Path, chance: Chance) -> None:
     domain = twins(tmp_path)
-    teller = teller_of(domain)
+    teller = instruction_writer_of(domain)
     for number, task in enumerate(TaskSpace(domain, 4).sample(chance.examples(30), seed=chance.seed(5))):
         assert_read_back(teller, task, teller.instructions(task, seed=number))
 
@@ -78,7 +78,7 @@ def test_a_thing_goes_by_what_tells_it_from_the_others() -> None:
 
 
 def test_seeds_draw_several_phrasings_and_each_always_the_same() -> None:
-    task, again = task_of("tabletop", *STACKED), teller_of(shipped("tabletop"))
+    task, again = task_of("tabletop", *STACKED), instruction_writer_of(shipped("tabletop"))
     told = [teller("tabletop").instructions(task, seed=seed) for seed in range(12)]
     assert told == [again.instructions(task, seed=seed) for seed in reversed(range(12))][::-1]
     assert len({each.default for each in told}) > 6 and len({each.vague for each in told}) > 2
@@ -107,7 +107,7 @@ def test_a_task_without_actions_is_told_in_no_words() -> None:
 )
 def test_a_language_that_a_domain_does_not_speak_is_told(name: str, language: str, told: str) -> None:
     with pytest.raises(QueryError, match=told):
-        teller_of(shipped(name), language)
+        instruction_writer_of(shipped(name), language)
 
 
 def test_any_domain_speaks_english_by_the_names_that_it_has() -> None:
@@ -121,7 +121,7 @@ def test_any_domain_speaks_english_by_the_names_that_it_has() -> None:
     postcondition(wait, dark, true).
     """
     domain = load_domain(text=text)
-    teller = teller_of(domain)
+    teller = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):
         assert_read_back(teller, task, teller.instructions(task))
     space = TaskSpace(domain, 3)
@@ -173,6 +173,6 @@ def test_a_task_of_another_domain_is_told_in_one_line() -> None:
     with pytest.raises(QueryError, match=r"^prag has no entity .*; did you mean .*\?$"):
         teller("prag").instructions(task)
     other = replace(task, actions=(parse_atom("fly(panda,can_1)"), *task.actions[1:]))
-    with pytest.raises(QueryError, match=r"^fly\(panda,can_1\) is no action of tabletop; tell tasks of that domain$"):
+    with pytest.raises(QueryError, match=r"^fly\(panda,can_1\) is no action of tabletop; give tasks of that domain$"):
         teller("tabletop").instructions(other)
     assert teller("tabletop").captions(other)[1][0] == "1. fly panda can 1"
