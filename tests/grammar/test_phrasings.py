@@ -31,14 +31,14 @@ def test_what_is_no_phrasing_is_refused(text: str) -> None:
 @pytest.mark.parametrize(("name", "language"), [("tabletop", "en"), ("tabletop", "de")])
 def test_no_instruction_of_one_phrasing_is_one_of_the_other_and_both_are_read_back(name: str, language: str) -> None:
     space = TaskSpace(load_domain(name), 2)
-    tellers = [instruction_writer_of(space.domain, language, phrasings=f"{number} of 2") for number in (1, 2)]
+    writers = [instruction_writer_of(space.domain, language, phrasings=f"{number} of 2") for number in (1, 2)]
     words: list[set[str]] = [set(), set()]
     for task in space.sample(60, seed=3):
-        for teller, heard in zip(tellers, words, strict=True):
+        for writer, heard in zip(writers, words, strict=True):
             for seed in range(3):
-                told = teller.instructions(task, seed)
+                told = writer.instructions(task, seed)
                 heard |= {told.vague, told.default, told.exact, *told.subgoals}
-                assert teller.read(task, told.default).actions == teller.read(task, told.exact).actions == task.actions
+                assert writer.read(task, told.default).actions == writer.read(task, told.exact).actions == task.actions
     assert words[0].isdisjoint(words[1]) and min(map(len, words)) > 100
 
 

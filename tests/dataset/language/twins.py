@@ -73,8 +73,8 @@ def shipped(name: str) -> Domain:
 
 
 @cache
-def teller(name: str, language: str = "en") -> InstructionWriter:
-    """Return a teller of a shipped domain, for all tests."""
+def writer(name: str, language: str = "en") -> InstructionWriter:
+    """Return a writer of a shipped domain, for all tests."""
     return instruction_writer_of(shipped(name), language)
 
 
