@@ -105,14 +105,14 @@ class GrammarReader:
         """Return the sentences of each action: those of the language's table, or in English right under [language]."""
         table, found = self._table("actions"), {}
         for name, arity in self.action_arguments:
-            given = listed(table.get(name)) or (self._short(name) if self.code == FIRST else ())
-            found[name, arity] = tuple(self.templates(given, arity))
+            texts = listed(table.get(name)) or (self._short(name) if self.code == FIRST else ())
+            found[name, arity] = tuple(self.templates(texts, arity))
         return found
 
     def _short(self, name: str) -> tuple[str, ...]:
         """Return the sentences right under [language] in which no article stands before the place of an argument."""
-        given = listed(self.settings.grammar.get(name))
-        return tuple(text for text in given if not any(f"{article} {{" in text for article in self._articles))
+        texts = listed(self.settings.grammar.get(name))
+        return tuple(text for text in texts if not any(f"{article} {{" in text for article in self._articles))
 
     @cached_property
     def _articles(self) -> frozenset[str]:
@@ -197,9 +197,9 @@ class GrammarReader:
         forms = _below(defaults, "state" if arity == 0 else "property" if arity == 1 else "fact")
         return {key: str(text).replace("{name}", plain(name)).replace("{all}", every) for key, text in forms.items()}
 
-    def forms(self, given: object, arity: int) -> FactForms:
+    def forms(self, entry: object, arity: int) -> FactForms:
         """Return the sentences of a fluent from an entry: a sentence, several, or a table of forms."""
-        table = given if isinstance(given, Mapping) else {"is": given}
+        table = entry if isinstance(entry, Mapping) else {"is": entry}
         true = listed(table.get("is"))
         false = listed(table.get("not"))
         return FactForms(
@@ -241,20 +241,20 @@ class GrammarReader:
     def nouns(self) -> dict[str, Noun]:
         """Return the noun of each class, and those of entities that have one of their own."""
         table = self._table("nouns")
-        found = {name: noun for name, given in table.items() if (noun := self.noun(given)) is not None}
+        found = {name: noun for name, entry in table.items() if (noun := self.noun(entry)) is not None}
         for name in map(str, self.states.classes):
             if name not in found and self.code == FIRST:
                 found[name] = Noun(self.words.genders[0], dict.fromkeys(self.words.cases, plain(name)))
         return found
 
-    def noun(self, given: object) -> Noun | None:
+    def noun(self, entry: object) -> Noun | None:
         """Return the noun that a value of a table spells, None where it spells none."""
-        table = given if isinstance(given, Mapping) else {"noun": given}
+        table = entry if isinstance(entry, Mapping) else {"noun": entry}
         word, gender = table.get("noun"), table.get("gender", self.words.genders[0])
         if not isinstance(word, str) or not word.strip() or gender not in self.words.genders:
             return None
-        given = {case: table.get(case, word) for case in self.words.cases}
-        forms = {case: self.words.expanded(form) for case, form in given.items() if isinstance(form, str)}
+        texts = {case: table.get(case, word) for case in self.words.cases}
+        forms = {case: self.words.expanded(form) for case, form in texts.items() if isinstance(form, str)}
         return Noun(str(gender), forms) if len(forms) == len(self.words.cases) else None
 
     def values(self) -> dict[str, str]:
@@ -288,9 +288,9 @@ def tables(settings: Settings) -> Mapping[str, Mapping[str, Any]]:
     return {code: table for code, table in settings.grammar.items() if isinstance(table, Mapping)}
 
 
-def listed(given: object) -> tuple[str, ...]:
+def listed(texts: object) -> tuple[str, ...]:
     """Return a text or a list of texts as a tuple, without other values."""
-    each = given if isinstance(given, list | tuple) else (given,)
+    each = texts if isinstance(texts, list | tuple) else (texts,)
     return tuple(text for text in each if isinstance(text, str))
 
 

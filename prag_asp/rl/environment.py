@@ -222,7 +222,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         state = {
             "rng": dict(self.np_random.bit_generator.state),
             **self._sampler.state_dict(),
-            "fading": None if self._annealing is None else self._annealing.state_dict(),
+            "annealing": None if self._annealing is None else self._annealing.state_dict(),
         }
         return with_checksum(state, self._spec)
 
@@ -237,7 +237,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self.np_random.bit_generator.state = state["rng"]
             self._sampler.load_state_dict(state)
             if self._annealing is not None:
-                self._annealing.load_state_dict(state["fading"])
+                self._annealing.load_state_dict(state["annealing"])
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             text = f"the state is of another environment ({error!r:.60})"
             raise QueryError(f"{text}; make this one with the same arguments") from None

@@ -24,20 +24,20 @@ class Subgoal:
     `names` are their texts, with a minus for those that shall not hold.
     """
 
-    brought: tuple[Fact, ...]
-    kept: tuple[Fact, ...]
+    achieved: tuple[Fact, ...]
+    unchanged: tuple[Fact, ...]
     names: tuple[str, ...]
 
     def measured(self, situation: Situation) -> list[float]:
         """Return the signed distance of each fact in metres or radians, at most 0 where it holds, by `names`."""
-        return [fact.way(situation) for fact in (*self.brought, *self.kept)]
+        return [fact.way(situation) for fact in (*self.achieved, *self.unchanged)]
 
     def placed(self, measured: list[float]) -> list[float]:
         """Return signed distances as `PLACES` - 1 numbers, 0 where there is no fact.
 
         All are at most 0 exactly where the subgoal is reached; the last is the worst of the facts that have no place.
         """
-        own = min(len(self.brought), BROUGHT)
+        own = min(len(self.achieved), BROUGHT)
         return [*measured[:own], *[0.0] * (BROUGHT - own), max(measured[own:], default=0.0)]
 
     def reached(self, measured: list[float]) -> tuple[str, ...]:
@@ -53,9 +53,9 @@ def subgoals_of(task: Task, scene: Scene) -> tuple[Subgoal, ...]:
     """
     found = []
     for effect, made in zip(physical_task(task, scene).effects, task.subgoals, strict=True):
-        brought = facts(scene, made)
-        kept = tuple(fact for fact in effect.after if fact not in brought)
-        found.append(Subgoal(brought, kept, tuple(map(_name, (*brought, *kept)))))
+        achieved = facts(scene, made)
+        unchanged = tuple(fact for fact in effect.after if fact not in achieved)
+        found.append(Subgoal(achieved, unchanged, tuple(map(_name, (*achieved, *unchanged)))))
     return tuple(found)
 
 

@@ -1,6 +1,6 @@
 """Boxes along the axes as plain tuples, which are faster than arrays at this size; all in metres.
 
-A `Box` is told by its centre and half its sides, `Corners` by its lowest and its highest corner.
+A `Box` has its centre and half its sides, `Corners` its lowest and its highest corner.
 """
 
 from __future__ import annotations

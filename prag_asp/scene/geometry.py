@@ -182,17 +182,17 @@ def cut(polygon: Outline, a: float, b: float, c: float) -> Outline:
     depths = [c - a * x - b * y for x, y in polygon]
     if not depths or min(depths) >= 0.0:
         return polygon
-    kept: list[Point] = []
+    clipped: list[Point] = []
     previous, before = polygon[-1], depths[-1]
     for point, depth in zip(polygon, depths, strict=True):
         if (depth >= 0.0) != (before >= 0.0):
             share = before / (before - depth)
             x, y = previous
-            kept.append((x + share * (point[0] - x), y + share * (point[1] - y)))
+            clipped.append((x + share * (point[0] - x), y + share * (point[1] - y)))
         if depth >= 0.0:
-            kept.append(point)
+            clipped.append(point)
         previous, before = point, depth
-    return tuple(kept)
+    return tuple(clipped)
 
 
 def hull(points: list[Point]) -> Outline:

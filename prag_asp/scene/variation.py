@@ -179,10 +179,10 @@ def _camera(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[s
 def _colour(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, str]:
     """Return colours of the objects and the table, moved in CIELAB within a ball."""
     rng = np.random.default_rng(seed)
-    given = {entity: scene.colors[entity] for entity in objects if entity in scene.colors}
-    given[table_of(scene)] = scene.table.color
+    colors = {entity: scene.colors[entity] for entity in objects if entity in scene.colors}
+    colors[table_of(scene)] = scene.table.color
     found = {}
-    for entity, color in given.items():
+    for entity, color in colors.items():
         lightness, a, b = to_lab(color).tolist()
         found[entity] = from_lab(np.array(_moved(rng, (lightness, a, b), scene.vary.colour)))
     return found

@@ -60,7 +60,7 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
             two.load_state_dict(wrong)
     for wrong in (
         {**state, "source": {**state["source"], "number": -1}},
-        {**state, "walk": {1, 2}},
+        {**state, "subgoals": {1, 2}},
         {**state, "checksum": 1},
     ):
         with pytest.raises(QueryError, match="damaged"):
@@ -93,7 +93,7 @@ def test_tasks_that_options_name_are_not_held_against_the_curriculum_of_tasks(sp
         env.reset(options=options)
         while not env.step(STILL)[3]:
             pass
-        course = env.state_dict()["source"]["course"]
+        course = env.state_dict()["source"]["sampler"]
         assert course["reported"] == noted and bool(course["ends"]) == bool(noted)
     env.close()
 
@@ -114,7 +114,7 @@ def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(spa
     # As many draws as were given and rejected lead to the last task.
     draws = sum(1 + info["rejected"] for info in told)
     source = env.state_dict()["source"]
-    assert source["number"] == source["course"]["taken"] == draws > 12
+    assert source["number"] == source["sampler"]["taken"] == draws > 12
     env._sampler.finder.witness = find  # type: ignore[method-assign]
     _, info = env.reset(options={"rank": 100, "stage": 0})
     assert info["probability"] is None and info["stage_probability"] is None and info["rejected"] == 0
@@ -139,10 +139,10 @@ def test_what_options_ask_for_is_not_held_against_the_curriculum(given: Mapping[
     assert info["stage"] == 3 and info["curriculum"] == {"back": 1} and info["probability"] == 1
     env.reset(options={"stage": 0})
     env.step(STILL)
-    assert env.state_dict()["walk"]["ends"] == []
+    assert env.state_dict()["subgoals"]["ends"] == []
     env.reset()
     env.step(STILL)
-    assert env.state_dict()["walk"]["ends"] == [False]
+    assert env.state_dict()["subgoals"]["ends"] == [False]
     env.close()
 
 
@@ -194,7 +194,7 @@ def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, 
     for _ in range(5):
         env.step(STILL)
     state = env.state_dict()
-    assert state["walk"]["ends"] == state["fading"]["ends"] == [False]
+    assert state["subgoals"]["ends"] == state["annealing"]["ends"] == [False]
     env.close()
 
 

@@ -42,14 +42,14 @@ class EpisodeStart:
 
     def info(self) -> dict[str, Any]:
         """Return the information that goes with the first observation."""
-        given = self.assignment
+        assignment = self.assignment
         return {
-            "task": str(given.task),
-            "rank": given.rank,
-            "log_probability": given.task.log_probability,
-            "probability": given.probability,
+            "task": str(assignment.task),
+            "rank": assignment.rank,
+            "log_probability": assignment.task.log_probability,
+            "probability": assignment.probability,
             "stage_probability": self.chance,
-            "rejected": given.rejected,
+            "rejected": assignment.rejected,
         }
 
 
@@ -120,14 +120,14 @@ class EpisodeSampler:
         """Return the state of the samplers as values of JSON."""
         return {
             "source": self._source.state_dict(),
-            "walk": None if self._subgoals is None else self._subgoals.state_dict(),
+            "subgoals": None if self._subgoals is None else self._subgoals.state_dict(),
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from a state of `state_dict`; a malformed one raises an error of Python."""
         self._source.load_state_dict(state["source"])
         if self._subgoals is not None:
-            self._subgoals.load_state_dict(state["walk"])
+            self._subgoals.load_state_dict(state["subgoals"])
 
     def _assign(self, task: object, witness: object) -> Assignment:
         """Return a given task with its witness, which is searched for where it is not given.

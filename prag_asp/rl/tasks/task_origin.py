@@ -57,23 +57,23 @@ class TaskOrigin:
             raise QueryError("a curriculum of tasks needs a space; give that, or Backwards() alone")
         self._curriculum_with("subgoal_sampler")
 
-    def domain(self, given: Domain | str | None) -> Domain:
-        """Return the domain of the tasks; that of a single task may be `given`.
+    def domain(self, requested: Domain | str | None) -> Domain:
+        """Return the domain of the tasks; that of a single task may be `requested`.
 
         Raises:
             QueryError: it is given for others, or is none.
             DomainError: there is no domain of the name.
         """
-        if given is not None and (self.task is None or not isinstance(given, Domain | str)):
-            raise QueryError(f"domain {given!r:.80}: give that of a task; a space and a dataset have their own")
+        if requested is not None and (self.task is None or not isinstance(requested, Domain | str)):
+            raise QueryError(f"domain {requested!r:.80}: give that of a task; a space and a dataset have their own")
         if self.space is not None:
             return self.space.domain
         if self.dataset is not None:
             return self.dataset.domain
         assert self.task is not None
-        if isinstance(given, Domain):
-            return given
-        return load_domain(given or self.task.domain, constants=dict(self.task.constants))
+        if isinstance(requested, Domain):
+            return requested
+        return load_domain(requested or self.task.domain, constants=dict(self.task.constants))
 
     def source(self, finder: WitnessFinder) -> TaskSource:
         """Return the source of tasks of a space or a dataset."""
@@ -101,10 +101,10 @@ class TaskOrigin:
     @property
     def _curricula(self) -> Sequence[Curriculum]:
         """All curricula."""
-        given = self.curriculum
-        if given is None:
+        curricula = self.curriculum
+        if curricula is None:
             return ()
-        return tuple(given) if isinstance(given, Sequence) else (given,)
+        return tuple(curricula) if isinstance(curricula, Sequence) else (curricula,)
 
     def _curriculum_with(self, method: str) -> Curriculum | None:
         """Return the one curriculum with a `task_sampler` or a `subgoal_sampler`, if there is one.

@@ -228,12 +228,12 @@ class SpaceSource:
 
     def state_dict(self) -> State:
         """Return the state as values of JSON."""
-        return {"seed": self._seed, "number": self._number, "course": self._sampler.state_dict()}
+        return {"seed": self._seed, "number": self._number, "sampler": self._sampler.state_dict()}
 
     def load_state_dict(self, state: State) -> None:
         """Continue from a state of `state_dict`."""
         self._seed, self._number = state["seed"], state["number"]
-        self._sampler.load_state_dict(state["course"])
+        self._sampler.load_state_dict(state["sampler"])
 
 
 class DatasetSource:
