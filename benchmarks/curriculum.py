@@ -14,8 +14,8 @@ from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.rl import Adaptive, Bandit, Novelty
-from prag_asp.rl.curriculum.course import Attempt, Course, Episode
 from prag_asp.rl.curriculum.task_pool import Pool
+from prag_asp.rl.curriculum.task_sampler import Attempt, Course, Episode
 
 SPACES = {"prag": 15, "tabletop": 5}
 COUNT, TIMES = 100, 3

@@ -23,7 +23,7 @@ from prag_asp.cli.registry import COMMANDS
 PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
-    ["errors", "stop_reason", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "fields"]
+    ["errors", "stop_reason", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "tables"]
 ) | {"safe_reading", "array_archive", "random_bits"}
 """What every room may stand on."""
 
@@ -40,7 +40,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "safe_reading": frozenset(),
     "array_archive": frozenset(),
     "random_bits": frozenset(),
-    "fields": frozenset(["errors"]),
+    "tables": frozenset(["errors", "wording"]),
     "output": frozenset(["errors", "lazy", "safe_reading"]),
     "wording": frozenset(["errors"]),
     "integers": frozenset(),
@@ -68,6 +68,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
 
 FLOORS: Mapping[str, tuple[str, ...]] = {
+    "tables": ("toml_text", "report", "json_fields"),
     "scene": (
         "predicate_names", "boxes", "cameras", "colours", "forms", "shape_kinds", "scene", "geometry",
         "footprint", "furniture", "solids", "variation", "robots", "read", "scene_loader",

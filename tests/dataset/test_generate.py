@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, TaskSpace, TaskSpaces, load_domain
-from prag_asp.dataset import Teller, generate, instruction, teller_of, validation_jobs, verify
+from prag_asp.dataset import InstructionWriter, generate, instruction, instruction_writer_of, validation_jobs, verify
 from prag_asp.dataset.language.appearance import BASIC, color_terms
 from prag_asp.dataset.making.executors import Processes
 from prag_asp.dataset.making.preconditions import JOURNAL
@@ -135,14 +135,14 @@ def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpaces, tmp_
     staging = Staging(("front",), (16, 16), 1, ("colour",))
     stacks = spaces.at(2).where("uses exactly 2 cube", "has stack")
     data = generate(stacks, tmp_path / "data", tasks=3, seed=3, demonstrate=True, staging=staging)
-    usual, other = teller_of(spaces.domain), 0
+    usual, other = instruction_writer_of(spaces.domain), 0
     for entry, _, demonstration in data.demonstrations():
         assert demonstration.variation is not None
         shown = {**scene_of(spaces.domain).colors, **demonstration.variation.colours}
         terms = {term for name in entry.task.entities if name in shown for term in color_terms(shown[name])}
         said = {term for term in BASIC if f" {term} " in entry.instruction["default"]}
         assert said <= terms
-        teller = teller_of(spaces.domain, colors=demonstration.variation.colours)
+        teller = instruction_writer_of(spaces.domain, colors=demonstration.variation.colours)
         told = teller.instructions(entry.task, seed=3)
         assert told.default == entry.instruction["default"] and told.subgoals == entry.subgoals
         assert teller.read(entry.task, entry.instruction["exact"]).actions == entry.task.actions
@@ -190,7 +190,7 @@ def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
         raise QueryError("it could mean something else")
 
     task = spaces.at(1)[0]
-    monkeypatch.setattr(Teller, "instructions", unsure)
+    monkeypatch.setattr(InstructionWriter, "instructions", unsure)
     found = instructions.telling_of(spaces.domain, "en", 0)(task, {})
     assert found.whole == (("plain", instruction(task, spaces.domain.settings.language)),)
     assert found.subgoals == (found.whole[0][1],) and set(found.named) == set(task.entities)

@@ -9,7 +9,7 @@ import msgspec
 
 from prag_asp.dataset.store.manifest import NAME, Asked, Manifest, PartNote
 from prag_asp.errors import OutputError
-from prag_asp.fields import shown
+from prag_asp.tables.report import shown
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from prag_asp.dataset.language import teller_of
+from prag_asp.dataset.language import instruction_writer_of
 from prag_asp.dataset.language.instruction_reader import LONGEST
 from prag_asp.dataset.store.entry import entry_of
 from prag_asp.dataset.store.instructions import PLAIN, telling_by
@@ -58,7 +58,7 @@ class Rows:
 
     def __post_init__(self) -> None:
         asked = self.manifest.asked
-        self._teller = teller_of(self.domain, asked.language, phrasings=asked.phrasings)
+        self._teller = instruction_writer_of(self.domain, asked.language, phrasings=asked.phrasings)
         self._tell = telling_by(self._teller, self.domain, asked.seed)
         self._clingo = clingo_spaces(self.manifest, self.domain)
         self._colours: Mapping[int, Mapping[str, str]] = {}

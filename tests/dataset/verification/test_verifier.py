@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from prag_asp import Dataset, Domain, QueryError, TaskSpace, TaskSpaces
-from prag_asp.dataset import Teller, generate, teller_of, verify
+from prag_asp.dataset import InstructionWriter, generate, instruction_writer_of, verify
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import shard_name, write_shard
 from prag_asp.dataset.verification import row_checks
@@ -209,13 +209,16 @@ def copied(small: Dataset, tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def known(small: Dataset) -> tuple[dict[int, TaskSpace], Teller]:
-    return clingo_spaces(small.manifest, small.domain), teller_of(small.domain)
+def known(small: Dataset) -> tuple[dict[int, TaskSpace], InstructionWriter]:
+    return clingo_spaces(small.manifest, small.domain), instruction_writer_of(small.domain)
 
 
 @pytest.fixture
 def quick(
-    monkeypatch: pytest.MonkeyPatch, small: Dataset, spaces: TaskSpaces, known: tuple[dict[int, TaskSpace], Teller]
+    monkeypatch: pytest.MonkeyPatch,
+    small: Dataset,
+    spaces: TaskSpaces,
+    known: tuple[dict[int, TaskSpace], InstructionWriter],
 ) -> Callable[[], None]:
     """Return what spares reading the domain once more for each corruption that is not in its files."""
 
@@ -225,7 +228,7 @@ def quick(
         monkeypatch.setattr(Dataset, "domain", property(lambda _: domain))
         monkeypatch.setattr(verifying, "TaskSpaces", lambda *_: spaces)
         monkeypatch.setattr(row_checks, "clingo_spaces", lambda *_: known[0])
-        monkeypatch.setattr(row_checks, "teller_of", lambda *_, **__: known[1])
+        monkeypatch.setattr(row_checks, "instruction_writer_of", lambda *_, **__: known[1])
 
     return spare
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, parse_atom
-from prag_asp.dataset.language import Start, Teller, read_instruction
+from prag_asp.dataset.language import InstructionContext, InstructionWriter, read_instruction
 from prag_asp.task import FrozenDict
 from tests.dataset.language.twins import shipped, task_of
-from tests.dataset.language.twins import teller as teller_of
+from tests.dataset.language.twins import writer as instruction_writer_of
 
 
 @pytest.fixture(scope="module")
-def teller() -> Teller:
-    return teller_of("tabletop")
+def writer() -> InstructionWriter:
+    return instruction_writer_of("tabletop")
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +33,9 @@ def task() -> Task:
         "on the yellow brick, so that the red cube is on the yellow brick and that the gripper does not hold it.",
     ],
 )
-def test_other_words_for_the_same_are_read(teller: Teller, task: Task, text: str) -> None:
+def test_other_words_for_the_same_are_read(writer: InstructionWriter, task: Task, text: str) -> None:
     state = FrozenDict({**task.initial, parse_atom("on_top(cube_2,table_1)"): False})
-    assert teller.read(Start(frozenset(task.entities), state), text).actions == task.actions
+    assert writer.read(InstructionContext(frozenset(task.entities), state), text).actions == task.actions
 
 
 @pytest.mark.parametrize(
@@ -63,9 +63,9 @@ def test_other_words_for_the_same_are_read(teller: Teller, task: Task, text: str
         ("x" * 200_000, "at most 100,000 characters"),
     ],
 )
-def test_what_means_no_plan_is_told(teller: Teller, task: Task, text: str, told: str) -> None:
+def test_what_means_no_plan_is_told(writer: InstructionWriter, task: Task, text: str, told: str) -> None:
     with pytest.raises(QueryError, match=told) as error:
-        teller.read(task, text)
+        writer.read(task, text)
     assert "\n" not in str(error.value)
 
 
@@ -77,19 +77,19 @@ def test_the_domain_alone_is_enough(task: Task) -> None:
     assert read_instruction(shipped("tabletop"), task, german, language="de") == reading
 
 
-def test_a_state_of_something_unknown_is_refused(teller: Teller, task: Task) -> None:
+def test_a_state_of_something_unknown_is_refused(writer: InstructionWriter, task: Task) -> None:
     strange = FrozenDict({**task.entities, "cube_7": "cube"})
     other = Task(task.domain, task.actions, strange, task.initial, task.states, task.subgoals, task.goal)
     with pytest.raises(QueryError, match="tabletop has no entity cube_7; did you mean cube_"):
-        teller.read(other, "Grab the red cube from the table.")
+        writer.read(other, "Grab the red cube from the table.")
 
 
 def test_a_plan_of_hundreds_of_actions_is_read() -> None:
     space = TaskSpace(shipped("hanoi"), 700)
     (task,) = space.sample(1, seed=5)
-    told = teller_of("hanoi").instructions(task)
-    assert teller_of("hanoi").read(task, told.default).actions == task.actions
-    assert teller_of("hanoi").read(task, told.exact).actions == task.actions
+    told = instruction_writer_of("hanoi").instructions(task)
+    assert instruction_writer_of("hanoi").read(task, told.default).actions == task.actions
+    assert instruction_writer_of("hanoi").read(task, told.exact).actions == task.actions
 
 
 @pytest.mark.parametrize(
@@ -97,6 +97,6 @@ def test_a_plan_of_hundreds_of_actions_is_read() -> None:
     ["the " * 20_000, "Place " + "the can to the left of " * 4_000, "grab the can, then " * 5_000, "First, " * 10_000,
      "Make sure that " + "the can is in the tray and that " * 3_000],
 )  # fmt: skip
-def test_endless_texts_are_refused_at_once(teller: Teller, task: Task, text: str) -> None:
+def test_endless_texts_are_refused_at_once(writer: InstructionWriter, task: Task, text: str) -> None:
     with pytest.raises(QueryError, match=r"no sentence|no instruction"):
-        teller.read(task, text)
+        writer.read(task, text)

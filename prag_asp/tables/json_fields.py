@@ -1,4 +1,4 @@
-"""Read values of JSON: msgspec checks their kinds; what is wrong is told in plain words with the path to it.
+"""Read values of JSON: msgspec checks their kinds; its messages become problems in plain words, with a path.
 
 A path begins with a name for the outermost value: ``witness.moments[2].arms.panda.joints``.
 """
@@ -9,16 +9,15 @@ import math
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from decimal import Decimal
 from typing import Annotated, Any, TypeVar, get_args, get_type_hints
 
 import msgspec
 
 from prag_asp.errors import QueryError
+from prag_asp.tables.report import Keys, TableEntry, TableProblem, shown
 
 Kind = TypeVar("Kind")
 Option = TypeVar("Option", bound=str)
-Trail = tuple[str | int, ...]
 
 Number = Annotated[float, msgspec.Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
 """A finite number."""
@@ -35,21 +34,7 @@ WORDS: Mapping[str, str] = {
     "bool": "true or false",
     "null": "null",
 }
-"""What msgspec's names of kinds are called; a number is always finite here, and a whole one never negative."""
-
-CONSTANTS: Mapping[str, bool | None] = {"null": None, "true": True, "false": False}
-"""The words of JSON for what Python calls otherwise."""
-
-LONGEST = 40
-"""Characters of a wrong value that are shown."""
-
-
-class FieldError(QueryError):
-    """A value of JSON is of the wrong kind; `trail` leads to it: keys and positions from the outermost value."""
-
-    def __init__(self, message: str, trail: Trail = ()) -> None:
-        super().__init__(message)
-        self.trail = trail
+"""The kinds of msgspec in words; a number is always finite here, and a whole one never negative."""
 
 
 def decoded(text: str) -> Any:
@@ -73,28 +58,41 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
     """Return a value of JSON as one of a kind that msgspec knows; paths begin with its `name`, which may be empty.
 
     Raises:
-        FieldError: it is of another kind; the message names the field by its path.
+        QueryError: it is of another kind; the message names the field by its path.
     """
     try:
         return msgspec.convert(data, kind)
     except msgspec.ValidationError as error:
-        what, _, place = str(error).partition(" - at ")
-        trail = _trail(data, kind, str(error), re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
-        missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
-        if missing:
-            trail = (*trail, missing[1])
-            raise FieldError(f"{_path(name, trail)}: is missing", trail) from None
-        where = _path(name, trail)
-        if what.startswith("Invalid enum value"):
-            one_of(_options(kind, trail), str(_at(data, trail)), where)
-        wrong = f"needs {_needed(what)}; got {shown(_at(data, trail))}"
-        raise FieldError(f"{where}: {wrong}" if where else wrong, trail) from None
+        problem = _problem(data, kind, str(error))
+        raise QueryError(str(problem._replace(keys=(name, *problem.keys) if name else problem.keys))) from None
+
+
+def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
+    """Return the value of an entry as one of a kind that msgspec knows, None where it is another; that is reported."""
+    try:
+        return msgspec.convert(entry.value, kind)
+    except msgspec.ValidationError as error:
+        keys, text, _ = _problem(entry.value, kind, str(error))
+        entry.report.add((*entry.keys, *keys), text)
+        return None
+
+
+def _problem(data: object, kind: type[object], message: str) -> TableProblem:
+    """Return what msgspec found wrong with a value as a problem, with the keys from the value on."""
+    what, _, place = message.partition(" - at ")
+    keys = _keys(data, kind, message, re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
+    missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
+    if missing:
+        return TableProblem((*keys, missing[1]), "is missing")
+    if what.startswith("Invalid enum value"):
+        return TableProblem(keys, f"needs one of {', '.join(_options(kind, keys))}; got {shown(str(_at(data, keys)))}")
+    return TableProblem(keys, f"needs {_needed(what)}; got {shown(_at(data, keys))}")
 
 
 def require_complete(data: Any, written: object, name: str) -> None:
     """Check that a value of JSON has all that it is written with: no field is missing, all numbers are finite.
 
-    `written` is what the value that was read from the data is written as.
+    `written` is the JSON of the value that was read from the data.
 
     Raises:
         QueryError: something is missing or not finite; the message begins with its path.
@@ -102,13 +100,13 @@ def require_complete(data: Any, written: object, name: str) -> None:
     if isinstance(written, Mapping):
         for key, value in written.items():
             if key not in data:
-                raise QueryError(f"{_path(name, (key,))}: is missing")
-            require_complete(data[key], value, _path(name, (key,)))
+                raise QueryError(f"{name}.{key}: is missing")
+            require_complete(data[key], value, f"{name}.{key}")
     elif isinstance(written, list):
         if len(data) != len(written):
             raise QueryError(f"{name}: needs a list of {len(written)}; got {shown(data)}")
         for i, value in enumerate(written):
-            require_complete(data[i], value, _path(name, (i,)))
+            require_complete(data[i], value, f"{name}[{i}]")
     elif isinstance(written, float) and not math.isfinite(written):
         raise QueryError(f"{name}: needs {WORDS['float']}; got {shown(data)}")
 
@@ -123,24 +121,6 @@ def one_of(options: Sequence[Option], value: str, name: str) -> Option:
         if value == option:
             return option
     raise QueryError(f"{name}: needs one of {', '.join(options)}; got {shown(value)}")
-
-
-def shown(value: object) -> str:
-    """Return a value as one short line, a list by its length where it is long."""
-    text = next((word for word, each in CONSTANTS.items() if value is each), None)
-    if text is None:
-        text = str(value) if isinstance(value, Decimal) else repr(value)
-    if len(text) <= LONGEST:
-        return text
-    if isinstance(value, list):
-        return f"a list of {len(value)}"
-    return "an object" if isinstance(value, Mapping) else f"{text[:LONGEST]}..."
-
-
-def _path(name: str, trail: Trail) -> str:
-    """Return where a value stands: the `name` of the outermost one, then keys and positions."""
-    steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in trail)
-    return f"{name}{''.join(steps)}".removeprefix(".")
 
 
 def _with_column(why: str, text: str) -> str:
@@ -164,31 +144,31 @@ def _needed(what: str) -> str:
     return words if length is None else f"{words} of {length}"
 
 
-def _options(kind: Any, trail: Trail) -> tuple[str, ...]:
+def _options(kind: Any, keys: Keys) -> tuple[str, ...]:
     """Return the strings that a field of nested dataclasses may have: those of its `Literal` or of its enumeration."""
-    for step in trail:
-        kind = get_type_hints(kind)[str(step)]
+    for key in keys:
+        kind = get_type_hints(kind)[str(key)]
     return get_args(kind) or tuple(member.value for member in kind)
 
 
-def _trail(data: Any, kind: type[object], told: str, steps: Sequence[tuple[str, str]]) -> Trail:
-    """Return the way from a value to the wrong one in it.
+def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:
+    """Return the keys from a value to the wrong one in it.
 
-    msgspec says ``[...]`` for the key of a mapping: it is the one that is as wrong where it is alone.
+    msgspec writes ``[...]`` for the key of a mapping: it is the one with which the mapping is as wrong when alone.
     """
-    trail: Trail = ()
+    keys: Keys = ()
     for name, number in steps:
         if name or number != "...":
-            trail = (*trail, name or int(number))
+            keys = (*keys, name or int(number))
             continue
-        inner = _at(data, trail)
-        alone = (key for key in inner if _told(_replaced(data, trail, {key: inner[key]}), kind) == told)
-        trail = (*trail, next(alone, "..."))
-    return trail
+        inner = _at(data, keys)
+        alone = (key for key in inner if _message(_replaced(data, keys, {key: inner[key]}), kind) == message)
+        keys = (*keys, next(alone, "..."))
+    return keys
 
 
-def _told(data: object, kind: type[object]) -> str:
-    """Return what msgspec says is wrong with a value, nothing where it is of a kind."""
+def _message(data: object, kind: type[object]) -> str:
+    """Return the message of msgspec about a value, an empty one where it is of the kind."""
     try:
         msgspec.convert(data, kind)
     except msgspec.ValidationError as error:
@@ -196,18 +176,18 @@ def _told(data: object, kind: type[object]) -> str:
     return ""
 
 
-def _at(data: Any, trail: Trail) -> Any:
-    """Return what stands at the end of a way into a value."""
-    for step in trail:
-        data = data[step]
+def _at(data: Any, keys: Keys) -> Any:
+    """Return the value to which keys lead."""
+    for key in keys:
+        data = data[key]
     return data
 
 
-def _replaced(data: Any, trail: Trail, value: object) -> object:
-    """Return a value in which what stands at the end of a way is another."""
-    if not trail:
+def _replaced(data: Any, keys: Keys, value: object) -> object:
+    """Return a value in which the one to which keys lead is another."""
+    if not keys:
         return value
-    inner = _replaced(data[trail[0]], trail[1:], value)
+    inner = _replaced(data[keys[0]], keys[1:], value)
     if isinstance(data, Mapping):
-        return {**data, trail[0]: inner}
-    return [inner if i == trail[0] else each for i, each in enumerate(data)]
+        return {**data, keys[0]: inner}
+    return [inner if i == keys[0] else each for i, each in enumerate(data)]

@@ -1,4 +1,4 @@
-"""Tasks in words: what somebody is told means the task, by the text alone, in every shipped domain and language."""
+"""An instruction means its task, by the text alone, in every shipped domain and language."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import pytest
 
 import prag_asp.dataset.language
 from prag_asp import QueryError, Task, TaskSpace, load_domain, parse_atom, shipped_domains
-from prag_asp.dataset.language import Instructions, Teller, start_of, teller_of
+from prag_asp.dataset.language import Instructions, InstructionWriter, context_of, instruction_writer_of
 from prag_asp.grammar.reader import GrammarReader
 from tests.chance import Chance
-from tests.dataset.language.twins import shipped, space_of, task_of, teller, twins
+from tests.dataset.language.twins import shipped, space_of, task_of, twins, writer
 
 SPOKEN = [*((name, "en") for name in shipped_domains()), ("prag", "de"), ("tabletop", "de")]
 
@@ -23,38 +23,38 @@ def tasks_of(name: str, number: int, seed: int) -> list[Task]:
     return list(space_of(name, 6 if name == "two_arms" else 4).sample(number, seed=seed))
 
 
-def assert_read_back(reader: Teller, task: Task, told: Instructions) -> None:
-    assert reader.read(task, told.default).actions == task.actions
-    exact = reader.read(task, told.exact)
+def assert_read_back(reader: InstructionWriter, task: Task, words: Instructions) -> None:
+    assert reader.read(task, words.default).actions == task.actions
+    exact = reader.read(task, words.exact)
     assert exact.actions == task.actions
     for aims, subgoal in zip(exact.aims, task.subgoals, strict=True):
         assert aims.items() <= subgoal.items()
-    goal = reader.read(task, told.vague)
+    goal = reader.read(task, words.vague)
     assert goal.goal == reader.goal(task) and not goal.actions
-    for number, (action, text) in enumerate(zip(task.actions, told.subgoals, strict=True)):
-        assert reader.read(start_of(task, number), text).actions == (action,)
+    for number, (action, text) in enumerate(zip(task.actions, words.subgoals, strict=True)):
+        assert reader.read(context_of(task, number), text).actions == (action,)
 
 
 @pytest.mark.parametrize(("name", "language"), SPOKEN)
 def test_every_instruction_is_read_back_to_its_task(name: str, language: str, chance: Chance) -> None:
-    other = teller_of(shipped(name), language)  # the text alone goes from one to the other
+    other = instruction_writer_of(shipped(name), language)  # the text alone goes from one to the other
     for number, task in enumerate(tasks_of(name, chance.examples(12), chance.seed(4))):
-        assert_read_back(other, task, teller(name, language).instructions(task, seed=number))
+        assert_read_back(other, task, writer(name, language).instructions(task, seed=number))
 
 
 def test_what_little_tells_apart_is_read_back_too(tmp_path: Path, chance: Chance) -> None:
     domain = twins(tmp_path)
-    teller = teller_of(domain)
+    writer = instruction_writer_of(domain)
     for number, task in enumerate(TaskSpace(domain, 4).sample(chance.examples(30), seed=chance.seed(5))):
-        assert_read_back(teller, task, teller.instructions(task, seed=number))
+        assert_read_back(writer, task, writer.instructions(task, seed=number))
 
 
 STACKED = ("pick(panda,can_1,table_1)", "insert(panda,can_1,bin_1)", "pick(panda,cube_1,table_1)")
 
 
 def test_the_levels_say_what_they_are_for() -> None:
-    told = teller("tabletop").instructions(task_of("tabletop", *STACKED), seed=0)
-    assert told == Instructions(
+    words = writer("tabletop").instructions(task_of("tabletop", *STACKED), seed=0)
+    assert words == Instructions(
         vague="See to it that the gripper holds the red cube and that the can is in the bin.",
         default="Take the can from the table. After that, put it into the bin. Then grab the red cube from the table.",
         exact="First, pick the can up from the table, so that the gripper holds it. "
@@ -65,49 +65,49 @@ def test_the_levels_say_what_they_are_for() -> None:
 
 
 def test_german_has_its_genders_and_cases() -> None:
-    told = teller("tabletop", "de").instructions(task_of("tabletop", *STACKED), seed=1)
-    assert "die Dose" in told.default and "den roten Würfel" in told.default and "sie in die Kiste" in told.default
-    assert "dass die Dose in der Kiste ist" in told.vague and told.exact.startswith("Erstens: ")
+    words = writer("tabletop", "de").instructions(task_of("tabletop", *STACKED), seed=1)
+    assert "die Dose" in words.default and "den roten Würfel" in words.default and "sie in die Kiste" in words.default
+    assert "dass die Dose in der Kiste ist" in words.vague and words.exact.startswith("Erstens: ")
 
 
 def test_a_thing_goes_by_what_tells_it_from_the_others() -> None:
-    told = teller("prag").instructions(task_of("prag", "grasp(panda,apple_1)", "drop(panda,apple_1)"))
-    assert all("the red apple" in text for text in (told.default, told.exact, *told.subgoals))
-    told = teller("prag").instructions(task_of("prag", "grasp(panda,box_1)", "drop(panda,box_1)"))
-    assert all("the box" in text for text in (told.default, told.exact, *told.subgoals))
+    words = writer("prag").instructions(task_of("prag", "grasp(panda,apple_1)", "drop(panda,apple_1)"))
+    assert all("the red apple" in text for text in (words.default, words.exact, *words.subgoals))
+    words = writer("prag").instructions(task_of("prag", "grasp(panda,box_1)", "drop(panda,box_1)"))
+    assert all("the box" in text for text in (words.default, words.exact, *words.subgoals))
 
 
 def test_seeds_draw_several_phrasings_and_each_always_the_same() -> None:
-    task, again = task_of("tabletop", *STACKED), teller_of(shipped("tabletop"))
-    told = [teller("tabletop").instructions(task, seed=seed) for seed in range(12)]
-    assert told == [again.instructions(task, seed=seed) for seed in reversed(range(12))][::-1]
-    assert len({each.default for each in told}) > 6 and len({each.vague for each in told}) > 2
-    assert max(Counter(each.subgoals[0] for each in told).values()) < 10
+    task, again = task_of("tabletop", *STACKED), instruction_writer_of(shipped("tabletop"))
+    words = [writer("tabletop").instructions(task, seed=seed) for seed in range(12)]
+    assert words == [again.instructions(task, seed=seed) for seed in reversed(range(12))][::-1]
+    assert len({each.default for each in words}) > 6 and len({each.vague for each in words}) > 2
+    assert max(Counter(each.subgoals[0] for each in words).values()) < 10
 
 
 def test_states_need_not_be_those_of_the_space_nor_in_its_order() -> None:
     task = task_of("tabletop", *STACKED)
     initial = dict(reversed(task.initial.items()))
     same = replace(task, initial=initial, states=tuple(map(dict, task.states)), entities=dict(task.entities))
-    assert teller("tabletop").instructions(same, seed=3) == teller("tabletop").instructions(task, seed=3)
+    assert writer("tabletop").instructions(same, seed=3) == writer("tabletop").instructions(task, seed=3)
 
 
 def test_a_task_without_actions_is_told_in_no_words() -> None:
     (task,) = space_of("tabletop", 0)
-    assert teller("tabletop").instructions(task) == Instructions("", "", "", ())
-    assert teller("tabletop").read(task, "").actions == ()
+    assert writer("tabletop").instructions(task) == Instructions("", "", "", ())
+    assert writer("tabletop").read(task, "").actions == ()
 
 
 @pytest.mark.parametrize(
-    ("name", "language", "told"),
+    ("name", "language", "words"),
     [
         ("tabletop", "fr", "tabletop does not speak 'fr'; it speaks de, en"),
         ("hanoi", "de", "hanoi does not speak 'de'; write its sentences under .language.de.actions., or take en"),
     ],
 )
-def test_a_language_that_a_domain_does_not_speak_is_told(name: str, language: str, told: str) -> None:
-    with pytest.raises(QueryError, match=told):
-        teller_of(shipped(name), language)
+def test_a_language_that_a_domain_does_not_speak_is_told(name: str, language: str, words: str) -> None:
+    with pytest.raises(QueryError, match=words):
+        instruction_writer_of(shipped(name), language)
 
 
 def test_any_domain_speaks_english_by_the_names_that_it_has() -> None:
@@ -121,14 +121,14 @@ def test_any_domain_speaks_english_by_the_names_that_it_has() -> None:
     postcondition(wait, dark, true).
     """
     domain = load_domain(text=text)
-    teller = teller_of(domain)
+    writer = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):
-        assert_read_back(teller, task, teller.instructions(task))
+        assert_read_back(writer, task, writer.instructions(task))
     space = TaskSpace(domain, 3)
     task = space[space.index(["switch_on(attic)", "wire(attic,hall)", "wait"])]
-    told = teller.instructions(task)
-    assert told.subgoals == ("Switch on lamp attic.", "Wire.", "Wait.")
-    assert "that wired holds of lamp attic and lamp hall" in told.vague and told.named == ("attic", "hall")
+    words = writer.instructions(task)
+    assert words.subgoals == ("Switch on lamp attic.", "Wire.", "Wait.")
+    assert "that wired holds of lamp attic and lamp hall" in words.vague and words.named == ("attic", "hall")
 
 
 def test_what_an_action_brings_about_leads_from_and_to_in_the_sentences_that_any_domain_has() -> None:
@@ -149,13 +149,13 @@ def test_where_there_is_one_robot_nobody_says_which(tmp_path: Path) -> None:
         space.index([*fetch.split(), "drop(panda,apple_1)", "withdraw(panda,apple_1)", "close(panda,drawer_1)"])
     ]
     for seed in range(6):
-        assert "the robot" not in teller("kitchen").instructions(task, seed=seed).exact
+        assert "the robot" not in writer("kitchen").instructions(task, seed=seed).exact
     space = space_of("two_arms", 6)
-    assert all("arm" in text for text in teller("two_arms").instructions(space[0]).subgoals)
+    assert all("arm" in text for text in writer("two_arms").instructions(space[0]).subgoals)
 
 
 def test_pictures_have_captions_in_the_same_words() -> None:
-    captions = teller("tabletop").captions(task_of("tabletop", *STACKED))
+    captions = writer("tabletop").captions(task_of("tabletop", *STACKED))
     assert captions == [
         ("start", "the can is on the table, the red cube is on the table"),
         ("1. pick the can up from the table", "the gripper holds the can"),
@@ -171,8 +171,8 @@ def test_the_example_of_the_room_is_right() -> None:
 def test_a_task_of_another_domain_is_told_in_one_line() -> None:
     task = task_of("tabletop", *STACKED)
     with pytest.raises(QueryError, match=r"^prag has no entity .*; did you mean .*\?$"):
-        teller("prag").instructions(task)
+        writer("prag").instructions(task)
     other = replace(task, actions=(parse_atom("fly(panda,can_1)"), *task.actions[1:]))
-    with pytest.raises(QueryError, match=r"^fly\(panda,can_1\) is no action of tabletop; tell tasks of that domain$"):
-        teller("tabletop").instructions(other)
-    assert teller("tabletop").captions(other)[1][0] == "1. fly panda can 1"
+    with pytest.raises(QueryError, match=r"^fly\(panda,can_1\) is no action of tabletop; give tasks of that domain$"):
+        writer("tabletop").instructions(other)
+    assert writer("tabletop").captions(other)[1][0] == "1. fly panda can 1"

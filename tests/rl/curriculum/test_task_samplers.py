@@ -17,8 +17,14 @@ from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
 from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty
-from prag_asp.rl.curriculum.course import Attempt, Course, Episode, Plain, TaskCurriculum
-from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word, chosen
+from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word, sample_index
+from prag_asp.rl.curriculum.task_sampler import (
+    Attempt,
+    DomainWeightsSampler,
+    EpisodeResult,
+    TaskCurriculum,
+    TaskSampler,
+)
 from tests.chance import Chance
 
 KINDS: Sequence[TaskCurriculum] = (
@@ -34,12 +40,12 @@ def space() -> TaskSpace:
 
 
 @pytest.fixture(scope="module")
-def parts(space: TaskSpace) -> Sequence[tuple[Pool, set[str]]]:
+def parts(space: TaskSpace) -> Sequence[tuple[TaskPool, set[str]]]:
     """Parts for training, each with the tasks that it has."""
     split = space.split({"train": "1/3", "test": "2/3"}, seed=1)["train"]
     held, _ = space.hold_out("can")
     skeletons = space.split_skeletons({"train": "3/4", "test": "1/4"}, seed=1)["train"]
-    found = [Pool(space, split.ranks), Pool(held), Pool(skeletons)]
+    found = [TaskPool(space, split.ranks), TaskPool(held), TaskPool(skeletons)]
     return [(pool, set(map(str, tasks))) for pool, tasks in zip(found, (split, held, skeletons), strict=True)]
 
 
@@ -56,25 +62,27 @@ def pairs(word: Iterable[str]) -> set[str]:
     return {">".join(pair) for pair in pairwise(names(word))}
 
 
-def lived(course: Course, space: TaskSpace | TaskSpaces, episodes: int, good: Callable[[int], bool]) -> list[Offer]:
+def lived(
+    course: TaskSampler, space: TaskSpace | TaskSpaces, episodes: int, good: Callable[[int], bool]
+) -> list[Proposal]:
     """Return what a course offers while episodes end as `good` says; every fifth task is not feasible."""
-    found, pool = [], Pool(space)
+    found, pool = [], TaskPool(space)
     for number in range(episodes):
-        offer = course.offer()
+        offer = course.propose()
         found.append(offer)
-        course.settle(offer.word, number % 5 > 0)
+        course.note_feasibility(offer.word, number % 5 > 0)
         if number % 5:
             actions = pool.task(offer).actions
             attempts = [
                 Attempt(action, actions[i - 1] if i else None, good(number)) for i, action in enumerate(actions)
             ]
-            course.report(Episode(len(actions), 0, attempts, good(number)))
+            course.update(EpisodeResult(len(actions), 0, attempts, good(number)))
     return found
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=NAMES)
 def test_a_course_that_is_resumed_goes_on_as_it_would_have(kind: TaskCurriculum, space: TaskSpace) -> None:
-    one, two = kind.course(Pool(space)), kind.course(Pool(space))
+    one, two = kind.task_sampler(TaskPool(space)), kind.task_sampler(TaskPool(space))
     one.seed(5)
     first = lived(one, space, 30, lambda number: number % 2 > 0)
     two.load_state_dict(json.loads(json.dumps(one.state_dict())))
@@ -88,24 +96,24 @@ def test_a_course_that_is_resumed_goes_on_as_it_would_have(kind: TaskCurriculum,
 
 @pytest.mark.parametrize("kind", KINDS, ids=NAMES)
 def test_what_is_held_out_is_never_drawn(
-    kind: TaskCurriculum, parts: Sequence[tuple[Pool, set[str]]], tasks: dict[Word, Task]
+    kind: TaskCurriculum, parts: Sequence[tuple[TaskPool, set[str]]], tasks: dict[Word, Task]
 ) -> None:
     for pool, allowed in parts:
         assert 0 < len(allowed) < len(tasks)
-        offers = lived(kind.course(pool), pool.space, 30, lambda number: number % 3 > 0)
+        offers = lived(kind.task_sampler(pool), pool.space, 30, lambda number: number % 3 > 0)
         assert all(str(pool.task(offer)) in allowed for offer in offers)
 
 
 def test_probabilities_are_those_of_a_brute_force(space: TaskSpace, tasks: dict[Word, Task]) -> None:
-    pool, count = Pool(space), len(tasks)
-    assert {offer.probability for offer in lived(Plain(pool), space, 20, bool)} == {Fraction(1, count)}
-    order = lived(Novelty("tasks").course(pool), space, count + 1, bool)
+    pool, count = TaskPool(space), len(tasks)
+    assert {offer.probability for offer in lived(DomainWeightsSampler(pool), space, 20, bool)} == {Fraction(1, count)}
+    order = lived(Novelty("tasks").task_sampler(pool), space, count + 1, bool)
     assert {offer.word for offer in order[:-1]} == set(tasks)
     assert [offer.probability for offer in order] == [Fraction(1, count - i) for i in range(count)] + [
         Fraction(1, count)
     ]
     skeletons = Counter(tuple(names(word)) for word in tasks)
-    each = lived(Novelty("skeletons").course(pool), space, len(skeletons), bool)
+    each = lived(Novelty("skeletons").task_sampler(pool), space, len(skeletons), bool)
     assert {tuple(names(offer.word)) for offer in each} == set(skeletons)
     for i, offer in enumerate(each):
         shape = tuple(names(offer.word))
@@ -118,22 +126,22 @@ def test_every_draw_has_something_that_is_due_as_probably_as_it_should(
 ) -> None:
     have = {word: pairs(word) if what == "pairs" else set(names(word)) for word in tasks}
     every = set().union(*have.values())
-    course = Novelty(what).course(Pool(space))  # type: ignore[arg-type]
+    course = Novelty(what).task_sampler(TaskPool(space))  # type: ignore[arg-type]
     course.seed(2)
     due: set[str] = set(every)
     for _ in range(12):
-        offer = course.offer()
-        course.settle(offer.word, True)
+        offer = course.propose()
+        course.note_feasibility(offer.word, True)
         having = sum(not has.isdisjoint(due) for has in have.values())
         assert not have[offer.word].isdisjoint(due) and offer.probability == Fraction(1, having)
         due = due - have[offer.word] or set(every)
-        assert course.told() == {"due": len(due), "of": len(every)}
+        assert course.summary() == {"due": len(due), "of": len(every)}
 
 
 def test_what_is_rare_and_due_is_weighed_up_and_still_exact() -> None:
     space = TaskSpace(load_domain("prag"), length=4)
     all_words = list(space.words())
-    course = Novelty("pairs").course(Pool(space))
+    course = Novelty("pairs").task_sampler(TaskPool(space))
     counts = Counter(pair for word in all_words for pair in pairs(word))
     rarest = min(counts, key=lambda pair: (counts[pair], pair))
     assert counts[rarest] < len(all_words) / 100, "it is not rare"
@@ -142,67 +150,67 @@ def test_what_is_rare_and_due_is_weighed_up_and_still_exact() -> None:
     due = {word: weight for word, weight in weights.items() if rarest in pairs(word)}
     assert sum(due.values()) * 2 >= sum(weights.values()), "one step is enough"
     for _ in range(5):
-        offer = course.offer()
+        offer = course.propose()
         assert offer.probability == Fraction(due[offer.word], sum(due.values()))
     for _ in range(20):
-        course.settle(offer.word, False)
-    assert course.told()["due"] == len(counts), "after so many infeasible ones it is given up"
+        course.note_feasibility(offer.word, False)
+    assert course.summary()["due"] == len(counts), "after so many infeasible ones it is given up"
 
 
 def test_a_rare_name_that_is_also_that_of_a_class_is_waited_for(tmp_path: Path) -> None:
     program = "class(ball). entity(red,ball). fluent(on). action(ball). action(hit). action(rest(1..98))."
     (tmp_path / "domain.lp").write_text(f"{program} postcondition(ball,on,true). postcondition(hit,on,false).")
-    course = Novelty("names").course(Pool(TaskSpace(load_domain(tmp_path), length=1)))
+    course = Novelty("names").task_sampler(TaskPool(TaskSpace(load_domain(tmp_path), length=1)))
     drawn = []
     for _ in range(3):
-        drawn += course.offer().word
-        course.settle((drawn[-1],), True)
-    assert set(names(drawn)) == {"ball", "hit", "rest"} and course.told() == {"due": 3, "of": 3}
+        drawn += course.propose().word
+        course.note_feasibility((drawn[-1],), True)
+    assert set(names(drawn)) == {"ball", "hit", "rest"} and course.summary() == {"due": 3, "of": 3}
     course.load_state_dict({**course.state_dict(), "due": ["ball"]})
-    assert [course.offer() for _ in range(2)] == [Offer(("ball",), Fraction(1))] * 2, "it is the only one"
+    assert [course.propose() for _ in range(2)] == [Proposal(("ball",), Fraction(1))] * 2, "it is the only one"
     course.load_state_dict({**course.state_dict(), "due": ["ball", "hit"]})
-    assert course.offer() == Offer(("hit",), Fraction(64**2, 64**2 + 1)), "what has a weight is weighed up"
+    assert course.propose() == Proposal(("hit",), Fraction(64**2, 64**2 + 1)), "what has a weight is weighed up"
 
 
 def test_lengths_come_one_after_another_with_their_shares() -> None:
     spaces = TaskSpaces(load_domain("prag"), range(1, 4))
-    course = Lengths(threshold=0.75, window=4, review=0.5).course(Pool(spaces))
+    course = Lengths(threshold=0.75, window=4, review=0.5).task_sampler(TaskPool(spaces))
     sizes = {length: spaces.at(length).count() for length in (1, 2, 3)}
     shares = {1: {1: Fraction(1)}, 2: dict.fromkeys((1, 2), Fraction(1, 2))}
     shares[3] = {1: Fraction(1, 4), 2: Fraction(1, 4), 3: Fraction(1, 2)}
     for longest in (1, 2, 3):
-        assert course.told() == {"length": longest}
-        offers = [course.offer() for _ in range(40)]
+        assert course.summary() == {"length": longest}
+        offers = [course.propose() for _ in range(40)]
         assert {len(offer.word) for offer in offers} == set(shares[longest])
         for offer in offers:
             length = len(offer.word)
             assert offer.probability == shares[longest][length] / sizes[length]
         for success in (True, False, False, True, True, True):  # the last four are enough
-            assert course.told() == {"length": longest}
-            course.report(Episode(longest, 0, (), success))
-            course.report(Episode(longest % 3 + 1, 0, (), True)) if longest > 1 else None
+            assert course.summary() == {"length": longest}
+            course.update(EpisodeResult(longest, 0, (), success))
+            course.update(EpisodeResult(longest % 3 + 1, 0, (), True)) if longest > 1 else None
 
 
 def test_success_becomes_weights_and_the_probability_is_that_of_the_mixture(
     space: TaskSpace, tasks: dict[Word, Task]
 ) -> None:
-    course = Adaptive(exploration=0.25, lot=40, window=4).course(Pool(space))
+    course = Adaptive(exploration=0.25, lot=40, window=4).task_sampler(TaskPool(space))
     pick = next(task for word, task in tasks.items() if names(word) == ["approach", "grasp"]).actions
     other = next(task for word, task in tasks.items() if names(word) == ["follow", "move"]).actions
     for number in range(40):
         actions, reached = (pick, number > 20) if number % 2 else (other, True)
-        course.report(Episode(2, 1, [Attempt(actions[1], actions[0], reached)], reached))
-        assert course.told()["lot"] == (number == 39)
+        course.update(EpisodeResult(2, 1, [Attempt(actions[1], actions[0], reached)], reached))
+        assert course.summary()["lot"] == (number == 39)
     assert not course.state_dict()["weights"], "whoever makes no progress draws by the weights of the domain"
     for number in range(40):
         actions, reached = (pick, number > 35) if number % 2 else (other, True)
-        course.report(Episode(2, 1, [Attempt(actions[1], actions[0], reached)], reached))
+        course.update(EpisodeResult(2, 1, [Attempt(actions[1], actions[0], reached)], reached))
     weights = {key: Fraction(weight) for key, weight in course.state_dict()["weights"].items()}
     assert weights["grasp"] == weights["approach>grasp"] == 4 and "move" not in weights
     one, all_of_them = space.weights(weights), space.total_weight(weights=weights)
     assert all_of_them == sum(one.of_plan(plan(space, word)) for word in tasks)
     for _ in range(60):
-        offer = course.offer()
+        offer = course.propose()
         expected = Fraction(1, 4 * len(tasks)) + Fraction(3, 4) * one.of_plan(plan(space, offer.word)) / all_of_them
         assert offer.probability == expected
 
@@ -222,13 +230,13 @@ def test_lengths_and_weights_of_the_domain_are_in_the_probability(kind: TaskCurr
         total = sum(math.prod(weights[each] for each in keys if each in weights) for keys in mentioned.values())
         return math.prod((weights[each] for each in mentioned[word] if each in weights), start=Fraction(1)) / total
 
-    pool = Pool(spaces)
-    course = kind.course(pool)
+    pool = TaskPool(spaces)
+    course = kind.task_sampler(pool)
     course.seed(1)
     lengths, factors = set[int](), dict[str, Fraction]()
     for number in range(30):
-        state, told = course.state_dict(), course.told()
-        offer = course.offer()
+        state, told = course.state_dict(), course.summary()
+        offer = course.propose()
         word = offer.word
         if "arm" in told:
             factors = {str(told["arm"]): Fraction(8)}
@@ -239,7 +247,7 @@ def test_lengths_and_weights_of_the_domain_are_in_the_probability(kind: TaskCurr
         lengths.add(len(word))
         task = pool.task(offer).actions
         attempts = [Attempt(action, task[i - 1] if i else None, number % 3 > 0) for i, action in enumerate(task)]
-        course.report(Episode(len(task), 0, attempts, True))
+        course.update(EpisodeResult(len(task), 0, attempts, True))
     assert factors and lengths == {1, 2}
 
 
@@ -259,10 +267,10 @@ def plan(space: TaskSpace, word: Word) -> list[object]:
 def test_importance_weights_give_back_the_mean_of_uniform_draws(
     kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
 ) -> None:
-    course = kind.course(Pool(space))
+    course = kind.task_sampler(TaskPool(space))
     course.seed(chance.seed(1))
     lived(course, space, 40, lambda number: number % 7 < 3)
-    drawn = [course.offer() for _ in range(1500)]
+    drawn = [course.propose() for _ in range(1500)]
     weights = [Fraction(1, len(tasks)) / offer.probability for offer in drawn]
     right = Fraction(sum("grasp" in names(word) for word in tasks), len(tasks))
     found = sum(weight for weight, offer in zip(weights, drawn, strict=True) if "grasp" in names(offer.word))
@@ -277,13 +285,13 @@ def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
     kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
 ) -> None:
     part = [rank for rank, word in enumerate(space.words()) if "grasp" in names(word)]
-    pool = Pool(space, space[part[0] : part[-1] + 1].ranks)
-    course = kind.course(pool)
+    pool = TaskPool(space, space[part[0] : part[-1] + 1].ranks)
+    course = kind.task_sampler(pool)
     course.seed(chance.seed(2))
     grasp = next(tasks[word].actions for word in space.words() if names(word) == ["approach", "grasp"])
     for number in range(20):
-        course.report(Episode(2, 0, [Attempt(action, None, number > 17) for action in grasp], number > 17))
-    drawn = [course.offer() for _ in range(800)]
+        course.update(EpisodeResult(2, 0, [Attempt(action, None, number > 17) for action in grasp], number > 17))
+    drawn = [course.propose() for _ in range(800)]
     draws = sum(1 + offer.passed for offer in drawn)
     found = sum(1 / offer.probability for offer in drawn) / draws
     # Of a course by names that no task is settled with, all are due.
@@ -291,36 +299,36 @@ def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
 
 
 def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> None:
-    course = Novelty("names").course(Pool(space, space[7:9].ranks))
+    course = Novelty("names").task_sampler(TaskPool(space, space[7:9].ranks))
     for _ in range(4):
-        offer = course.offer()
+        offer = course.propose()
         assert offer.word in (space.word(7), space.word(8))
-        course.settle(offer.word, True)
+        course.note_feasibility(offer.word, True)
 
 
 def test_a_part_of_one_task_is_found_among_skeletons(space: TaskSpace) -> None:
     part = space[7:8]
-    course = Novelty("skeletons").course(Pool(space, part.ranks))
-    assert {course.offer().word for _ in range(3)} == {space.word(7)}
+    course = Novelty("skeletons").task_sampler(TaskPool(space, part.ranks))
+    assert {course.propose().word for _ in range(3)} == {space.word(7)}
 
 
 def test_a_bandit_learns_as_exp3_does_and_draws_more_of_its_arm(space: TaskSpace, tasks: dict[Word, Task]) -> None:
-    course = Bandit(exploration=0.3, lot=2).course(Pool(space))
+    course = Bandit(exploration=0.3, lot=2).task_sampler(TaskPool(space))
     assert {"grasp", "approach>grasp", "can"} <= set(course.arms)
     gained, before = dict.fromkeys(course.arms, 0.0), dict.fromkeys(course.arms, 0.0)
     every = [task.actions for task in tasks.values()]
     for number in range(5):
-        arm = str(course.told()["arm"])
+        arm = str(course.summary()["arm"])
         chance = float(course.probabilities[course.arms.index(arm)])
         weights = space.weights({arm: 8})
-        offer = course.offer()
+        offer = course.propose()
         total = space.total_weight(weights={arm: 8})
         assert offer.probability == weights.of_plan(plan(space, offer.word)) / total
         reached = number % 2 == 0
         having = next(actions for actions in every if arm in keys(space, actions))
         attempts = [Attempt(action, having[i - 1] if i else None, reached) for i, action in enumerate(having)]
         for _ in range(2):
-            course.report(Episode(2, 0, attempts, reached))
+            course.update(EpisodeResult(2, 0, attempts, reached))
         gained[arm] += abs(reached - before[arm]) / chance
         before.update(dict.fromkeys(keys(space, having), float(reached)))
         pulled = [math.exp(0.3 * gained[each] / len(course.arms)) for each in course.arms]
@@ -338,26 +346,26 @@ def keys(space: TaskSpace, actions: Sequence[Atom]) -> set[str]:
 
 
 def test_going_back_from_the_goal() -> None:
-    walk = Backwards(threshold=1, window=3, review=0.2).walk()
+    walk = Backwards(threshold=1, window=3, review=0.2).subgoal_sampler()
     for back in (1, 2, 3, 4, 4):
-        assert walk.told() == {"back": back}
+        assert walk.summary() == {"back": back}
         drawn = {walk.stage(4) for _ in range(60)}
         shares = {4 - back: Fraction(4, 5) if back > 1 else Fraction(1)}
         shares |= {stage: Fraction(1, 5 * (back - 1)) for stage in range(5 - back, 4)}
         assert drawn == set(shares.items())
         assert all(stage >= 0 for stage, _ in (walk.stage(2) for _ in range(10)))
-        walk.report(Episode(4, 3, (), False)) if back > 1 else None
+        walk.update(EpisodeResult(4, 3, (), False)) if back > 1 else None
         for success in (False, True, True, True):
-            assert walk.told() == {"back": back}
-            walk.report(Episode(4, 4 - back, (), success))
-    again = Backwards(threshold=1, window=3, review=0.2).walk()
+            assert walk.summary() == {"back": back}
+            walk.update(EpisodeResult(4, 4 - back, (), success))
+    again = Backwards(threshold=1, window=3, review=0.2).subgoal_sampler()
     again.load_state_dict(json.loads(json.dumps(walk.state_dict())))
     assert [walk.stage(4) for _ in range(9)] == [again.stage(4) for _ in range(9)]
 
 
 def test_a_place_is_chosen_by_exactly_its_share() -> None:
     shares = [Fraction(1, 3), Fraction(0), Fraction(2, 3)]
-    counts = Counter(chosen(shares, 0, "test", number) for number in range(900))
+    counts = Counter(sample_index(shares, 0, "test", number) for number in range(900))
     assert counts[1] == 0 and counts[0] == pytest.approx(300, abs=60)
 
 
@@ -378,13 +386,13 @@ def test_curricula_that_mean_nothing_are_refused(wrong: Callable[[], object]) ->
 def test_pools_that_have_nothing_are_refused(space: TaskSpace) -> None:
     parts = space.split({"train": "1/2", "test": "1/2"})
     with pytest.raises(QueryError, match="of one length"):
-        Pool(TaskSpaces(space.domain, range(1, 3)), parts["train"].ranks)
+        TaskPool(TaskSpaces(space.domain, range(1, 3)), parts["train"].ranks)
     with pytest.raises(QueryError, match="no task"):
-        Pool(space, space[:0].ranks)
+        TaskPool(space, space[:0].ranks)
     with pytest.raises(QueryError, match="no subgoal"):
-        Pool(space.at(0))
+        TaskPool(space.at(0))
     with pytest.raises(QueryError, match="has pairs"):
-        Novelty("pairs").course(Pool(space.at(1)))
+        Novelty("pairs").task_sampler(TaskPool(space.at(1)))
     for kind in KINDS:
         with pytest.raises(QueryError, match="no task"):
-            kind.course(Pool(space.where("has at least 3 grasp")))
+            kind.task_sampler(TaskPool(space.where("has at least 3 grasp")))
