@@ -74,8 +74,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
         "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduction",
-        "explanation", "sampling", "engine_registry", "word_space", "task_space", "task_spaces",
-        "without_replacement", "emptiness",
+        "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
+        "task_space", "without_replacement", "emptiness",
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "witness_json", "witness", "situation", "predicates",
@@ -93,7 +93,7 @@ PUBLIC = {
     "AnswerSets", "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Estimate", "Explanation",
     "LimitReached", "Limits", "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task",
     "TaskSpace",
-    "TaskSpaces", "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
+    "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
     "parse_atom", "shipped_domains", "why_empty", "write_new_domain",
 }  # fmt: skip
 HEAVY = {

@@ -7,22 +7,21 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from hashlib import sha256
-from itertools import islice
 from math import lcm
 from typing import TYPE_CHECKING, NamedTuple
 
+from prag_asp.batches import growing_batches
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.random_bits import SeededBits
+from prag_asp.space.distinct_sampling import MISSES
 from prag_asp.space.engines import Draw
-from prag_asp.space.sampling.draws import log_probability
+from prag_asp.space.sampling.streams import log_probability
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weights.weights import Number, parse_number
-from prag_asp.space.without_replacement import MISSES, at, lengths_of
+from prag_asp.space.weights.weights import Number, Weights, parse_number
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.space.parts.ranked_tasks import Ranks
-    from prag_asp.space.task_spaces import TaskSpaces
 
 Word = tuple[str, ...]
 
@@ -49,15 +48,15 @@ class Pool:
         QueryError: there are none, or a part is given of a space of several lengths.
     """
 
-    space: TaskSpace | TaskSpaces
+    space: TaskSpace
     part: Ranks | None = None
     _coming: dict[Word, list[Draw]] = field(default_factory=dict, repr=False, compare=False)
     _told: dict[Word, Task] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if not any(lengths_of(self.space)):
+        if not any(self.space.lengths):
             raise QueryError("tasks of no action have no subgoal; give a space of another length")
-        if self.part is not None and not isinstance(self.space, TaskSpace):
+        if self.part is not None and len(self.space.lengths) > 1:
             raise QueryError("a part is one of a space of one length; give that, or spaces without a part")
         if self.part is not None and not self.part.size:
             raise QueryError("the part has no task; give another one")
@@ -69,20 +68,20 @@ class Pool:
         Raises:
             QueryError: there is no task.
         """
-        found = sorted(length for length in lengths_of(self.space) if length and self.at(length).count())
+        found = sorted(length for length in self.space.lengths if length and self.at(length).count())
         if not found:
             raise QueryError("there is no task to draw; give a space of other lengths, or of fewer conditions")
         return found
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of one length."""
-        return at(self.space, length)
+        return self.space.at(length)
 
     def has(self, word: Word) -> bool:
         """Tell whether a task of the space is one of the pool."""
         if not word or self.part is None:
             return bool(word)
-        return self.part.place(self.at(len(word)).rank_of(word)) is not None
+        return self.part.place(self.at(len(word)).index(word)) is not None
 
     def offers(self, *, seed: int, length: int | None = None) -> Iterator[Offer]:
         """Yield tasks drawn by the weights of the domain, independently and without end; of one length where given.
@@ -98,15 +97,15 @@ class Pool:
             yield self.kept(partial(next, draws))
 
     def draws(
-        self, *, seed: int, weights: Mapping[str, Number] | None = None, length: int | None = None
+        self, *, seed: int, weights: Mapping[str, Number] | Weights | None = None, length: int | None = None
     ) -> Iterator[Offer]:
-        """Yield tasks of the space as `offers` does, those of the pool and all others; weights as `TaskSpace.draw` has.
+        """Yield tasks of the space as `offers` does, those of the pool and all others, by some weights.
 
         Raises:
             QueryError: there is nothing to draw, or a weight fits nothing.
         """
         space = self.space if length is None else self.at(length)
-        for draw in self.together(space.draw_words(seed=seed, weights=weights)):
+        for draw in self.together(space.sampling(weights=weights).draws(seed=seed)):
             yield Offer(draw.word, draw.probability)
 
     def kept(self, draw: Callable[[], Offer], misses: int = MISSES) -> Offer:
@@ -123,13 +122,11 @@ class Pool:
 
     def together(self, draws: Iterator[Draw]) -> Iterator[Draw]:
         """Yield draws, and note which come together: their tasks are told together, where one is asked for."""
-        size = 1
-        while batch := list(islice(draws, size)):
+        for batch in growing_batches(draws, TOGETHER):
             if len(self._coming) > NOTED:
                 self._coming.clear()
             self._coming.update((draw.word, batch) for draw in batch)
             yield from batch
-            size = min(2 * size, TOGETHER)
 
     def task(self, offer: Offer) -> Task:
         """Return the task that is offered."""
@@ -140,7 +137,7 @@ class Pool:
             coming = (draw for draw in self._coming.pop(word, ()) if draw.word not in self._told)
             alike = [draw for draw in coming if len(draw.word) == len(word)]
             alike = alike or [Draw(word, offer.probability)]
-            tasks = self.at(len(word)).tasks_of(alike)
+            tasks = self.at(len(word)).tasks_of_draws(alike)
             self._told.update((draw.word, task) for draw, task in zip(alike, tasks, strict=True))
         return replace(self._told[word], log_probability=log_probability(offer.probability))
 

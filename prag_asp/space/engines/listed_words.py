@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from prag_asp.logic.domain_logic import Model
 from prag_asp.space.engines.engine import Letters, Level
-from prag_asp.space.plans.task_builder import Narrator
+from prag_asp.space.plans.task_builder import TaskBuilder
 from prag_asp.space.weights.tree import word_tree
 from prag_asp.space.weights.weights import Weighed, Weights, refuse_weights
 
@@ -27,4 +27,4 @@ def listed(
         return word_tree(spelled, length)
     actions = {str(action): action for action in model.domain.facts.actions}
     weighs = [weights.of_plan([actions[letter] for letter in word]) for word in everything] if weights else None
-    return word_tree(spelled, length, weighs, Narrator(model).last_states(everything) if goals else None)
+    return word_tree(spelled, length, weighs, TaskBuilder(model).final_states(everything) if goals else None)

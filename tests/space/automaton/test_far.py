@@ -23,7 +23,7 @@ from prag_asp.space.automaton import explore as exploring
 from prag_asp.space.automaton.exploration import explore
 from prag_asp.space.engines import LEVELS, Draw, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
-from prag_asp.space.sampling.draws import drawn_words, make_drawer
+from prag_asp.space.sampling.streams import drawn_words, make_drawer
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Toy, term
 from tests.chance import examples
@@ -102,7 +102,7 @@ def test_random_symmetric_domains_with_goals_are_the_same(text: str, level: Leve
 def test_random_conditions_are_the_same(toy: Toy, data: st.DataObject, level: Level, seed: int) -> None:
     domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
     asked = data.draw(st.lists(clauses(toy), min_size=1, max_size=2))
-    model = TaskSpace(domain, 0).where(*(clause.words for clause in asked))._shared.model
+    model = TaskSpace(domain, 0).where(*(clause.words for clause in asked)).engines.model
     check_that_nothing_is_lost(model, level, 4, False, Weights(), seed)
 
 

@@ -16,7 +16,7 @@ from prag_asp.random_bits import SeededBits
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.reachability import equal_groups
-from prag_asp.space.sampling.draws import drawn_words, make_drawer
+from prag_asp.space.sampling.streams import drawn_words, make_drawer
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.chance import Chance, examples
 from tests.domains import domain_of
@@ -201,7 +201,7 @@ def test_random_domains_with_units_are_the_same_merged_or_not(level: Level, chan
         generator = chance.generator(seed)
         case = draw_units(generator)
         space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
-        model = space._shared.model
+        model = space.engines.model
         if model.symmetries(0).joint and not model.obstacles:
             facts = model.domain.facts
             entity = generator.choice(["c", "d", *(map(str, facts.entities) if level == "plan" else [])])

@@ -26,7 +26,7 @@ from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.independent_components import shuffled
 from prag_asp.space.engines.reachability import Reach, Unfit
-from prag_asp.space.sampling.draws import drawn_words, make_drawer
+from prag_asp.space.sampling.streams import drawn_words, make_drawer
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Action, Toy
 from tests.chance import examples
@@ -235,7 +235,7 @@ def test_plans_of_twelve_rooms_are_drawn_each_with_its_probability(
     shares = {round(exp(task.log_probability) * space.count(), 6) for task in tasks}
     assert (shares == {1}) == (not weights)
     for task in tasks:
-        assert space.word(space.index(task)) == tuple(map(str, task.actions))
+        assert space.plan_at(space.index(task)) == tuple(map(str, task.actions))
 
 
 def test_a_part_that_is_large_itself_is_found_in_the_whole() -> None:
@@ -248,7 +248,7 @@ def test_a_part_that_is_large_itself_is_found_in_the_whole() -> None:
 def test_a_limit_ends_the_finding_of_words_with_a_line() -> None:
     limits = Limits(seconds=1e-9, cached=False)
     with wherever_possible(), pytest.raises(LimitReached, match=r"time limit .* was reached"):
-        list(TaskSpace(domain_of(ROOMS.replace("K", "12")), 30, limits=limits).words("plan"))
+        list(TaskSpace(domain_of(ROOMS.replace("K", "12")), 30, limits=limits).enumerate("plan"))
 
 
 JOINED = {
@@ -305,7 +305,7 @@ def test_both_engines_agree_on_rooms() -> None:
         for level in LEVELS:
             spaces = [TaskSpace(domain, 4, engine=engine) for engine in ("automaton", "clingo", "sat")]
             assert len({space.count(level) for space in spaces}) == 1
-            assert spaces[0].count(level) == len(list(spaces[0].words(level)))
+            assert spaces[0].count(level) == len(list(spaces[0].enumerate(level)))
 
 
 BOOKS = """
