@@ -23,7 +23,7 @@ from prag_asp.cli.registry import COMMANDS
 PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
-    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "fields"]
+    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "fields", "batches"]
 ) | {"safe_reading", "array_archive", "random_bits"}
 """What every room may stand on."""
 
@@ -32,6 +32,7 @@ OURS = re.compile(r"prag_asp(\.|$)")
 ROOMS: Mapping[str, frozenset[str]] = {
     "": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "versions", "bounded_call"},
     "errors": frozenset(),
+    "batches": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
     "processes": frozenset(["errors"]),

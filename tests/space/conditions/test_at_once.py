@@ -25,7 +25,7 @@ def test_a_condition_that_needs_more_actions_is_answered_without_grounding(
         assert space.count(level) == 0  # type: ignore[arg-type]
         assert not list(space.enumerate(level))  # type: ignore[arg-type]
     assert ("drop(panda)",) * 3 not in space
-    with pytest.raises(QueryError, match=r"^there is no task of length 3 to draw"):
+    with pytest.raises(QueryError, match=r"^there is no task of length 3 to sample"):
         space.sample(1, seed=1)
     with pytest.raises(IndexError):
         space[0]

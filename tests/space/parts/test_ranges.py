@@ -79,7 +79,7 @@ def test_a_part_is_indexed_sliced_tested_and_drawn(space: TaskSpace, chance: Cha
     assert len({str(each) for each in test.sample(test.count(), seed=chance.seed(2), distinct=True)}) == test.count()
     with pytest.raises(QueryError, match="not one of these"):
         parts["train"].index(task)
-    with pytest.raises(QueryError, match="cannot draw"):
+    with pytest.raises(QueryError, match="cannot sample"):
         test.sample(test.count() + 1, seed=chance.seed(2), distinct=True)
     with pytest.raises(IndexError):
         test[test.count()]

@@ -133,7 +133,7 @@ def test_a_weight_that_means_nothing_is_refused(weights: dict[str, Number], mess
 def test_where_there_is_nothing_to_draw_the_message_says_so() -> None:
     names = ("approach", "withdraw", "grasp", "drop", "move", "transform", "follow", "rotate")
     for engine in ("automaton", "clingo"):
-        with pytest.raises(QueryError, match="no task of length 1 to draw"):
+        with pytest.raises(QueryError, match="no task of length 1 to sample"):
             TaskSpace(DOMAIN, 1, engine=engine).sample(1, seed=0, weights=dict.fromkeys(names, 0))
 
 

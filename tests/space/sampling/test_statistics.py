@@ -85,7 +85,7 @@ def test_figures_are_exact_on_random_domains(toy: Toy, weights: dict[str, Number
         if sum(weighed.values()):
             check(space.statistics(weights=weights, by="plan"), weighed)
         else:
-            with pytest.raises(QueryError, match="to draw"):
+            with pytest.raises(QueryError, match="to sample"):
                 space.statistics(weights=weights, by="plan")
 
 
