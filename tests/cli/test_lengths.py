@@ -74,7 +74,7 @@ def test_physics_keeps_the_feasible_tasks_of_all_lengths(told: Told) -> None:
         (["export", "hanoi", "-n", "1..3"], "one length is needed"),
         (["export", "hanoi", "-n", "-1"], "at least 0 actions"),
         (["learn", "tabletop", "-n", "x"], "--length x: write a whole number, such as 4\n"),
-        (["sample", "hanoi", "-n", "1..3", "--over", "goals"], "over goals, tasks of one length are drawn"),
+        (["sample", "hanoi", "-n", "1..3", "--over", "goals"], "over goals, tasks of one length are sampled"),
     ],
 )  # fmt: skip
 def test_lengths_that_make_no_sense_are_told(arguments: list[str], message: str, told: Told) -> None:

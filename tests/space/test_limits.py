@@ -16,7 +16,7 @@ from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.limits import Limits, memory_in_use, parse_memory, parse_time
 from tests.domains import domain_of
-from tests.space.automaton.test_explore import LAMPS
+from tests.space.automaton.test_exploration import LAMPS
 
 AT_ONCE = Limits(seconds=0)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
-from itertools import islice
+from itertools import chain, islice
 from math import exp, factorial, prod
 
 import pytest
@@ -19,14 +19,13 @@ from prag_asp.logic.domain_logic import Model
 from prag_asp.logic.step import independent
 from prag_asp.logic.step.independent import independent_parts
 from prag_asp.program.entity_names import action_name
-from prag_asp.random_bits import SeededBits
 from prag_asp.space.automaton import explore as exploring
 from prag_asp.space.automaton.shuffle_product import ShuffledWords
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.independent_components import shuffled
 from prag_asp.space.engines.reachability import Reach, Unfit
-from prag_asp.space.sampling.streams import drawn_words, make_drawer
+from prag_asp.space.sampling.streams import make_sampler, sample_batches
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Action, Toy
 from tests.chance import examples
@@ -203,10 +202,10 @@ def names_of(model: Model) -> set[str]:
 def drawn(engine: AutomatonEngine, length: int, weights: Weights, seed: int) -> list[tuple[tuple[str, ...], Fraction]]:
     """Return some draws with their probabilities; none where there is nothing to draw."""
     try:
-        drawer = make_drawer(engine, engine._model.domain.facts, engine._level, length, weights)
+        sampler = make_sampler(engine, engine._model.domain.facts, engine._level, length, weights)
     except QueryError:
         return []
-    draws = islice(drawn_words(drawer, engine, SeededBits(seed)), 20)
+    draws = islice(chain.from_iterable(sample_batches(sampler, engine.letters, seed)), 20)
     return [(draw.word, draw.probability) for draw in draws]
 
 
