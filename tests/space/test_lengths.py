@@ -1,4 +1,4 @@
-"""Task spaces of several lengths as one: counts add up, and each task is drawn with its share of all of them."""
+"""Task spaces of several lengths: counts add up, and each task is drawn with its share of all of them."""
 
 from __future__ import annotations
 
@@ -185,3 +185,14 @@ def test_what_cannot_be_asked_is_refused() -> None:
 def test_a_limit_ends_a_count_of_several_lengths() -> None:
     with pytest.raises(LimitReached):
         TaskSpace(load_domain("tabletop"), range(1, 9), limits=Limits(seconds=1e-9, cached=False)).count()
+
+
+def test_lengths_may_be_written_as_text_and_one_length_is_asked_for_where_ranks_are() -> None:
+    assert TaskSpace(DOMAIN, "1..3").lengths == TaskSpace(DOMAIN, range(1, 4)).lengths == (1, 2, 3)
+    assert TaskSpace(DOMAIN, "2").length == 2
+    for ask in (lambda: SPACES.length, lambda: SPACES[0], SPACES.statistics, lambda: SPACES.split({"a": 1})):
+        with pytest.raises(QueryError, match=r"the lengths 0(\.\.|, 1, )2: choose one, such as space\.at\(0\)"):
+            ask()
+    for length in ("x", "3..1", "1..", -1, 2.5, "1..9999999"):
+        with pytest.raises(QueryError, match="length"):
+            TaskSpace(DOMAIN, length)  # type: ignore[arg-type]
