@@ -5,11 +5,12 @@ A path begins with a name for the outermost value: ``witness.moments[2].arms.pan
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args, get_type_hints
 
 import msgspec
 
@@ -43,6 +44,14 @@ LONGEST = 40
 """Characters of a wrong value that are shown."""
 
 
+class FieldError(QueryError):
+    """A value of JSON is of the wrong kind; `trail` leads to it: keys and positions from the outermost value."""
+
+    def __init__(self, message: str, trail: Trail = ()) -> None:
+        super().__init__(message)
+        self.trail = trail
+
+
 def decoded(text: str) -> Any:
     """Return the value that a text of JSON spells.
 
@@ -64,7 +73,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
     """Return a value of JSON as one of a kind that msgspec knows; paths begin with its `name`, which may be empty.
 
     Raises:
-        QueryError: it is of another kind; the message names the field by its path.
+        FieldError: it is of another kind; the message names the field by its path.
     """
     try:
         return msgspec.convert(data, kind)
@@ -73,10 +82,35 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
         trail = _trail(data, kind, str(error), re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
         missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
         if missing:
-            raise QueryError(f"{_path(name, (*trail, missing[1]))}: is missing") from None
+            trail = (*trail, missing[1])
+            raise FieldError(f"{_path(name, trail)}: is missing", trail) from None
         where = _path(name, trail)
+        if what.startswith("Invalid enum value"):
+            one_of(_options(kind, trail), str(_at(data, trail)), where)
         wrong = f"needs {_needed(what)}; got {shown(_at(data, trail))}"
-        raise QueryError(f"{where}: {wrong}" if where else wrong) from None
+        raise FieldError(f"{where}: {wrong}" if where else wrong, trail) from None
+
+
+def require_complete(data: Any, written: object, name: str) -> None:
+    """Check that a value of JSON has all that it is written with: no field is missing, all numbers are finite.
+
+    `written` is what the value that was read from the data is written as.
+
+    Raises:
+        QueryError: something is missing or not finite; the message begins with its path.
+    """
+    if isinstance(written, Mapping):
+        for key, value in written.items():
+            if key not in data:
+                raise QueryError(f"{_path(name, (key,))}: is missing")
+            require_complete(data[key], value, _path(name, (key,)))
+    elif isinstance(written, list):
+        if len(data) != len(written):
+            raise QueryError(f"{name}: needs a list of {len(written)}; got {shown(data)}")
+        for i, value in enumerate(written):
+            require_complete(data[i], value, _path(name, (i,)))
+    elif isinstance(written, float) and not math.isfinite(written):
+        raise QueryError(f"{name}: needs {WORDS['float']}; got {shown(data)}")
 
 
 def one_of(options: Sequence[Option], value: str, name: str) -> Option:
@@ -128,6 +162,13 @@ def _needed(what: str) -> str:
         return f"a whole number from {least}" if least else f"a whole number up to {most}"
     words = " or ".join(WORDS.get(name, name) for name in kinds.split(" | "))
     return words if length is None else f"{words} of {length}"
+
+
+def _options(kind: Any, trail: Trail) -> tuple[str, ...]:
+    """Return the strings that a field of nested dataclasses may have: those of its `Literal` or of its enumeration."""
+    for step in trail:
+        kind = get_type_hints(kind)[str(step)]
+    return get_args(kind) or tuple(member.value for member in kind)
 
 
 def _trail(data: Any, kind: type[object], told: str, steps: Sequence[tuple[str, str]]) -> Trail:
