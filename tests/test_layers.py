@@ -23,7 +23,20 @@ from prag_asp.cli.registry import COMMANDS
 PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
-    ["errors", "stop_reason", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "tables"]
+    [
+        "errors",
+        "stop_reason",
+        "wording",
+        "integers",
+        "atom",
+        "task",
+        "lazy",
+        "output",
+        "processes",
+        "missing",
+        "tables",
+        "batches",
+    ]
 ) | {"safe_reading", "array_archive", "random_bits"}
 """What every room may stand on."""
 
@@ -33,6 +46,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "versions", "bounded_call"},
     "errors": frozenset(["stop_reason"]),
     "stop_reason": frozenset(),
+    "batches": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
     "processes": frozenset(["errors", "stop_reason"]),
@@ -76,8 +90,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
         "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduction",
-        "explanation", "sampling", "engine_registry", "word_space", "task_space", "task_spaces",
-        "without_replacement", "emptiness",
+        "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
+        "task_space", "without_replacement", "emptiness",
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "witness", "situation", "predicates",
@@ -95,7 +109,7 @@ PUBLIC = {
     "AnswerSets", "Atom", "Condition", "Dataset", "Domain", "DomainError", "EngineError", "Estimate", "Explanation",
     "LimitReached", "Limits", "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task",
     "TaskSpace",
-    "TaskSpaces", "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
+    "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
     "parse_atom", "shipped_domains", "why_empty", "write_new_domain",
 }  # fmt: skip
 HEAVY = {

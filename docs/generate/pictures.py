@@ -70,7 +70,7 @@ def draw(strip: Strip) -> Image.Image:
     domain = load_domain(path if path.is_dir() else strip.domain, trust=True)
     scene = load_scene(domain)
     space = TaskSpace(domain, strip.length).where(*strip.where)
-    drawn = space.draw(seed=strip.seed, weights=strip.weights)
+    drawn = space.stream(seed=strip.seed, weights=strip.weights)
     checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in drawn)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
     told = instruction_writer_of(domain).captions(task)

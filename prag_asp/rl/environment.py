@@ -32,7 +32,6 @@ from prag_asp.rl.tasks.task_origin import Curricula, TaskOrigin
 from prag_asp.rl.tasks.task_sources import WitnessFinder
 from prag_asp.space.parts.ranked_tasks import RankedTasks
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
@@ -76,7 +75,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def __init__(
         self,
-        space: TaskSpace | TaskSpaces | None = None,
+        space: TaskSpace | None = None,
         *,
         part: RankedTasks | None = None,
         dataset: Dataset | None = None,

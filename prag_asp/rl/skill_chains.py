@@ -25,7 +25,6 @@ from prag_asp.physics import Witness
 from prag_asp.rl.environment import STEPS, TaskEnv
 from prag_asp.rl.observations import skill
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
 from prag_asp.wording import unknown
 
@@ -142,7 +141,7 @@ class Rollouts:
 
 
 def run(
-    env: gymnasium.Env[Any, Any] | TaskSpace | TaskSpaces,
+    env: gymnasium.Env[Any, Any] | TaskSpace,
     policies: Policy | Mapping[str, Policy],
     tasks: Tasks,
     *,
@@ -161,7 +160,7 @@ def run(
     Raises:
         QueryError: the environment is another one, a number is below 1, a policy is missing, or a task has no witness.
     """
-    if isinstance(env, TaskSpace | TaskSpaces):
+    if isinstance(env, TaskSpace):
         made = TaskEnv(env, reward="sparse")
         try:
             return run(made, policies, tasks, tries=tries, patience=patience, seed=seed)

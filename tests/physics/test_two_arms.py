@@ -50,7 +50,7 @@ def validator(scene: Scene) -> Iterator[Validator]:
 
 @pytest.fixture(scope="module")
 def handover() -> Task:
-    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).narrate([HANDOVER])
+    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).tasks_of_plans([HANDOVER])
     return task
 
 

@@ -16,7 +16,7 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 import prag_asp.rl
-from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
@@ -397,7 +397,7 @@ def test_tasks_of_no_action_are_passed_over() -> None:
     domain = load_domain("tabletop")
     with pytest.raises(QueryError, match="have no subgoal"):
         TaskEnv(TaskSpace(domain, 0))
-    env = TaskEnv(TaskSpaces(domain, range(2)), stage="any")
+    env = TaskEnv(TaskSpace(domain, range(2)), stage="any")
     assert all(env.reset(seed=0 if number == 0 else None)[1]["task"] for number in range(8))
     with pytest.raises(QueryError, match="has no subgoal"):
         env.reset(options={"task": next(iter(TaskSpace(domain, 0)))})

@@ -13,10 +13,10 @@ from prag_asp.random_bits import SeededBits
 from prag_asp.rl.curriculum.proposal_stream import ProposalStream, scale_weights
 from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word, derive_seed
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State, TaskSampler
+from prag_asp.space.distinct_sampling import MISSES
 from prag_asp.space.engines import Draw
 from prag_asp.space.parts.shuffle import Shuffle
-from prag_asp.space.sampling.samplers import OverSkeletons
-from prag_asp.space.without_replacement import MISSES, lengths_of
+from prag_asp.space.sampling.samplers import SkeletonSampler
 from prag_asp.wording import unknown
 
 What = Literal["tasks", "skeletons", "names", "pairs"]
@@ -78,7 +78,7 @@ class _Tasks:
         """Return the task of a number."""
         part = self._pool.part
         length, rank = _found(self._stretches, number if part is None else part[number])
-        return self._pool.at(length).word(rank), Fraction(1)
+        return self._pool.at(length).plan_at(rank), Fraction(1)
 
 
 class _Skeletons:
@@ -86,19 +86,19 @@ class _Skeletons:
 
     def __init__(self, pool: TaskPool):
         self._pool = pool
-        self._drawers: dict[int, OverSkeletons] = {}
+        self._samplers: dict[int, SkeletonSampler] = {}
         for length in reversed(pool.lengths):  # what is explored for the longest holds for all
-            drawer = pool.at(length).drawer(over="skeletons")
-            assert isinstance(drawer, OverSkeletons)
-            self._drawers[length] = drawer
-        self._stretches = _stretches(pool, [self._drawers[length].count for length in pool.lengths])
+            sampler = pool.at(length).sampling(over="skeletons").sampler()
+            assert isinstance(sampler, SkeletonSampler)
+            self._samplers[length] = sampler
+        self._stretches = _stretches(pool, [self._samplers[length].count for length in pool.lengths])
         self.size = sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
         """Return a task with the skeleton of a number, drawn by a seed, and its probability among all that have it."""
         length, rank = _found(self._stretches, number)
-        letters, probability = self._drawers[length].of_rank(rank, SeededBits(seed), number)
-        names = self._pool.at(length).letters()
+        letters, probability = self._samplers[length].of_rank(rank, SeededBits(seed), number)
+        names = self._pool.at(length).action_texts()
         return tuple([names[letter] for letter in letters]), probability
 
 
@@ -260,8 +260,8 @@ class CoverageSampler:
         a class or an entity cannot be increased: it is waited for.
         """
         self._due, self._tries, self._emphasized = frozenset(due), dict(tries), None
-        spaces = map(self._pool.at, lengths_of(self._pool.space))
-        without = sum((space.weight_without(due, weights=self._base) for space in spaces), start=Fraction(0))
+        spaces = map(self._pool.at, self._pool.space.lengths)
+        without = sum((space.sampling(weights=self._base).weight_without(due) for space in spaces), start=Fraction(0))
         self._share = 1 - without / self._usual.total
         loud = [key for key in due if self._what == "pairs" or key in self._keys.weighable]
         factor = 1

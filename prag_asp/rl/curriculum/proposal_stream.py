@@ -18,8 +18,8 @@ class ProposalStream:
     """
 
     def __init__(self, pool: TaskPool, weights: Mapping[str, Number], seed: int):
-        draws = pool.draws(seed=seed, weights=weights)
-        self._weights = pool.at(pool.lengths[0]).weights(weights)
+        self._weights = pool.space.weights(weights)
+        draws = pool.draws(seed=seed, weights=self._weights)
         self._symbols = {str(action): action for action in pool.space.domain.facts.actions}
         first = next(draws)
         # The probability of a task is its weight over the total, so any sample gives the total.

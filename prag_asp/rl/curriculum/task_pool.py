@@ -7,22 +7,21 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from hashlib import sha256
-from itertools import islice
 from math import lcm
 from typing import TYPE_CHECKING, NamedTuple
 
+from prag_asp.batches import growing_batches
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.random_bits import SeededBits
+from prag_asp.space.distinct_sampling import MISSES
 from prag_asp.space.engines import Draw
-from prag_asp.space.sampling.draws import log_probability
+from prag_asp.space.sampling.streams import log_probability
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weights.weights import Number, parse_number
-from prag_asp.space.without_replacement import MISSES, at, lengths_of
+from prag_asp.space.weights.weights import Number, Weights, parse_number
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.space.parts.ranked_tasks import Ranks
-    from prag_asp.space.task_spaces import TaskSpaces
 
 Word = tuple[str, ...]
 
@@ -49,15 +48,15 @@ class TaskPool:
         QueryError: there are none, or a part is given of a space of several lengths.
     """
 
-    space: TaskSpace | TaskSpaces
+    space: TaskSpace
     part: Ranks | None = None
     _batches: dict[Word, list[Draw]] = field(default_factory=dict, repr=False, compare=False)
     _tasks: dict[Word, Task] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if not any(lengths_of(self.space)):
+        if not any(self.space.lengths):
             raise QueryError("tasks of no action have no subgoal; give a space of another length")
-        if self.part is not None and not isinstance(self.space, TaskSpace):
+        if self.part is not None and len(self.space.lengths) > 1:
             raise QueryError("a part is one of a space of one length; give that, or spaces without a part")
         if self.part is not None and not self.part.size:
             raise QueryError("the part has no task; give another one")
@@ -69,20 +68,20 @@ class TaskPool:
         Raises:
             QueryError: there is no task.
         """
-        found = sorted(length for length in lengths_of(self.space) if length and self.at(length).count())
+        found = sorted(length for length in self.space.lengths if length and self.at(length).count())
         if not found:
             raise QueryError("there is no task to draw; give a space of other lengths, or of fewer conditions")
         return found
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of one length."""
-        return at(self.space, length)
+        return self.space.at(length)
 
     def has(self, word: Word) -> bool:
         """Return whether a task of the space is in the pool."""
         if not word or self.part is None:
             return bool(word)
-        return self.part.place(self.at(len(word)).rank_of(word)) is not None
+        return self.part.place(self.at(len(word)).index(word)) is not None
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
         """Yield independent tasks by the weights of the domain, without end; those of one length where it is given.
@@ -98,7 +97,7 @@ class TaskPool:
             yield self.next_in_pool(partial(next, draws))
 
     def draws(
-        self, *, seed: int, weights: Mapping[str, Number] | None = None, length: int | None = None
+        self, *, seed: int, weights: Mapping[str, Number] | Weights | None = None, length: int | None = None
     ) -> Iterator[Proposal]:
         """Yield tasks of the space as `proposals` does, in the pool or not; weights are as in `TaskSpace.draw`.
 
@@ -106,7 +105,7 @@ class TaskPool:
             QueryError: there is no task, or a weight fits nothing.
         """
         space = self.space if length is None else self.at(length)
-        for draw in self.batched(space.draw_words(seed=seed, weights=weights)):
+        for draw in self.batched(space.sampling(weights=weights).draws(seed=seed)):
             yield Proposal(draw.word, draw.probability)
 
     def next_in_pool(self, draw: Callable[[], Proposal], misses: int = MISSES) -> Proposal:
@@ -123,13 +122,11 @@ class TaskPool:
 
     def batched(self, draws: Iterator[Draw]) -> Iterator[Draw]:
         """Yield draws, and note their batches: where one task is needed, those of its whole batch are made."""
-        size = 1
-        while batch := list(islice(draws, size)):
+        for batch in growing_batches(draws, BATCH):
             if len(self._batches) > NOTED:
                 self._batches.clear()
             self._batches.update((draw.word, batch) for draw in batch)
             yield from batch
-            size = min(2 * size, BATCH)
 
     def task(self, proposal: Proposal) -> Task:
         """Return the task of a proposal."""
@@ -140,7 +137,7 @@ class TaskPool:
             coming = (draw for draw in self._batches.pop(word, ()) if draw.word not in self._tasks)
             alike = [draw for draw in coming if len(draw.word) == len(word)]
             alike = alike or [Draw(word, proposal.probability)]
-            tasks = self.at(len(word)).tasks_of(alike)
+            tasks = self.at(len(word)).tasks_of_draws(alike)
             self._tasks.update((draw.word, task) for draw, task in zip(alike, tasks, strict=True))
         return replace(self._tasks[word], log_probability=log_probability(proposal.probability))
 

@@ -14,7 +14,6 @@ from prag_asp.rl.curriculum.task_sampler import DomainWeightsSampler, StageCurri
 from prag_asp.rl.tasks.task_sources import DatasetSource, SpaceSource, TaskSource, WitnessFinder
 from prag_asp.space.parts.ranked_tasks import RankedTasks
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
 
 Curriculum = TaskCurriculum | StageCurriculum
@@ -29,7 +28,7 @@ class TaskOrigin:
         QueryError: there is none of them or more than one, or a curriculum is wrong or has nothing to choose from.
     """
 
-    space: TaskSpace | TaskSpaces | None
+    space: TaskSpace | None
     part: RankedTasks | None
     dataset: Dataset | None
     task: Task | None
@@ -39,7 +38,7 @@ class TaskOrigin:
         if sum(each is not None for each in (self.space, self.dataset, self.task)) != 1:
             raise QueryError("tasks come from one place: give a space, a dataset, or a task")
         for value, kinds, example in (
-            (self.space, TaskSpace | TaskSpaces, 'TaskSpace(load_domain("tabletop"), length=2)'),
+            (self.space, TaskSpace, 'TaskSpace(load_domain("tabletop"), length=2)'),
             (self.dataset, Dataset, 'Dataset.open("DIR")'),
             (self.task, Task, "a Task, such as a space yields"),
             (self.part, RankedTasks, 'a part of the space, such as space.split({"train": 0.8, "test": 0.2})["train"]'),

@@ -108,7 +108,7 @@ def begins_high(plan: Sequence[str], thing: str) -> bool | None:
 def test_sizes_and_what_is_shared_are_those_of_lists_of_all_plans(small: Suite) -> None:
     """All plans come from clingo without a condition, and Python judges each of them here."""
     space = {length: TaskSpace(small.domain, length, engine="clingo") for length in (1, 2, 3)}
-    plans = {length: [*each.words("plan")] for length, each in space.items()}
+    plans = {length: [*each.enumerate("plan")] for length, each in space.items()}
     wanted: dict[str, Callable[[Sequence[str]], bool]] = {
         "train": lambda plan: has(plan)[:2] == (False, False) and begins_high(plan, "cup_1") is not True,
         "objects": lambda plan: has(plan)[:2] == (True, False) and begins_high(plan, "cup_1") is not True,

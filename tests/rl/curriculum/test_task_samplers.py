@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
 from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty
@@ -63,7 +63,7 @@ def pairs(word: Iterable[str]) -> set[str]:
 
 
 def lived(
-    course: TaskSampler, space: TaskSpace | TaskSpaces, episodes: int, good: Callable[[int], bool]
+    course: TaskSampler, space: TaskSpace, episodes: int, good: Callable[[int], bool]
 ) -> list[Proposal]:
     """Return what a course offers while episodes end as `good` says; every fifth task is not feasible."""
     found, pool = [], TaskPool(space)
@@ -140,7 +140,7 @@ def test_every_draw_has_something_that_is_due_as_probably_as_it_should(
 
 def test_what_is_rare_and_due_is_weighed_up_and_still_exact() -> None:
     space = TaskSpace(load_domain("prag"), length=4)
-    all_words = list(space.words())
+    all_words = list(space.enumerate())
     course = Novelty("pairs").task_sampler(TaskPool(space))
     counts = Counter(pair for word in all_words for pair in pairs(word))
     rarest = min(counts, key=lambda pair: (counts[pair], pair))
@@ -173,7 +173,7 @@ def test_a_rare_name_that_is_also_that_of_a_class_is_waited_for(tmp_path: Path) 
 
 
 def test_lengths_come_one_after_another_with_their_shares() -> None:
-    spaces = TaskSpaces(load_domain("prag"), range(1, 4))
+    spaces = TaskSpace(load_domain("prag"), range(1, 4))
     course = Lengths(threshold=0.75, window=4, review=0.5).task_sampler(TaskPool(spaces))
     sizes = {length: spaces.at(length).count() for length in (1, 2, 3)}
     shares = {1: {1: Fraction(1)}, 2: dict.fromkeys((1, 2), Fraction(1, 2))}
@@ -207,7 +207,7 @@ def test_success_becomes_weights_and_the_probability_is_that_of_the_mixture(
         course.update(EpisodeResult(2, 1, [Attempt(actions[1], actions[0], reached)], reached))
     weights = {key: Fraction(weight) for key, weight in course.state_dict()["weights"].items()}
     assert weights["grasp"] == weights["approach>grasp"] == 4 and "move" not in weights
-    one, all_of_them = space.weights(weights), space.total_weight(weights=weights)
+    one, all_of_them = space.weights(weights), space.sampling(weights=weights).total_weight()
     assert all_of_them == sum(one.of_plan(plan(space, word)) for word in tasks)
     for _ in range(60):
         offer = course.propose()
@@ -221,8 +221,8 @@ def test_success_becomes_weights_and_the_probability_is_that_of_the_mixture(
 def test_lengths_and_weights_of_the_domain_are_in_the_probability(kind: TaskCurriculum) -> None:
     usual = {"grasp": Fraction(3), "can": Fraction(1, 2), "move>drop": Fraction(5)}
     domain = load_domain("prag")
-    spaces = TaskSpaces(replace(domain, settings=replace(domain.settings, weights=usual)), range(3))
-    every = [word for length in (0, 1, 2) for word in spaces.at(length).words()]
+    spaces = TaskSpace(replace(domain, settings=replace(domain.settings, weights=usual)), range(3))
+    every = [word for length in (0, 1, 2) for word in spaces.at(length).enumerate()]
     mentioned = {word: weighable(spaces, word) for word in every}
 
     def share(word: Word, factors: Mapping[str, Fraction]) -> Fraction:
@@ -251,7 +251,7 @@ def test_lengths_and_weights_of_the_domain_are_in_the_probability(kind: TaskCurr
     assert factors and lengths == {1, 2}
 
 
-def weighable(spaces: TaskSpaces, word: Word) -> list[str]:
+def weighable(spaces: TaskSpace, word: Word) -> list[str]:
     """Return what of a task has a weight: its names, its pairs, and once what each entity that it names is."""
     entities = {argument for action in word for argument in action.rstrip(")").partition("(")[2].split(",")}
     classes = [str(kind) for entity, kind in spaces.domain.facts.memberships if str(entity) in entities]
@@ -284,11 +284,11 @@ def test_importance_weights_give_back_the_mean_of_uniform_draws(
 def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
     kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
 ) -> None:
-    part = [rank for rank, word in enumerate(space.words()) if "grasp" in names(word)]
+    part = [rank for rank, word in enumerate(space.enumerate()) if "grasp" in names(word)]
     pool = TaskPool(space, space[part[0] : part[-1] + 1].ranks)
     course = kind.task_sampler(pool)
     course.seed(chance.seed(2))
-    grasp = next(tasks[word].actions for word in space.words() if names(word) == ["approach", "grasp"])
+    grasp = next(tasks[word].actions for word in space.enumerate() if names(word) == ["approach", "grasp"])
     for number in range(20):
         course.update(EpisodeResult(2, 0, [Attempt(action, None, number > 17) for action in grasp], number > 17))
     drawn = [course.propose() for _ in range(800)]
@@ -302,14 +302,14 @@ def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> Non
     course = Novelty("names").task_sampler(TaskPool(space, space[7:9].ranks))
     for _ in range(4):
         offer = course.propose()
-        assert offer.word in (space.word(7), space.word(8))
+        assert offer.word in (space.plan_at(7), space.plan_at(8))
         course.note_feasibility(offer.word, True)
 
 
 def test_a_part_of_one_task_is_found_among_skeletons(space: TaskSpace) -> None:
     part = space[7:8]
     course = Novelty("skeletons").task_sampler(TaskPool(space, part.ranks))
-    assert {course.propose().word for _ in range(3)} == {space.word(7)}
+    assert {course.propose().word for _ in range(3)} == {space.plan_at(7)}
 
 
 def test_a_bandit_learns_as_exp3_does_and_draws_more_of_its_arm(space: TaskSpace, tasks: dict[Word, Task]) -> None:
@@ -322,7 +322,7 @@ def test_a_bandit_learns_as_exp3_does_and_draws_more_of_its_arm(space: TaskSpace
         chance = float(course.probabilities[course.arms.index(arm)])
         weights = space.weights({arm: 8})
         offer = course.propose()
-        total = space.total_weight(weights={arm: 8})
+        total = space.sampling(weights={arm: 8}).total_weight()
         assert offer.probability == weights.of_plan(plan(space, offer.word)) / total
         reached = number % 2 == 0
         having = next(actions for actions in every if arm in keys(space, actions))
@@ -386,7 +386,7 @@ def test_curricula_that_mean_nothing_are_refused(wrong: Callable[[], object]) ->
 def test_pools_that_have_nothing_are_refused(space: TaskSpace) -> None:
     parts = space.split({"train": "1/2", "test": "1/2"})
     with pytest.raises(QueryError, match="of one length"):
-        TaskPool(TaskSpaces(space.domain, range(1, 3)), parts["train"].ranks)
+        TaskPool(TaskSpace(space.domain, range(1, 3)), parts["train"].ranks)
     with pytest.raises(QueryError, match="no task"):
         TaskPool(space, space[:0].ranks)
     with pytest.raises(QueryError, match="no subgoal"):

@@ -1,4 +1,4 @@
-"""Task spaces of several lengths as one: counts add up, and each task is drawn with its share of all of them."""
+"""Task spaces of several lengths: counts add up, and each task is drawn with its share of all of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from itertools import islice
 
 import pytest
 
-from prag_asp import QueryError, TaskSpace, TaskSpaces, load_domain
+from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.errors import LimitReached
 from prag_asp.space.engines.engine import Level
 from prag_asp.space.limits import Limits
@@ -19,7 +19,7 @@ from tests.sharing import logic_shared
 from tests.space.sampling.test_sampling import DOMAIN, KINDS, expected_weight
 
 DRAWS = 20_000
-SPACES = TaskSpaces(DOMAIN, range(3))
+SPACES = TaskSpace(DOMAIN, range(3))
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -30,13 +30,13 @@ def logic() -> Iterator[None]:
 
 
 @cache
-def spaces_of(engine: str) -> TaskSpaces:
-    return TaskSpaces(DOMAIN, range(3), engine=engine)
+def spaces_of(engine: str) -> TaskSpace:
+    return TaskSpace(DOMAIN, range(3), engine=engine)
 
 
 @cache
 def words_of(by: Level, length: int) -> list[tuple[str, ...]]:
-    return list(spaces_of("clingo").at(length).words(by))
+    return list(spaces_of("clingo").at(length).enumerate(by))
 
 
 def weighed(by: Level, weights: dict[str, object], lengths: range = range(3)) -> dict[tuple[str, ...], Fraction]:
@@ -56,7 +56,7 @@ def test_draws_follow_the_weights_of_all_tasks_of_all_lengths(kind: str, by: Lev
     weights = KINDS[kind]
     expected = weighed(by, dict(weights))
     total = sum(expected.values())
-    draws = list(islice(spaces_of(engine).draw_words(seed=5, weights=weights, by=by), DRAWS))
+    draws = list(islice(spaces_of(engine).sampling(weights=weights, by=by).draws(seed=5), DRAWS))
     seen = Counter(draw.word for draw in draws)
     assert set(seen) <= set(expected)
     assert all(draw.probability == expected[draw.word] / total for draw in draws)
@@ -67,7 +67,7 @@ def test_draws_follow_the_weights_of_all_tasks_of_all_lengths(kind: str, by: Lev
 
 
 def test_the_probabilities_of_all_tasks_add_up_to_one() -> None:
-    draws = islice(TaskSpaces(DOMAIN, range(1, 3)).draw_words(seed=1, weights={"grasp": 2, "apple": "1/3"}), 12_000)
+    draws = islice(TaskSpace(DOMAIN, range(1, 3)).sampling(weights={"grasp": 2, "apple": "1/3"}).draws(seed=1), 12_000)
     probabilities = {draw.word: draw.probability for draw in draws}
     assert len(probabilities) == SPACES.at(1).count() + SPACES.at(2).count()  # so many draws show each of 301
     assert sum(probabilities.values()) == 1
@@ -80,7 +80,7 @@ def test_a_skeleton_of_any_length_is_drawn_uniformly_where_skeletons_come_first(
     for word, weight in expected.items():
         skeleton = tuple(action.partition("(")[0] for action in word)
         by_skeleton[skeleton] = by_skeleton.get(skeleton, Fraction(0)) + weight
-    draws = list(islice(SPACES.draw_words(seed=2, weights=weights, over="skeletons"), 4000))
+    draws = list(islice(SPACES.sampling(weights=weights, over="skeletons").draws(seed=2), 4000))
     seen = Counter(tuple(action.partition("(")[0] for action in draw.word) for draw in draws)
     assert set(seen) == set(by_skeleton)
     statistic = sum((count - 4000 / len(seen)) ** 2 / (4000 / len(seen)) for count in seen.values())
@@ -91,7 +91,7 @@ def test_a_skeleton_of_any_length_is_drawn_uniformly_where_skeletons_come_first(
 
 
 def test_draws_depend_on_the_seed_and_their_place_alone() -> None:
-    spaces = TaskSpaces(DOMAIN, range(2, 6))
+    spaces = TaskSpace(DOMAIN, range(2, 6))
     many = spaces.sample(300, seed=7)
     assert spaces.sample(5, seed=7) == many[:5] and spaces.sample(120, seed=7) == many[:120]
     assert spaces.sample(300, seed=8) != many
@@ -100,15 +100,15 @@ def test_draws_depend_on_the_seed_and_their_place_alone() -> None:
 
 
 def test_every_engine_draws_the_same() -> None:
-    one, *others = [TaskSpaces(DOMAIN, range(1, 3), engine=engine) for engine in ("automaton", "clingo", "sat")]
+    one, *others = [TaskSpace(DOMAIN, range(1, 3), engine=engine) for engine in ("automaton", "clingo", "sat")]
     assert all(other.sample(50, seed=3) == one.sample(50, seed=3) for other in others)
 
 
 def test_lengths_do_not_share_random_bits() -> None:
     # The k-th draws of two lengths would begin alike if both read the same bits.
-    spaces = TaskSpaces(DOMAIN, range(4, 6))
+    spaces = TaskSpace(DOMAIN, range(4, 6))
     first: dict[int, list[str]] = {4: [], 5: []}
-    for draw in islice(spaces.draw_words(seed=1, weights={"move": 8}), 4000):
+    for draw in islice(spaces.sampling(weights={"move": 8}).draws(seed=1), 4000):
         first[len(draw.word)].append(draw.word[0])
     pairs = list(zip(first[4], first[5], strict=False))
     assert len(pairs) > 30
@@ -119,9 +119,9 @@ def test_lengths_do_not_share_random_bits() -> None:
 
 
 def test_one_length_draws_as_its_space_does() -> None:
-    spaces, space = TaskSpaces(DOMAIN, [4]), TaskSpace(DOMAIN, 4)
+    spaces, space = TaskSpace(DOMAIN, [4]), TaskSpace(DOMAIN, 4)
     assert spaces.sample(20, seed=3) == space.sample(20, seed=3)
-    assert [*islice(spaces.draw_words(seed=3), 9)] == [*islice(space.draw_words(seed=3), 9)]
+    assert [*islice(spaces.sampling().draws(seed=3), 9)] == [*islice(space.sampling().draws(seed=3), 9)]
     assert spaces.sample(5, seed=3, over="goals") == space.sample(5, seed=3, over="goals")
 
 
@@ -133,22 +133,22 @@ def test_tasks_carry_the_logarithm_of_their_probability_in_the_union() -> None:
 
 def test_counts_add_up_and_words_come_length_by_length() -> None:
     lengths = range(1, 4)
-    spaces = TaskSpaces(DOMAIN, lengths)
+    spaces = TaskSpace(DOMAIN, lengths)
     assert spaces.count() == 36 + 265 + 2092 and spaces.count("skeleton") == 8 + 30 + 124
-    expected = [word for length in lengths for word in TaskSpace(DOMAIN, length).words("skeleton")]
-    assert list(spaces.words("skeleton")) == expected
+    expected = [word for length in lengths for word in TaskSpace(DOMAIN, length).enumerate("skeleton")]
+    assert list(spaces.enumerate("skeleton")) == expected
     begun = [word for word in expected if word[:2] == ("grasp", "rotate")]
     assert spaces.count("skeleton", ["grasp", "rotate"]) == len(begun)
-    assert list(spaces.words("skeleton", ["grasp", "rotate"])) == begun
+    assert list(spaces.enumerate("skeleton", ["grasp", "rotate"])) == begun
     tasks = [task for length in (1, 2) for task in TaskSpace(DOMAIN, length)]
-    assert list(TaskSpaces(DOMAIN, (1, 2))) == tasks
-    assert list(islice(TaskSpaces(DOMAIN, (2, 1)), 1)) == [TaskSpace(DOMAIN, 2)[0]]
+    assert list(TaskSpace(DOMAIN, (1, 2))) == tasks
+    assert list(islice(TaskSpace(DOMAIN, (2, 1)), 1)) == [TaskSpace(DOMAIN, 2)[0]]
     assert tasks[0] in spaces and TaskSpace(DOMAIN, 4)[0] not in spaces and "task" not in spaces
-    assert repr(spaces) == "TaskSpaces('prag', lengths=range(1, 4))"
+    assert repr(spaces) == "TaskSpace('prag', length='1..3')"
 
 
 def test_conditions_keep_the_tasks_of_each_length_that_satisfy_them() -> None:
-    spaces = TaskSpaces(DOMAIN, range(1, 4)).where("uses apple", "has at least 1 grasp")
+    spaces = TaskSpace(DOMAIN, range(1, 4)).where("uses apple", "has at least 1 grasp")
     each = [TaskSpace(DOMAIN, length).where("uses apple", "has at least 1 grasp") for length in range(1, 4)]
     assert spaces.count() == sum(space.count() for space in each)
     drawn = spaces.sample(200, seed=4, weights={})
@@ -157,7 +157,7 @@ def test_conditions_keep_the_tasks_of_each_length_that_satisfy_them() -> None:
 
 
 def test_a_length_without_tasks_is_never_drawn() -> None:
-    spaces = TaskSpaces(DOMAIN, range(4)).where("has at least 2 grasp")
+    spaces = TaskSpace(DOMAIN, range(4)).where("has at least 2 grasp")
     assert spaces.at(2).count() == 0 < spaces.count()
     assert {len(task) for task in spaces.sample(50, seed=1)} == {3}
 
@@ -165,23 +165,34 @@ def test_a_length_without_tasks_is_never_drawn() -> None:
 def test_what_cannot_be_asked_is_refused() -> None:
     for lengths in ((), (2, 2)):
         with pytest.raises(QueryError, match="give at least one, and each once"):
-            TaskSpaces(DOMAIN, lengths)
+            TaskSpace(DOMAIN, lengths)
     with pytest.raises(QueryError, match="length -1: a plan has at least 0 actions"):
-        TaskSpaces(DOMAIN, range(-1, 2))
+        TaskSpace(DOMAIN, range(-1, 2))
     with pytest.raises(QueryError, match="at least 0"):
         SPACES.sample(-1, seed=0)
-    with pytest.raises(QueryError, match="over goals, tasks of one length are drawn"):
+    with pytest.raises(QueryError, match="over goals, tasks of one length are sampled"):
         SPACES.sample(1, seed=0, over="goals")
     with pytest.raises(QueryError, match="choose task or plan"):
-        SPACES.draw(seed=0, by="skeleton")
-    with pytest.raises(QueryError, match=r"there is no task of the lengths 1, 2 to draw"):
-        TaskSpaces(DOMAIN, (1, 2)).where("has at least 3 grasp").sample(1, seed=0)
+        SPACES.stream(seed=0, by="skeleton")
+    with pytest.raises(QueryError, match=r"there is no task of the lengths 1, 2 to sample"):
+        TaskSpace(DOMAIN, (1, 2)).where("has at least 3 grasp").sample(1, seed=0)
     with pytest.raises(QueryError, match=r"did you mean grasp\?"):
         SPACES.sample(1, seed=0, weights={"gras": 2})
     with pytest.raises(QueryError, match=r"did you mean grasp\?"):
-        SPACES.words(prefix=["gras"])
+        SPACES.enumerate(prefix=["gras"])
 
 
 def test_a_limit_ends_a_count_of_several_lengths() -> None:
     with pytest.raises(LimitReached):
-        TaskSpaces(load_domain("tabletop"), range(1, 9), limits=Limits(seconds=1e-9, cached=False)).count()
+        TaskSpace(load_domain("tabletop"), range(1, 9), limits=Limits(seconds=1e-9, cached=False)).count()
+
+
+def test_lengths_may_be_written_as_text_and_one_length_is_asked_for_where_ranks_are() -> None:
+    assert TaskSpace(DOMAIN, "1..3").lengths == TaskSpace(DOMAIN, range(1, 4)).lengths == (1, 2, 3)
+    assert TaskSpace(DOMAIN, "2").length == 2
+    for ask in (lambda: SPACES.length, lambda: SPACES[0], SPACES.statistics, lambda: SPACES.split({"a": 1})):
+        with pytest.raises(QueryError, match=r"the lengths 0(\.\.|, 1, )2: choose one, such as space\.at\(0\)"):
+            ask()
+    for length in ("x", "3..1", "1..", -1, 2.5, "1..9999999"):
+        with pytest.raises(QueryError, match="length"):
+            TaskSpace(DOMAIN, length)  # type: ignore[arg-type]

@@ -9,10 +9,10 @@ from functools import cached_property
 from itertools import accumulate
 from typing import Protocol
 
-from prag_asp.space.parts.ranked_tasks import Shuffled
+from prag_asp.space.parts.ranked_tasks import ShuffledRanks
 
 
-class Order(Protocol):
+class RankOrder(Protocol):
     """Different tasks of several stretches of ranks, in an order that does not depend on how many are asked for."""
 
     @property
@@ -30,11 +30,11 @@ class Order(Protocol):
 
 
 @dataclass(frozen=True)
-class ByShare:
+class ShareOrder:
     """Stretches of some `sizes`, one after another, shuffled as one: each is met by its exact share."""
 
     sizes: tuple[int, ...]
-    shuffled: Shuffled
+    shuffled: ShuffledRanks
 
     @property
     def size(self) -> int:
@@ -57,10 +57,10 @@ class ByShare:
 
 
 @dataclass(frozen=True)
-class Evenly:
+class EvenOrder:
     """Stretches taken by turns, each shuffled; one that is used up is left out from then on."""
 
-    shuffled: tuple[Shuffled, ...]
+    shuffled: tuple[ShuffledRanks, ...]
 
     @property
     def size(self) -> int:
