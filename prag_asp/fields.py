@@ -5,11 +5,12 @@ A path begins with a name for the outermost value: ``witness.moments[2].arms.pan
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args, get_type_hints
 
 import msgspec
 
@@ -84,8 +85,32 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
             trail = (*trail, missing[1])
             raise FieldError(f"{_path(name, trail)}: is missing", trail) from None
         where = _path(name, trail)
+        if what.startswith("Invalid enum value"):
+            one_of(_options(kind, trail), str(_at(data, trail)), where)
         wrong = f"needs {_needed(what)}; got {shown(_at(data, trail))}"
         raise FieldError(f"{where}: {wrong}" if where else wrong, trail) from None
+
+
+def require_complete(data: Any, written: object, name: str) -> None:
+    """Check that a value of JSON has all that it is written with: no field is missing, all numbers are finite.
+
+    `written` is what the value that was read from the data is written as.
+
+    Raises:
+        QueryError: something is missing or not finite; the message begins with its path.
+    """
+    if isinstance(written, Mapping):
+        for key, value in written.items():
+            if key not in data:
+                raise QueryError(f"{_path(name, (key,))}: is missing")
+            require_complete(data[key], value, _path(name, (key,)))
+    elif isinstance(written, list):
+        if len(data) != len(written):
+            raise QueryError(f"{name}: needs a list of {len(written)}; got {shown(data)}")
+        for i, value in enumerate(written):
+            require_complete(data[i], value, _path(name, (i,)))
+    elif isinstance(written, float) and not math.isfinite(written):
+        raise QueryError(f"{name}: needs {WORDS['float']}; got {shown(data)}")
 
 
 def one_of(options: Sequence[Option], value: str, name: str) -> Option:
@@ -137,6 +162,13 @@ def _needed(what: str) -> str:
         return f"a whole number from {least}" if least else f"a whole number up to {most}"
     words = " or ".join(WORDS.get(name, name) for name in kinds.split(" | "))
     return words if length is None else f"{words} of {length}"
+
+
+def _options(kind: Any, trail: Trail) -> tuple[str, ...]:
+    """Return the strings that a field of nested dataclasses may have: those of its `Literal` or of its enumeration."""
+    for step in trail:
+        kind = get_type_hints(kind)[str(step)]
+    return get_args(kind) or tuple(member.value for member in kind)
 
 
 def _trail(data: Any, kind: type[object], told: str, steps: Sequence[tuple[str, str]]) -> Trail:

@@ -79,9 +79,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "without_replacement", "emptiness",
     ),
     "physics": (
-        "bullet", "required", "temporary_files", "robot", "witness_json", "witness", "situation", "predicates",
+        "bullet", "required", "temporary_files", "robot", "witness", "situation", "predicates",
         "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
-        "pictures", "verdict", "tier_cascade", "validator", "worker", "checker", "pool", "tier_pool",
+        "pictures", "verdict", "tiers", "validator", "validation",
     ),
     "rl": (
         "control", "arena", "goals", "rewards", "environment_options", "reward_annealing", "state_checksum",
