@@ -107,12 +107,12 @@ def test_clingo_finds_its_first_word_at_once_and_all_by_about_one_search_for_eac
     """Of 250 actions, in order of their names, those up to `first` are never possible."""
     searches = []
 
-    def counted(self: clingo_engine._Unrolled, *given: Any) -> set[int] | None:
+    def counted(self: clingo_engine._UnrolledPlans, *given: Any) -> set[int] | None:
         searches.append(given)
         return searched(self, *given)
 
-    searched = clingo_engine._Unrolled._found
-    monkeypatch.setattr(clingo_engine._Unrolled, "_found", counted)
+    searched = clingo_engine._UnrolledPlans._true_literals
+    monkeypatch.setattr(clingo_engine._UnrolledPlans, "_true_literals", counted)
     names = [f"a{number:03}" for number in range(250)]
     barred = [f"precondition({name},f,true)." for name in names[:first]]
     facts = " ".join([*(f"action({name})." for name in names), *barred])
