@@ -18,6 +18,7 @@ from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, ready_workers
+from prag_asp.stop_reason import StopKind, StopReason
 
 
 @dataclass(frozen=True)
@@ -87,8 +88,8 @@ def counted(
             child.send((cnf.variables, cnf.shown, clauses, *more))
             return child.receive(seconds)
         except TimeoutError:
-            told = f"{asked}: no count after {seconds:.3g} s"
-            raise LimitReached(f"{told}; allow more (--time), or ask for less", 0) from None
+            what = f"{asked}: no count after {seconds:.3g} s; allow more (--time), or ask for less"
+            raise LimitReached(what, 0, StopReason(StopKind.TIME, seconds)) from None
         except WorkerEnded as ended:
             said = _last_line(complaints)
             raise EngineError(f"{asked}: {counter.name} ended {ended} ({said}); choose another engine") from None
