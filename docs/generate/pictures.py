@@ -74,7 +74,7 @@ def draw(strip: Strip) -> Image.Image:
     checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in drawn)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
     told = teller_of(domain).captions(task)
-    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, told=told)
+    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, captions=told)
     if not strip.start:
         subgoals = picture.crop((picture.width // (strip.length + 1), 0, picture.width, picture.height))
         bottom = ImageOps.invert(subgoals.convert("L")).getbbox()[3]
