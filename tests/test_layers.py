@@ -23,7 +23,7 @@ from prag_asp.cli.registry import COMMANDS
 PACKAGE = Path(prag_asp.__file__).parent
 
 GROUND = frozenset(
-    ["errors", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "tables"]
+    ["errors", "stop_reason", "wording", "integers", "atom", "task", "lazy", "output", "processes", "missing", "tables"]
 ) | {"safe_reading", "array_archive", "random_bits"}
 """What every room may stand on."""
 
@@ -31,16 +31,17 @@ OURS = re.compile(r"prag_asp(\.|$)")
 
 ROOMS: Mapping[str, frozenset[str]] = {
     "": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "versions", "bounded_call"},
-    "errors": frozenset(),
+    "errors": frozenset(["stop_reason"]),
+    "stop_reason": frozenset(),
     "lazy": frozenset(),
     "versions": frozenset(),
-    "processes": frozenset(["errors"]),
+    "processes": frozenset(["errors", "stop_reason"]),
     "missing": frozenset(["errors"]),
     "safe_reading": frozenset(),
     "array_archive": frozenset(),
     "random_bits": frozenset(),
     "tables": frozenset(["errors", "wording"]),
-    "output": frozenset(["errors", "safe_reading"]),
+    "output": frozenset(["errors", "lazy", "safe_reading"]),
     "wording": frozenset(["errors"]),
     "integers": frozenset(),
     "atom": frozenset(["errors", "integers"]),
@@ -79,9 +80,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "without_replacement", "emptiness",
     ),
     "physics": (
-        "bullet", "required", "temporary_files", "robot", "witness_json", "witness", "situation", "predicates",
+        "bullet", "required", "temporary_files", "robot", "witness", "situation", "predicates",
         "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
-        "pictures", "verdict", "tier_cascade", "validator", "worker", "checker", "pool", "tier_pool",
+        "pictures", "verdict", "tiers", "validator", "validation",
     ),
     "rl": (
         "control", "arena", "goals", "rewards", "environment_options", "reward_annealing", "state_checksum",

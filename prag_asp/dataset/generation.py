@@ -12,7 +12,7 @@ from prag_asp.dataset.making.run import Progress, Run
 from prag_asp.dataset.store.domain_snapshot import kept
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
-from prag_asp.physics import Budget, require_physics
+from prag_asp.physics import Budget, Tier, require_physics
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.without_replacement import Division
 
@@ -104,7 +104,7 @@ def _budget(
         return None
     require_physics()
     budget = given or Budget()
-    return Budget(budget.restarts, budget.samples, "demonstration") if demonstrate else budget
+    return Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION) if demonstrate else budget
 
 
 def require_staging(staging: Staging, domain: Domain, demonstrate: bool, starts: int) -> None:

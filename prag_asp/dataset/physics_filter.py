@@ -13,7 +13,7 @@ from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.pass_rates import Tally
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.errors import QueryError
-from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
+from prag_asp.physics import Budget, Staging, Tier, Verdict, validate_numbered
 from prag_asp.space.without_replacement import drawn_tasks
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _recorded(
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
     """Return a budget with the tier of demonstrations where these are to be recorded."""
     budget = budget or Budget()
-    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
+    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION)
 
 
 def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:

@@ -18,7 +18,7 @@ from prag_asp.dataset.task_origin import foreign, index_of, named_domain, read_w
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Demonstration, Staging, validate_numbered
-from prag_asp.physics.tier_pool import pass_numbered
+from prag_asp.physics.validation import check_numbered
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
@@ -183,15 +183,17 @@ def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[
             if not isinstance(found, Outcome):
                 yield index_of(record), (record.task, found)
 
-    passed = pass_numbered(
+    checked = check_numbered(
         shown(), scene, budget=search.budget, seed=search.seed, workers=search.workers, staging=search.staging
     )
-    with closing(passed) as passages:
-        for passage in passages:
+    with closing(checked) as outcomes:
+        for _, fault, demonstration in outcomes:
             yield from _known(waiting)
             record, _ = waiting.popleft()
-            status = "witness_fails" if passage.fault else "feasible"
-            yield Outcome(record, status, passage.fault, demonstration=None if passage.fault else passage.demonstration)
+            if fault is None:
+                yield Outcome(record, "feasible", demonstration=demonstration)
+            else:
+                yield Outcome(record, "witness_fails", fault.text or fault.cause)
     yield from _known(waiting)
 
 

@@ -12,7 +12,7 @@ from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Moment, Witness
-from prag_asp.physics.world.dynamics import TIME_STEP, Command, open_dynamics
+from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, open_dynamics
 from prag_asp.rl.control import Control, motor_command
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.robots import Joints, robot_of
@@ -35,7 +35,7 @@ class Arena:
         self._scene = scene
         self._world = resources.enter_context(open_dynamics(scene))
         self._begun: tuple[Scene, tuple[str, ...]] | None = None
-        self._commands: dict[str, Command] = {}
+        self._commands: dict[str, ArmCommand] = {}
         self._tools: dict[str, Vector] = {}
         self._speeds: dict[str, Vector] = {}
         self._situation: Situation | None = None
@@ -71,7 +71,7 @@ class Arena:
         for share in SHARES:
             for robot, way in ways.items():
                 *joints, opening = [at + share * by for at, by in way]
-                self._world.drive(robot, Command(tuple(joints), opening), speeds[robot])
+                self._world.drive(robot, ArmCommand(tuple(joints), opening), speeds[robot])
             self._world.step()
         self._commands = commands
         self._world.at_rest()
@@ -114,15 +114,15 @@ def _after(last: Situation | None, now: Situation) -> Situation:
     return Situation(now.scene, poses, now.arms, now.openings, now.tools, last.measured)
 
 
-def _driven(command: Command) -> Joints:
-    """Return the targets of the motors of an arm: joints in radians and the opening in metres."""
+def _driven(command: ArmCommand) -> Joints:
+    """Return what the motors of an arm drive to: the joints in radians, and the opening in metres."""
     return (*command.joints, command.opening)
 
 
-def _holding(moment: Moment, robot: str) -> Command:
-    """Return the command with which an arm stays as it is at a moment, and holds what it holds."""
+def _holding(moment: Moment, robot: str) -> ArmCommand:
+    """Return what the motors of an arm drive to so that it stays as it is at a moment, and holds what it holds."""
     arm = moment.arms[robot]
-    return Command(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
+    return ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
 
 
 def _speed(one: Sequence[float], two: Sequence[float]) -> Vector:

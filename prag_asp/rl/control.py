@@ -12,9 +12,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.robot.kinematics import nudged
+from prag_asp.physics.robot.kinematics import nudge_joints
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.world.dynamics import Command
+from prag_asp.physics.world.dynamics import ArmCommand
 from prag_asp.scene.geometry import rotate
 from prag_asp.scene.robots import Robot
 
@@ -38,8 +38,8 @@ SIZES = {"tool": 5, "joints": 8}
 
 
 def motor_command(
-    robot: Robot, arm: Arm, last: Command, action: NDArray[np.float64], control: Control, seconds: float
-) -> Command:
+    robot: Robot, arm: Arm, last: ArmCommand, action: NDArray[np.float64], control: Control, seconds: float
+) -> ArmCommand:
     """Return the command of an arm for the next `seconds`.
 
     `last` is the command until now, `arm` its actual state; `action` has the shape (`SIZES[control]`,), each
@@ -54,7 +54,7 @@ def motor_command(
         np.maximum(joints, least, out=joints)
         np.minimum(joints, most, out=joints)
     opening = min(max(last.opening + FINGERS * float(action[-1]), 0.0), robot.opening)
-    return Command(tuple(joints.tolist()), opening)
+    return ArmCommand(tuple(joints.tolist()), opening)
 
 
 @cache
@@ -71,4 +71,4 @@ def _towards(robot: Robot, joints: NDArray[np.float64], action: NDArray[np.float
     # The cross product of where the tool points and straight down: it turns the one to the other.
     leaning, rolling, _ = rotate(robot.base.quaternion, (-float(here[1, 2]), float(here[0, 2]), 0.0))
     twist = np.array((STRIDE * x, STRIDE * y, max(STRIDE * z, lowest), leaning, rolling, TURN * yaw))
-    return nudged(robot, joints, here, twist)
+    return nudge_joints(robot, joints, here, twist)

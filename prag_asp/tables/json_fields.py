@@ -5,10 +5,11 @@ A path begins with a name for the outermost value: ``witness.moments[2].arms.pan
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args, get_type_hints
 
 import msgspec
 
@@ -83,7 +84,31 @@ def _problem(data: object, kind: type[object], message: str) -> TableProblem:
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
     if missing:
         return TableProblem((*keys, missing[1]), "is missing")
+    if what.startswith("Invalid enum value"):
+        return TableProblem(keys, f"needs one of {', '.join(_options(kind, keys))}; got {shown(str(_at(data, keys)))}")
     return TableProblem(keys, f"needs {_needed(what)}; got {shown(_at(data, keys))}")
+
+
+def require_complete(data: Any, written: object, name: str) -> None:
+    """Check that a value of JSON has all that it is written with: no field is missing, all numbers are finite.
+
+    `written` is the JSON of the value that was read from the data.
+
+    Raises:
+        QueryError: something is missing or not finite; the message begins with its path.
+    """
+    if isinstance(written, Mapping):
+        for key, value in written.items():
+            if key not in data:
+                raise QueryError(f"{name}.{key}: is missing")
+            require_complete(data[key], value, f"{name}.{key}")
+    elif isinstance(written, list):
+        if len(data) != len(written):
+            raise QueryError(f"{name}: needs a list of {len(written)}; got {shown(data)}")
+        for i, value in enumerate(written):
+            require_complete(data[i], value, f"{name}[{i}]")
+    elif isinstance(written, float) and not math.isfinite(written):
+        raise QueryError(f"{name}: needs {WORDS['float']}; got {shown(data)}")
 
 
 def one_of(options: Sequence[Option], value: str, name: str) -> Option:
@@ -117,6 +142,13 @@ def _needed(what: str) -> str:
         return f"a whole number from {least}" if least else f"a whole number up to {most}"
     words = " or ".join(WORDS.get(name, name) for name in kinds.split(" | "))
     return words if length is None else f"{words} of {length}"
+
+
+def _options(kind: Any, keys: Keys) -> tuple[str, ...]:
+    """Return the strings that a field of nested dataclasses may have: those of its `Literal` or of its enumeration."""
+    for key in keys:
+        kind = get_type_hints(kind)[str(key)]
+    return get_args(kind) or tuple(member.value for member in kind)
 
 
 def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:

@@ -32,10 +32,10 @@ def test_every_state_of_a_witness_stands_for_a_second_with_its_facts(
         for task, witness in given[name]:
             for number, facts in enumerate(physical_task(task, scene).states):
                 situation = arena.start(witness, number)
-                assert all(fact.satisfied(situation) for fact in facts)
+                assert all(fact.is_satisfied(situation) for fact in facts)
                 for _ in range(SECOND):
                     situation = arena.act(np.zeros(5 * len(scene.robots)), "tool")
-                assert all(fact.satisfied(situation) for fact in facts), (str(task), number)
+                assert all(fact.is_satisfied(situation) for fact in facts), (str(task), number)
 
 
 @pytest.mark.parametrize("name", DOMAINS)

@@ -194,7 +194,7 @@ class _Drawing:
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with told_with_place(record, domain, MEND if self.recordings is None else RECORD):
             if self.form == "strip":
-                image = film_strip(task, shown, scene, columns=self.columns, told=told, size=self.size)
+                image = film_strip(task, shown, scene, columns=self.columns, captions=told, size=self.size)
             elif self.form == "state":
                 image = still(task, shown, scene, state, size=self.size)
             else:
@@ -221,8 +221,7 @@ class _Drawing:
             if not isinstance(name, str):
                 raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
             try:
-                path, robot = self.recordings / name, next(iter(scene.robots))
-                recorded = Demonstration.load(path, robot=robot, within=self.recordings)
+                recorded = Demonstration.load(self.recordings / name, within=self.recordings)
             except QueryError as error:
                 raise QueryError(f"{error}; {RECORD}") from None
             for fault in check_demonstration(record.task, recorded, scene)[:1]:

@@ -17,7 +17,7 @@ from prag_asp.dataset.store.manifest import NAME, Cause, LengthTally, Manifest, 
 from prag_asp.dataset.verification.finding import Finding, Looked
 from prag_asp.dataset.verification.untrusted_rows import Row, whole_rows
 from prag_asp.errors import PragError
-from prag_asp.physics.demonstration.demonstration import drawn_for
+from prag_asp.physics.demonstration.demonstration import read_variation
 from prag_asp.space.sampling.draws import log_probability
 from prag_asp.space.task_space import TaskSpace
 
@@ -212,7 +212,7 @@ def colours_of(tables: Tables, shard: Shard, manifest: Manifest) -> Mapping[int,
     found = {}
     for row in tables.of_shard("recordings", shard, ["task", "file"]):
         with suppress(PragError):
-            variation = drawn_for(tables.folder / row["file"], within=tables.folder)
+            variation = read_variation(tables.folder / row["file"], within=tables.folder)
             found[row["task"]] = {} if variation is None else variation.colours
     return found
 

@@ -155,7 +155,7 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
     for number, (facts, moment) in enumerate(zip(states, moments, strict=True)):
         situation = Situation(sized, moment.poses, moment.arms, moment.openings)
         for fact in facts:
-            if not fact.satisfied(situation):
+            if not fact.is_satisfied(situation):
                 text = f"in state {number} of the witness it does not hold that {fact.sentence()}"
                 raise QueryError(f"{text}; give the witness of the task")
     return Assignment(task, witness)

@@ -80,12 +80,12 @@ def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, 
     )
     assert (floor is not None) == fits
     if floor is not None:
-        at = Volume.draw(floor, chance.generator(1).uniform)
+        at = Volume.sample(floor, chance.generator(1).uniform)
         assert at is not None
         assert predicate.distance(situation.with_pose("brick_1", Pose(at, turned)), ("brick_1", "camera_1")) == 0.0
 
 
-def test_a_first_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_initial_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypatch: pytest.MonkeyPatch) -> None:
     # The brick and the camera, which are put down first, are seldom near enough for a cup to be near both.
     both = task(state("near(cup_1,brick_1)", "near(camera_1,cup_1)", "-near(brick_1,camera_1)"), ("wait(panda)", {}))
 

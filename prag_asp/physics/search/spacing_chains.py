@@ -1,7 +1,7 @@
-"""Room for what has no place yet: an object left of one that is left of a third keeps both apart.
+"""Spacing for objects that are not placed yet: one that is left of a second and right of a third keeps those apart.
 
-Objects get their places one after another. What stands between two of them by the relations needs room there, whichever
-of the three comes last.
+Objects are placed one after another. An object between two others by its relations needs room there, whichever of the
+three is placed last.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.scene.geometry import Quaternion, extents
 
 
-class Chain(NamedTuple):
-    """An object that has a place, the direction in which another lies from it, what is between them in metres."""
+class SpacingChain(NamedTuple):
+    """A placed object, the direction of another from it, and the room for what is between them in metres."""
 
     end: str
     side: Direction
@@ -25,24 +25,24 @@ class Chain(NamedTuple):
 
 
 Links = tuple[tuple[str, str], ...]
-"""Pairs of objects of which the first lies in a direction from the second."""
+"""Pairs of objects of which the first lies in a given direction from the second."""
 
 
-def chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[list[Chain], ...]:
-    """Return the chains of relations from an object through others without a place to ones that have one.
+def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[list[SpacingChain], ...]:
+    """Return the chains of relations from an object through unplaced ones to placed ones.
 
-    Nothing where all others have their places; else twice: with the longest sides of what is between, and with the
-    shortest.
+    There are none if all others are placed; otherwise two lists: with the longest sides of what is between, and with
+    the shortest.
     """
     beside = [fact for fact in facts if fact.value and fact.predicate.direction is not None]
     if all(other in situation.poses or other == entity for fact in beside for other in fact.arguments):
         return ()
-    links = {side.seen(situation.scene.frame): tuple(_links(beside, side)) for side in SIDES.values()}
+    links = {side.in_frame(situation.scene.frame): tuple(_links(beside, side)) for side in SIDES.values()}
     return tuple(_longest(situation, entity, links, wide) for wide in (True, False))
 
 
-def kept_apart(situation: Situation, entity: str, quaternion: Quaternion, found: Iterable[Chain]) -> Volume:
-    """Return where an object, turned by a rotation about z, leaves room for what is between it and others."""
+def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, found: Iterable[SpacingChain]) -> Volume:
+    """Return the volume in which an object with its orientation leaves room for what is between it and others."""
     volume = Volume()
     half = extents(situation.shape(entity), quaternion)
     for end, side, between in found:
@@ -50,13 +50,13 @@ def kept_apart(situation: Situation, entity: str, quaternion: Quaternion, found:
     return volume
 
 
-def _longest(situation: Situation, entity: str, links: Mapping[Direction, Links], wide: bool) -> list[Chain]:
-    """Return of the chains to each end the longest in each direction."""
+def _longest(situation: Situation, entity: str, links: Mapping[Direction, Links], wide: bool) -> list[SpacingChain]:
+    """Return the longest chain to each end in each direction."""
     found: dict[tuple[str, Direction], float] = {}
     for side, pairs in links.items():
         for end, between in _follow(situation, entity, pairs, wide, ()):
             found[end, side] = max(between, found.get((end, side), 0.0))
-    return [Chain(end, side, between) for (end, side), between in found.items()]
+    return [SpacingChain(end, side, between) for (end, side), between in found.items()]
 
 
 def _links(beside: Iterable[Fact], side: Direction) -> Iterator[tuple[str, str]]:
@@ -72,7 +72,7 @@ def _links(beside: Iterable[Fact], side: Direction) -> Iterator[tuple[str, str]]
 def _follow(
     situation: Situation, entity: str, links: Links, wide: bool, passed: tuple[str, ...]
 ) -> Iterator[tuple[str, float]]:
-    """Yield the ends of the chains that lead on from an object, and what is between in metres."""
+    """Yield the ends of the chains from an object, and the room for what is between in metres."""
     for one, other in links:
         if one != entity or other in passed:
             continue

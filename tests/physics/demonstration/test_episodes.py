@@ -1,6 +1,6 @@
-"""Recordings of every domain keep to the limits of the robots' joints, and press on nothing that is not asked for.
+"""Episodes of every domain keep to the limits of the robots' joints, and press on nothing that is not asked for.
 
-`python benchmarks/recordings.py --count 500` does the same with more.
+`python benchmarks/episodes.py --count 500` does the same with more.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def felt(monkeypatch: pytest.MonkeyPatch) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize(("name", "kind"), KINDS)
-def test_joints_keep_their_limits_and_nothing_is_pressed_in_recordings_of_random_tasks(name, kind, felt, chance):
+def test_joints_keep_their_limits_and_nothing_is_pressed_in_episodes_of_random_tasks(name, kind, felt, chance):
     domain = load_domain(name)
     scene = load_scene(domain)
     scene = replace(scene, robots={each: mount._replace(kind=kind) for each, mount in scene.robots.items()})
