@@ -32,7 +32,7 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
         elif not isinstance(value, TYPES[key][0]):
             yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
         elif key == "scene" and not value:
-            yield Problem(path, settings.line_of(key), "[scene] is empty; give it [scene.shapes], or leave it out")
+            yield Problem(path, settings.line_of(key), "[scene] is empty; give it [scene.shapes], or remove it")
     for key, value in _entries(table, "weights"):
         if weight_of(value) is None:
             yield Problem(
@@ -101,7 +101,7 @@ def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
             yield _problem(settings, "language", name, text, "" if is_misspelt(name, arities) else "no-effect")
         elif not all(_is_template(sentence, arities[name]) for sentence in _sentences(settings.grammar[name])):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
-            text = f"sentence of {name} has braces that name no argument; use {places}"
+            text = f"sentence of {name} has braces without the number of an argument; use {places}"
             yield _problem(settings, "language", name, text)
     if settings.grammar:
         from prag_asp.grammar.problems import grammar_problems  # noqa: PLC0415 - many domains have no language

@@ -13,15 +13,9 @@ from collections.abc import Collection, Iterable, Mapping
 RESERVED = frozenset([
     "not", "true", "false", "unknown", "inf", "sup", "class", "entity", "is_a", "fluent", "action", "precondition",
     "postcondition", "initially", "exclusive", "implies", "impossible", "goal", "composite", "stage", "free", "at_most",
-    "occurs", "holds", "name", "mentions", "left_out", "successor", "asked", "condition", "tested", "opposite", "known",
-    "changed", "propagates", "entails", "never", "bound", "sought", "reached", "state", "ruled_out", "impossible_with",
-    "named", "adds", "deletes", "mentioned", "introduces_late", "times", "requires", "reverts", "differs", "undoes",
-    "barred", "hierarchical", "ahead", "last_stage", "worded_before", "wording", "unit", "unit_end", "splits",
-    "concatenation", "covers", "expected", "goes_on", "spared", "other", "forces", "supposed",
-    "may_hold", "_may_set", "may_stand", "may_occur", "never_without", "some_impossible", "never_possible",
-    "impossible_matters", "t", "joint_unit", "next_unit", "unit_named", "names_unit_late", "ever",
+    "ever", "occurs", "holds", "changed", "name", "mentions", "adds", "deletes", "t",
 ])  # fmt: skip
-"""What means something to clingo or to the encodings, whatever the number of arguments."""
+"""Names with a meaning in clingo, in the contract or in the translation of effects, with any number of arguments."""
 
 TERMS = frozenset(["not", "true", "false", "unknown", "t"])
 """What cannot name a fluent, which is a term and no predicate of its own; t is the number of a step."""

@@ -12,7 +12,7 @@ OBJECT = "object"
 
 
 @dataclass(frozen=True)
-class Effect:
+class SchemaEffect:
     """What an action adds (a positive literal) or deletes, for all values of variables where a condition holds."""
 
     variables: tuple[Variable, ...]
@@ -35,7 +35,7 @@ class Schema:
     name: str
     parameters: tuple[Variable, ...]
     precondition: Formula
-    effects: tuple[Effect, ...]
+    effects: tuple[SchemaEffect, ...]
     costs: tuple[Cost, ...]
     line: int
 
@@ -51,7 +51,7 @@ class Derived:
 
 
 @dataclass(frozen=True)
-class Signature:
+class Declaration:
     """A declared predicate or function: the types of each argument."""
 
     types: tuple[tuple[str, ...], ...]
@@ -65,8 +65,8 @@ class DomainFile:
     name: str
     types: Mapping[str, tuple[str, ...]]
     constants: Mapping[str, str]
-    predicates: Mapping[str, Signature]
-    functions: Mapping[str, Signature]
+    predicates: Mapping[str, Declaration]
+    functions: Mapping[str, Declaration]
     derived: tuple[Derived, ...]
     actions: tuple[Schema, ...]
     type_lines: Mapping[str, int]

@@ -13,19 +13,19 @@ File = Literal["domain", "problem"]
 PART = "#program "
 
 
-class Place(NamedTuple):
+class FileLine(NamedTuple):
     """A line of one of the two files."""
 
     file: File
     line: int
 
 
-class Line(str):
+class PlacedLine(str):
     """A line of a program, or a part of a statement that goes on; `place` is where it comes from."""
 
-    place: Place
+    place: FileLine
 
-    def __new__(cls, text: str, place: Place) -> Line:
+    def __new__(cls, text: str, place: FileLine) -> PlacedLine:
         """Return a line."""
         line = super().__new__(cls, text)
         line.place = place
@@ -40,7 +40,7 @@ def sources_of(lines: Iterable[str], paths: Mapping[File, Path]) -> Iterator[Sou
     header = ""
     found: dict[tuple[str, File], dict[int, list[str]]] = {}
     for each in lines:
-        if isinstance(each, Line):
+        if isinstance(each, PlacedLine):
             found.setdefault((header, each.place.file), {}).setdefault(each.place.line, []).append(each.strip())
         elif each.startswith(PART):
             header = each

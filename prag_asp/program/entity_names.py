@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
 
@@ -10,10 +9,8 @@ import clingo
 
 from prag_asp.errors import QueryError
 from prag_asp.program.facts import Facts
+from prag_asp.program.predicates import MENTIONS, NAME
 from prag_asp.wording import unknown
-
-NAME, MENTIONS = re.compile(r"\bname\b"), re.compile(r"\bmentions\b")
-"""What finds what the library states of actions: their names, and the entities that they name."""
 
 
 def named(facts: Facts) -> Mapping[str, set[str]]:
@@ -44,7 +41,7 @@ def ambiguity(name: str, facts: Facts) -> str | None:
 def no_action(name: str, known: Iterable[str], facts: Facts) -> str:
     """Return the message for what is not among the `known` actions or names of actions."""
     if name in named(facts)["action"]:
-        return f"{name} can never occur, so it is left out; prag-asp check says why"
+        return f"{name} can never occur, so it is pruned; prag-asp check says why"
     return unknown(name, known, "action")
 
 
@@ -75,11 +72,11 @@ def action_name(action: clingo.Symbol) -> str:
 
 def name_fact(action: clingo.Symbol) -> str:
     """Return the fact that tells programs what an action is called."""
-    return f"name({action},{action_name(action)})."
+    return NAME.fact(action, action_name(action))
 
 
 def mention_facts(actions: Iterable[clingo.Symbol], entities: Collection[clingo.Symbol]) -> Iterator[str]:
     """Yield the facts that tell programs which entities actions name."""
     for action in actions:
         for position, entity in enumerate(mentioned_entities(action, entities), 1):
-            yield f"mentions({action},{position},{entity})."
+            yield MENTIONS.fact(action, position, entity)

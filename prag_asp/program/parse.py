@@ -56,7 +56,7 @@ def _depth_problem(source: Source) -> Problem | None:
         for character in line:
             depth = max(depth + (character == "(") - (character == ")"), 0)
             if depth > DEEPEST:
-                told = f"parentheses are nested more than {DEEPEST} deep; make the term flatter"
+                told = f"parentheses are nested more than {DEEPEST} deep; flatten the term"
                 return Problem(source.path, number, told)
     return None
 
@@ -129,7 +129,7 @@ def _syntax_problem(source: Source, messages: list[str]) -> Problem:
         return Problem(
             source.path,
             1,
-            f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; mend it",
+            f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; fix it",
         )
     line, words = int(said["line"]), " ".join(said["words"].split())
     if "EOF" in words:
@@ -144,7 +144,7 @@ def _syntax_problem(source: Source, messages: list[str]) -> Problem:
         todo = "end the statement before it with a period"
     else:
         expected = re.search(EXPECTED, words)
-        todo = f"clingo expects {expected[1]} here" if expected else "mend the statement before it"
+        todo = f"clingo expects {expected[1]} here" if expected else "fix the statement before it"
     return Problem(source.path, line, f"{problem}; {todo}")
 
 
@@ -153,6 +153,6 @@ def _unfinished(source: Source) -> Problem:
     comment = open_comment(source.text)
     if comment is not None:
         line = source.text.count("\n", 0, comment) + 1
-        return Problem(source.path, line, "this comment never ends; close it with *%")
+        return Problem(source.path, line, "this comment is never closed; close it with *%")
     line = blanked(source.text).rstrip().count("\n") + 1
     return Problem(source.path, line, "the file ends within a statement; end the statement with a period")

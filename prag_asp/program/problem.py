@@ -11,20 +11,20 @@ from prag_asp.errors import DomainError, one_line
 from prag_asp.wording import plural
 
 WARNINGS: Mapping[str, str] = {
-    "asks-more": "an action that asks by `ever` for what it does not need: plans without it are missing",
+    "asks-more": "an action whose rule asks by `ever` for what the action does not need: plans may be missing",
     "empty-class": "a class that no entity belongs to",
     "never-holds": "an atom of a rule that nothing stated can be",
-    "never-occurs": "an action or a composite that can never occur: it is left out",
+    "never-occurs": "an action or a composite that can never occur: it is pruned",
     "no-effect": "a statement, a key or a comment that changes nothing",
-    "no-plan": "a goal that is never reached, or a start from which nothing can occur: every count is 0",
-    "no-words": "what a language of instructions lacks words for",
-    "out-of-reach": "a place that actions speak of, but that no gripper gets to",
+    "no-plan": "an unreachable goal, or an initial state in which nothing can occur: every count is 0",
+    "no-words": "a missing word of a language of instructions",
+    "out-of-reach": "a place of actions that no gripper reaches",
     "same-name": "a name that a class, an entity and an action have in common",
-    "sounds-alike": "sentences of instructions that do not tell actions apart",
+    "sounds-alike": "sentences of instructions that do not distinguish actions",
     "too-heavy": "a body that no gripper lifts, by its weight or its friction",
-    "too-low": "a body that no gripper gets hold of above what it stands on",
+    "too-low": "a body too low for any gripper to grasp",
     "too-wide": "a body that no gripper closes around",
-    "undefined": "a predicate that is read, but that no rule defines",
+    "undefined": "a predicate that rules read, but none defines",
     "unused": "a predicate that no rule reads",
 }
 """The warnings by their names: what is strange, but well defined."""

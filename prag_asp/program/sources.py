@@ -37,7 +37,7 @@ ADDED = Path("<added by the library>")
 END = re.compile(r"(?<!\.)\.(?!\.)")
 """The period that ends a statement."""
 
-SETS = re.compile(r"\b(?:holds|known)\b")
+SETS = re.compile(r"\b(?:holds|_known)\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 
@@ -131,7 +131,7 @@ def read_text(path: Path, within: Path | None = None) -> str:
         content = read_bytes(path, within=within)
     except OSError as error:
         told = f"{path}:1: cannot be read: {error.strerror}"
-        raise DomainError(f"{told}; check the path, and that a file lies there") from None
+        raise DomainError(f"{told}; check that the path is a readable file") from None
     return decoded(content, path)
 
 
@@ -160,7 +160,7 @@ def text_source(name: str, text: str) -> Source:
         text.encode()
     except UnicodeEncodeError as error:
         line = text.count("\n", 0, error.start) + 1
-        raise DomainError(f"{path}:{line}: half of a surrogate pair is no text; remove it") from None
+        raise DomainError(f"{path}:{line}: half of a surrogate pair is not a character; remove it") from None
     return Source(path, text)
 
 
@@ -174,7 +174,7 @@ def standard_input() -> Source:
         raise DomainError(f"{STANDARD_INPUT}: standard input is closed; write `cat FILE | prag-asp ...`")
     path, content = Path("<stdin>"), sys.stdin.buffer.read(LARGEST_TEXT + 1)
     if len(content) > LARGEST_TEXT:
-        raise DomainError(f"{path}:1: it is larger than {LARGEST_TEXT / 10**6:,.0f} MB; write it shorter")
+        raise DomainError(f"{path}:1: it is larger than {LARGEST_TEXT / 10**6:,.0f} MB; shorten it")
     return Source(path, decoded(content, path))
 
 
@@ -185,7 +185,7 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
         DomainError: the folder holds no encodings.
     """
     if not (encodings / CONTRACT).is_file():
-        raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
+        raise DomainError(f"{encodings}: this folder of encodings has no {CONTRACT}; copy the shipped encodings")
     paths = sorted(path for path in encodings.glob("*.lp") if path.name not in (HIERARCHY, ONE_VALUE, REACHABLE))
     return each_once(source for path in paths for source in read_sources(path, encodings))
 
@@ -206,7 +206,7 @@ def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
 
 
 def _sets_fluents(source: Source) -> bool:
-    """Return whether a head may derive `holds` or `known`; a mention in the condition of a head counts as well."""
+    """Return whether a head may derive `holds` or `_known`; a mention in the condition of a head counts as well."""
     if not SETS.search(source.text):
         return False
     return any(SETS.search(each.partition(":-")[0]) for each in END.split(blanked(source.text)))

@@ -81,9 +81,9 @@ def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> She
         told = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules), _code()]
     except OSError:
         return None
-    told += map(str, domain.facts.unreached)
+    told += map(str, domain.facts.unreachable)
     for other in (model.bare, *_wholes(model)):
-        told += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
+        told += [other.domain.program.text, *map(str, other.domain.facts.unreachable)] if other else [""]
     told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
     return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
 

@@ -51,8 +51,8 @@ def allowance_problems(allowed: Allowed) -> Iterator[Problem]:
     for (path, line), names in allowed.items():
         for name in names:
             if name not in WARNINGS:
-                hint = did_you_mean(name, WARNINGS, f"there are {', '.join(WARNINGS)}")
-                yield Problem(path, line, f"no warning is called {name}; {hint}", "no-effect")
+                hint = did_you_mean(name, WARNINGS, f"warnings are {', '.join(WARNINGS)}")
+                yield Problem(path, line, f"unknown warning {name}; {hint}", "no-effect")
         if not names:
             text = f"this comment allows nothing; name a warning, such as {min(WARNINGS)}"
             yield Problem(path, line, text, "no-effect")
