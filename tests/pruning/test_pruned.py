@@ -151,7 +151,7 @@ def test_what_is_left_out_may_be_weighed_and_is_told_where_it_is_asked_for(tmp_p
     space = TaskSpace(load_domain(tmp_path), 1)
     assert [str(task) for task in space.sample(1, seed=1)] == ["press"]
     for ask in (lambda: space.count(prefix=["spin(left)"]), lambda: space.where("has spin").count()):
-        with pytest.raises(QueryError, match=r"^spin(\(left\))? can never occur, so it is left out; prag-asp check"):
+        with pytest.raises(QueryError, match=r"^spin(\(left\))? can never occur, so it is pruned; prag-asp check"):
             ask()
 
 
