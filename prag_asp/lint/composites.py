@@ -14,7 +14,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 
 MOST_ACTIONS = 100
-"""Actions of the longest composite: the encodings nest them in one term, which clingo cannot nest much deeper."""
+"""Actions of the longest composite: the encodings nest them in one term, as deep as there are actions."""
 
 Symbol = clingo.Symbol
 

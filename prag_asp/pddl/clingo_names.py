@@ -1,8 +1,8 @@
-"""Names of PDDL as names of clingo: readable, and each the name of one thing.
+"""Names of PDDL as names of clingo: readable and unique.
 
-A hyphen becomes an underscore; what is then taken, or means something else to clingo or to the contract, begins with a
-word for what it is (``the_``, ``do_``, ``some_``, ``is_``), and with a number at its end if that is taken, too. Which
-name comes from which is kept, so that plans can be told in PDDL's names.
+A hyphen becomes an underscore. A name that is then taken or reserved gets a prefix for its kind (``the_``, ``do_``,
+``some_``, ``is_``), and a number at its end if that is taken, too. The mapping is returned, so that plans can be
+translated back to PDDL's names.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ RESERVED = frozenset([
 """Names with a meaning in clingo, in the contract or in the translation of effects, with any number of arguments."""
 
 TERMS = frozenset(["not", "true", "false", "unknown", "t"])
-"""What cannot name a fluent, which is a term and no predicate of its own; t is the number of a step."""
+"""Names that no fluent may have: fluents are terms, not predicates; t is the number of a step."""
 
 CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -26,7 +26,7 @@ CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 def clingo_names(
     names: Iterable[str], word: str, taken: Collection[str] = (), reserved: Collection[str] = RESERVED
 ) -> Mapping[str, str]:
-    """Return clingo's name for each name of PDDL; names of one kind, and those `taken` by others, stay apart.
+    """Return clingo's name for each name of PDDL, unique among themselves and among those `taken` by other kinds.
 
     Names that need no change keep theirs, however others are called.
     """

@@ -1,4 +1,4 @@
-"""What a domain and a problem of PDDL state, as plain values: names in small letters, lines kept."""
+"""A domain and a problem of PDDL as plain values: names in lower case, with their lines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ OBJECT = "object"
 
 @dataclass(frozen=True)
 class SchemaEffect:
-    """What an action adds (a positive literal) or deletes, for all values of variables where a condition holds."""
+    """A literal that an action adds (positive) or deletes, for all values of variables where the condition holds."""
 
     variables: tuple[Variable, ...]
     condition: Formula
@@ -22,7 +22,7 @@ class SchemaEffect:
 
 @dataclass(frozen=True)
 class Cost:
-    """What an action adds to ``total-cost``: a number, or a function of its parameters."""
+    """The cost that an action adds to ``total-cost``: a number, or a function of its parameters."""
 
     value: str | tuple[str, tuple[Variable | str, ...]]
     line: int
@@ -42,7 +42,7 @@ class Schema:
 
 @dataclass(frozen=True)
 class Derived:
-    """A rule: the predicate holds of the variables where the formula does."""
+    """A derived predicate: it holds of the parameters where the formula does."""
 
     predicate: str
     parameters: tuple[Variable, ...]
@@ -60,7 +60,7 @@ class Declaration:
 
 @dataclass(frozen=True)
 class DomainFile:
-    """A domain: types with those right above them, constants with their types, predicates, rules and actions."""
+    """A domain: types with those right above them, typed constants, predicates, derived predicates and actions."""
 
     name: str
     types: Mapping[str, tuple[str, ...]]
@@ -84,9 +84,9 @@ class DomainFile:
 
 @dataclass(frozen=True)
 class ProblemFile:
-    """A problem of a domain: all objects with their types, constants among them, what is true at first, the goal.
+    """A problem of a domain: all objects and constants with their types, the initial literals and the goal.
 
-    `costs` are the values of functions of objects, as they are written; `object_lines` has no constants.
+    `costs` are the values of functions of objects, as text; `object_lines` has no constants.
     """
 
     name: str

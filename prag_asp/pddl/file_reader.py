@@ -23,7 +23,7 @@ def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
     """Read a domain and its problem.
 
     Raises:
-        DomainError: a file is no PDDL, or speaks of what is not declared or not supported.
+        DomainError: a file is not PDDL, or uses something undeclared or unsupported.
     """
     first, second = parse(domain, "domain"), parse(problem, "problem")
     read = _DomainReader(domain)
@@ -32,22 +32,22 @@ def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
 
 
 class _FileReader:
-    """What both files have in common: words with lines, lists with types, and where mistakes are told."""
+    """The parts that both readers share: numbers, typed lists, and errors with lines."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def refuse(self, line: int, told: str) -> NoReturn:
-        """Raise a mistake at a line."""
+        """Raise a DomainError at a line."""
         raise DomainError(f"{self._path}:{line}: {told}")
 
     def check_new(self, kind: str, name: LocatedWord, known: Mapping[str, object]) -> None:
-        """Refuse what is declared twice."""
+        """Refuse a second declaration of a name."""
         if str(name) in known:
             self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
 
     def number(self, given: LocatedWord) -> str:
-        """Return a number as it is written; the grammar takes ones with several points, too."""
+        """Return a number as text; the grammar also accepts numbers with several points."""
         if given.count(".") > 1:
             self.refuse(given.line, f"{given} is no number; write one such as 2 or 0.5")
         return str(given)

@@ -1,4 +1,4 @@
-"""What a domain states before any step: the facts of its base program."""
+"""The facts of the base part of a domain."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
 VALUES = ("true", "false", "unknown")
 
 LATER = "_later"
-"""What grounds facts that are not ground yet."""
+"""The attribute with the function that grounds facts on first use."""
 
 Assignment = tuple[tuple[clingo.Symbol, str], ...]
 """Fluents with their values; ``unknown`` is one of postconditions only."""
@@ -61,7 +61,7 @@ class Facts:
     static: Assignment = field(default_factory=tuple)
 
     def __getattr__(self, name: str) -> Any:
-        """Ground what is stated where that was put off until somebody asks for it (see `ground_later`)."""
+        """Ground the facts on first use (see `ground_later`)."""
         ground = self.__dict__.pop(LATER, None)
         if ground is None:
             raise AttributeError(name)
@@ -69,7 +69,7 @@ class Facts:
         return getattr(self, name)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Send no facts elsewhere that are not ground."""
+        """Ground the facts before they are pickled."""
         _ = self.fluents
         return self.__dict__
 
@@ -80,7 +80,7 @@ class Facts:
 
     @cached_property
     def tried(self) -> tuple[clingo.Symbol, ...]:
-        """The actions that a step may be."""
+        """The actions that a step tries."""
         never = set(self.unreachable)
         return tuple(action for action in self.actions if action not in never)
 
@@ -112,14 +112,14 @@ class Facts:
 
 
 def ground_later(ground: Callable[[], Facts]) -> Facts:
-    """Return facts that are ground when somebody first asks for one of them."""
+    """Return facts that are grounded on first use."""
     facts = object.__new__(Facts)
     facts.__dict__[LATER] = ground
     return facts
 
 
 def ground_facts(program: Program) -> Facts:
-    """Ground the base part of a program and return what it states.
+    """Ground the base part of a program and return its facts.
 
     Raises:
         DomainError: clingo rejects the program, or a predicate of the contract depends on a choice.
@@ -130,7 +130,7 @@ def ground_facts(program: Program) -> Facts:
 
 
 def read_facts(control: clingo.Control) -> Facts:
-    """Return what a grounded base part states.
+    """Return the facts of a grounded base part.
 
     Raises:
         DomainError: a predicate of the contract depends on a choice.
@@ -162,9 +162,9 @@ def read_facts(control: clingo.Control) -> Facts:
 
 
 def without(facts: Facts, pruned: Iterable[clingo.Symbol]) -> Facts:
-    """Return what a domain states, without actions and composites that can never occur.
+    """Return facts without the actions and composites that can never occur.
 
-    A composite stays what it is: only where there is none, all actions are free.
+    Composites stay in `composites`, because all actions are free where there are none.
     """
     gone = set(pruned)
     if not gone:
@@ -180,7 +180,7 @@ def without(facts: Facts, pruned: Iterable[clingo.Symbol]) -> Facts:
 
 
 def flattened(facts: Facts) -> Facts:
-    """Return what a domain states where composites mean nothing, and any sequence of actions may be a plan."""
+    """Return facts without composites, so that any sequence of actions may be a plan."""
     composites = set(facts.composites)
     pruned = tuple(term for term in facts.pruned if term not in composites)
     return replace(facts, composites=(), stages={}, free=(), pruned=pruned)
@@ -196,7 +196,7 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
 
 
 def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
-    """Yield the arguments of every ground atom of a predicate, in no order: clingo's terms are slow to compare.
+    """Yield the arguments of every ground atom of a predicate, unsorted, because clingo's terms are slow to compare.
 
     Raises:
         DomainError: one of them depends on a choice.
@@ -213,8 +213,8 @@ def _by_action(
 ) -> dict[clingo.Symbol, Assignment]:
     """Return the fluents and values of a predicate by action, sorted.
 
-    There can be thousands: `actions` and `fluents` are sorted, and each term is looked up once, for clingo's terms are
-    slow to compare.
+    `actions` and `fluents` are sorted, and each term is looked up once, because there can be thousands and clingo's
+    terms are slow to compare.
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}

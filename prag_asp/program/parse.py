@@ -18,10 +18,10 @@ MESSAGE = r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>(?s:
 TOKEN = r"#?[\w']+|:-|\S"
 EXPECTED = r"expecting (.*)"
 DEEPEST = 300
-"""How deep parentheses may be nested."""
+"""The deepest nesting of parentheses: deeper terms exhaust the stack of clingo or of readers of its terms."""
 
 IN_CALLBACK = "error in callback"
-"""What clingo says where a function of ours that it calls has failed."""
+"""clingo's message after a Python function that it calls has failed."""
 
 STAND_IN = "$"
 """A character that clingo reads in strings and comments only."""
@@ -114,10 +114,10 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
 
 
 def require_memory(error: RuntimeError) -> None:
-    """Check that clingo has failed for what it reads: those of our functions that tell it no error lack memory alone.
+    """Raise a MemoryError if clingo failed in a Python function: nothing else makes those fail.
 
     Raises:
-        MemoryError: one of them has failed.
+        MemoryError: a function has failed.
     """
     if IN_CALLBACK in str(error):
         raise MemoryError(IN_CALLBACK) from None

@@ -1,4 +1,4 @@
-"""What the linter reports: a place, what is wrong there, and what to do; an error, or a warning with a name."""
+"""The problems that the linter reports: errors, and warnings with a name."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ WARNINGS: Mapping[str, str] = {
     "undefined": "a predicate that rules read, but none defines",
     "unused": "a predicate that no rule reads",
 }
-"""The warnings by their names: what is strange, but well defined."""
+"""The warnings by name: suspicious, but well defined."""
 
 SHOWN = 5
-"""Warnings of one name that are shown at once."""
+"""Warnings of one name that are shown: more of them rarely say anything new."""
 
 
 class Problem(NamedTuple):
     """One line of the report; `text` reads ``what is wrong; what to do``.
 
-    Without a name it is an error: the domain means nothing, or a count could be wrong. With the `name` of one of the
+    Without a name it is an error: the domain has no meaning, or a count could be wrong. With the `name` of one of the
     `WARNINGS` it is a warning, which the comment ``% lint: allow NAME`` on its line quiets.
     """
 
@@ -47,11 +47,11 @@ class Problem(NamedTuple):
 
     @property
     def is_warning(self) -> bool:
-        """Whether the domain is well defined all the same."""
+        """Whether the domain is well defined nevertheless."""
         return bool(self.name)
 
     def as_error(self) -> Problem:
-        """Return the same, not to be passed over."""
+        """Return the problem as an error."""
         return Problem(self.path, self.line, f"{self.text} [{self.name}]") if self.name else self
 
     def __str__(self) -> str:
@@ -60,7 +60,7 @@ class Problem(NamedTuple):
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:
-    """Raise all problems as one error, each once, in the order they were found in.
+    """Raise all problems as one error, each once, in their order.
 
     Raises:
         DomainError: there is a problem.
@@ -71,7 +71,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the first warnings of each name, and after the last of them how many more there are."""
+    """Yield the first warnings of each name; the last of them says how many more there are."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
     told: Counter[str] = Counter()

@@ -17,22 +17,22 @@ from prag_asp.safe_reading import LARGEST_TEXT, STANDARD_INPUT, is_inside, read_
 
 KEYWORD = re.compile(r"#include\b")
 CONTRACT = "contract.lp"
-"""The encoding that every folder of encodings has."""
+"""The encoding that every folder of encodings contains."""
 
 HIERARCHY = "hierarchy.lp"
-"""The encoding that only domains with composites need."""
+"""The encoding that only domains with composites include."""
 
 ONE_VALUE = "one_value.lp"
-"""The encoding that only domains need whose own rules set fluents."""
+"""The encoding that only domains whose rules set fluents include."""
 
 REACHABLE = "reachable.lp"
-"""The encoding that the linter alone reads: it tells of actions, and of no plan."""
+"""The encoding of relaxed reachability, which only pruning reads."""
 
 EVER_AT_START, EVER_BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true)."
-"""What ``rules/ever.lp`` says of a closed world where no action leaves anything unknown, without a `not`."""
+"""``rules/ever.lp`` without `not`, for a closed world in which no action leaves a value unknown."""
 
 ADDED = Path("<added by the library>")
-"""Where the facts would be that the library adds to a program; there is no such file."""
+"""The path of facts that the library adds to a program; there is no such file."""
 
 END = re.compile(r"(?<!\.)\.(?!\.)")
 """The period that ends a statement."""
@@ -191,7 +191,7 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
 
 
 def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
-    """Return sources without those that are there before: one file may stand in several, with other texts."""
+    """Return sources without repetitions of the same file with the same text."""
     found: dict[tuple[Path, str], Source] = {}
     for source in sources:
         found.setdefault((source.path.resolve(), source.text), source)
@@ -199,7 +199,7 @@ def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
 
 
 def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that only some domains use: of composites, and of rules that set fluents."""
+    """Return the encodings that only some domains use: for composites, and for rules that set fluents."""
     hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in each.text for each in own) else ()
     one_value = read_sources(encodings / ONE_VALUE, encodings) if any(map(_sets_fluents, own)) else ()
     return (*hierarchy, *one_value)

@@ -1,4 +1,4 @@
-"""A syntax tree without parentheses, whose words know their lines."""
+"""A syntax tree without parentheses, whose words have lines."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 class LocatedWord(str):
-    """A word of a file; `line` is where it stands."""
+    """A word of a file, with its line."""
 
     line: int
 
@@ -19,24 +19,24 @@ class LocatedWord(str):
 
 @dataclass(frozen=True)
 class Node:
-    """A piece of a file: the rule of the grammar that it follows, and its words and pieces in order."""
+    """A node of a file: its grammar rule, and its words and inner nodes in order."""
 
     kind: str
     children: tuple[Node | LocatedWord, ...]
 
     @property
     def nodes(self) -> tuple[Node, ...]:
-        """The pieces of this one."""
+        """The inner nodes."""
         return tuple(each for each in self.children if isinstance(each, Node))
 
     @property
     def words(self) -> tuple[LocatedWord, ...]:
-        """The words right in this piece."""
+        """The words directly in this node."""
         return tuple(each for each in self.children if isinstance(each, LocatedWord))
 
     @property
     def all_words(self) -> list[LocatedWord]:
-        """All words, those of the pieces in it among them."""
+        """All words, with those of inner nodes."""
         found: list[LocatedWord] = []
         for each in self.children:
             found += [each] if isinstance(each, LocatedWord) else each.all_words
