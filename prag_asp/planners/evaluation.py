@@ -19,6 +19,7 @@ from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
 from prag_asp.planners.ground_action import CARRIED, NOT_TRUE, Proposition
+from prag_asp.program.predicates import HOLDS
 
 Read = Callable[[int], Node]
 After = Mapping[int, Node]
@@ -26,8 +27,8 @@ After = Mapping[int, Node]
 
 
 @dataclass(frozen=True)
-class Tried:
-    """What an action makes: each of `refused` forbids it in the states where it is true."""
+class ActionFunctions:
+    """The effects of an action as functions; each of `refused` forbids the action in the states where it is true."""
 
     refused: tuple[Node, ...]
     after: After
@@ -77,7 +78,7 @@ class StepFunctions:
         number, so = self._own[self._transition.variables.index(symbol)]
         return number, not so
 
-    def tried(self, letter: int) -> Tried | None:
+    def tried(self, letter: int) -> ActionFunctions | None:
         """Return what the action of a number makes, None where it never occurs."""
         move = self._transition.move(letter)
         if move.impossible:
@@ -96,7 +97,7 @@ class StepFunctions:
         for variable in np.flatnonzero(~kept).tolist():
             constant = TRUE if put[variable] else FALSE
             after[variable] = read(changed[variable]) if variable in changed else constant
-        return Tried(tuple(refused), after)
+        return ActionFunctions(tuple(refused), after)
 
     def changed(self, after: After) -> list[int]:
         """Return the numbers of propositions that may change."""
@@ -169,12 +170,12 @@ class StepFunctions:
 
 def holds(fluent: clingo.Symbol, value: str) -> clingo.Symbol:
     """Return how a variable of a state is called that says what is known of a fluent."""
-    return clingo.Function("holds", [fluent, clingo.Function(value)])
+    return HOLDS.timeless(fluent, clingo.Function(value))
 
 
 def _proposition(symbol: clingo.Symbol, unknown: Collection[clingo.Symbol]) -> tuple[Proposition, bool]:
     """Return the proposition that a variable of a state is, with the value that it has where the variable is true."""
-    if (symbol.name, len(symbol.arguments)) != ("holds", 2):
+    if not symbol.match(*HOLDS.without_time):
         return Proposition(symbol, CARRIED), True
     fluent, value = symbol.arguments
     if fluent in unknown:
