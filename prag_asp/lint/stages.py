@@ -37,11 +37,12 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.predicates import EVER, IMPOSSIBLE, MENTIONS, NAME
 from prag_asp.program.problem import Problem, raise_problems
-from prag_asp.program.settings import Settings, parse_table, settings_of
+from prag_asp.program.settings import Settings, settings_of
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
 from prag_asp.pruning import Pruning
 from prag_asp.pruning.reachability import relaxed_sources
+from prag_asp.tables.toml_text import parse_toml
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
@@ -107,7 +108,7 @@ def check_stated(program: Program, settings_source: Source) -> StatedDomain:
     """
     sources = owned(program)
     statements, problems = parse_sources(sources)
-    table = parse_table(settings_source)
+    table = parse_toml(settings_source.path, settings_source.text)
     settings = settings_of(table, settings_source)
     allowed = allowed_names((source for source, own in sources if own), settings)
     warnings = _WarningCollector(allowed)
