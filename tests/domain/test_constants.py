@@ -145,7 +145,7 @@ def test_lines_stay_where_they_are() -> None:
         with pytest.raises(DomainError) as caught:
             load_domain(text=text, constants={"lamps": 3, "word": "b"}, strict=True)
         line = text[: text.index("unread")].count("\n") + 1
-        assert re.match(rf"<text>:{line}: unknown predicate unread/1", str(caught.value))
+        assert re.match(rf"<text>:{line}: no rule reads unread/1", str(caught.value))
         domain = load_domain(text=text.replace("unread(1).", ""), constants={"lamps": 3, "word": "b"})
         assert len(domain.facts.entities) == 3 and "#const word = b." in domain.program.text
 
