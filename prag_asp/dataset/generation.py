@@ -21,13 +21,12 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Staging
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.space.weights.temperature import Temperature
     from prag_asp.space.weights.weights import Number
 
 
 def generate(
-    space: TaskSpace | TaskSpaces,
+    space: TaskSpace,
     folder: str | Path,
     *,
     tasks: int,

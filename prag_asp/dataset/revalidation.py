@@ -10,6 +10,7 @@ from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from prag_asp.batches import growing_batches
 from prag_asp.dataset.episode_files import Recordings
 from prag_asp.dataset.jsonl import Record, read_tasks
 from prag_asp.dataset.physics_filter import budget_of, require_demonstrated
@@ -114,14 +115,12 @@ def recheck(
 
 def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[Told]:
     """Yield records with what is wrong with their tasks as values."""
-    iterator, size = iter(records), 1
-    while batch := list(islice(iterator, size)):
+    for batch in growing_batches(records, TOLD_TOGETHER):
         valid = [record.task in space.at(len(record.task)) for record in batch]
         plans = (tuple(map(str, r.task.actions)) for r, known in zip(batch, valid, strict=True) if known)
-        expected = space.narrate(plans)
+        expected = space.tasks_of_plans(plans)
         for record, known in zip(batch, valid, strict=True):
             yield record, _fault(record.task, next(expected)) if known else _stranger(record, space.domain)
-        size = min(2 * size, TOLD_TOGETHER)
 
 
 def _stranger(record: Record, domain: Domain) -> str:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget, Demonstration, Staging, Validator, Verdict, Witness
     from prag_asp.scene.scene import Scene
-    from prag_asp.space.without_replacement import Placed
+    from prag_asp.space.distinct_sampling import RankedDraw
 
 START = 1 << 32
 """How far the index of a search is from that of the same task's search for the next first state."""
@@ -34,7 +34,7 @@ class Draw(NamedTuple):
 
     number: int
     search: int
-    drawn: Task | Placed
+    drawn: Task | RankedDraw
 
 
 class Found(NamedTuple):
@@ -136,22 +136,13 @@ def _validator(look: Look) -> Iterator[Validator | None]:
         yield validator
 
 
-def _teller(telling: Telling) -> tuple[Callable[[Sequence[Placed]], list[Task]], Words]:
+def _teller(telling: Telling) -> tuple[Callable[[Sequence[RankedDraw]], list[Task]], Words]:
     """Return what tells draws together as tasks, and what tells a task in words."""
     from prag_asp.dataset.store.instructions import telling_of
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
-    from prag_asp.space.without_replacement import tell
 
-    one = len(telling.lengths) == 1
-    domain = telling.domain
-    whole = TaskSpace(domain, telling.lengths[0]) if one else TaskSpaces(domain, telling.lengths)
-    space = whole.where(*telling.where)
-
-    def tasks(draws: Sequence[Placed]) -> list[Task]:
-        return [task for _, task in tell(space, iter(draws), together=len(draws))]
-
-    return tasks, telling_of(domain, telling.language, telling.seed, telling.phrasings)
+    space = TaskSpace(telling.domain, telling.lengths).where(*telling.where)
+    return space.tasks_of_draws, telling_of(telling.domain, telling.language, telling.seed, telling.phrasings)
 
 
 def _found(look: Look, draw: Draw, task: Task, validator: Validator | None) -> tuple[Looked, Found]:

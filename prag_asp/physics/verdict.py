@@ -8,9 +8,9 @@ from enum import Enum
 from typing import Any, Literal
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole, read, require_complete
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.witness import Witness
+from prag_asp.tables.json_fields import Whole, read, require_complete
 
 Status = Literal["feasible", "not_found", "infeasible"]
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Number, read, require_complete, shown
 from prag_asp.scene.geometry import Pose
+from prag_asp.tables.json_fields import Number, read, require_complete
+from prag_asp.tables.report import shown
 
 if TYPE_CHECKING:
     from prag_asp.scene.robots import Joints

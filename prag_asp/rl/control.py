@@ -1,7 +1,7 @@
-"""From the actions of an agent to what the motors of an arm drive to.
+"""Turn the actions of an agent into motor commands of an arm.
 
-An agent moves the tool by a displacement and a turn about the vertical, or each joint; and its fingers. What it asks
-for is cut to the speeds and the limits of the robot, so no action is refused.
+An agent moves the tool by a displacement and a turn about the vertical, or each joint; and its fingers. Actions are
+clipped to the speeds and the limits of the robot, so none is refused.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ FINGERS = 0.01
 """How much a gripper opens or closes in a step at most, in metres."""
 
 LEASH = 0.1
-"""How far ahead of a joint its motor may be told to be, in radians: an arm that is blocked presses no harder."""
+"""How far the target of a motor may be ahead of its joint, in radians: it bounds the force of a blocked arm."""
 
 GAP = 0.001
 """How far above the table the tips of the fingers are kept, in metres."""
 
 SIZES = {"tool": 5, "joints": 8}
-"""How many numbers an arm takes: x, y, z, yaw, fingers; or seven joints and the fingers. All are between -1 and 1."""
+"""The size of an action of an arm: x, y, z, yaw, fingers; or seven joints and the fingers. All are between -1 and 1."""
 
 
-def commanded(
+def motor_command(
     robot: Robot, arm: Arm, last: ArmCommand, action: NDArray[np.float64], control: Control, seconds: float
 ) -> ArmCommand:
-    """Return what the motors of an arm drive to, `seconds` from now.
+    """Return the command of an arm for the next `seconds`.
 
-    `last` is what they drive to until now, `arm` where it really is; `action` has the shape (`SIZES[control]`,), each
+    `last` is the command until now, `arm` its actual state; `action` has the shape (`SIZES[control]`,), each
     number between -1 and 1.
     """
     joints, (speeds, lower, upper) = np.array(last.joints), _bounds(robot)

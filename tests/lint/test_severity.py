@@ -45,7 +45,7 @@ WARNED = {
     "heavy(cube_1).": "no rule reads heavy/1; read it in the body of a rule, or remove it [unused]",
     "action_cost(pick(R,O), 3) :- action(pick(R,O)).": "unknown predicate action_cost/2; did you mean action? [unused]",
     ":- wet(table).": "no rule defines wet/1; define it in a fact or a rule, or remove it [undefined]",
-    "free(A) :- action(A).": "without a composite, every action is free; declare a composite, or remove free(...) "
+    "free(A) :- action(A).": "without composites, every action is free; declare a composite, or remove free(...) "
     "[no-effect]",
     "entity(cube, cube).": "cube could be the class or the entity of that name; rename one in the domain [same-name]",
     "class(drop). entity(drop, drop).": "drop could be the class, the entity or the action of that name; "
@@ -58,7 +58,7 @@ WARNED = {
     "[never-holds]",
     "precondition(pick_2(R,O), empty(R), false) :- action(pick_2(R,O)).": "no entity, fluent or action has the name "
     "pick_2; did you mean pick? [never-holds]",
-    "x. % lint: allow unusd, unused": "no warning is called unusd; did you mean unused? [no-effect]",
+    "x. % lint: allow unusd, unused": "unknown warning unusd; did you mean unused? [no-effect]",
     "x. % lint: allow": "this comment allows nothing; name a warning, such as asks-more [no-effect]",
 }
 
@@ -83,7 +83,7 @@ REFUSED = {
     "implies(holding(panda,cube_2), hold(panda)) :- postcondition(drop(R,O), holdng(R,O), false).": "no entity, fluent "
     "or action has the name holdng; did you mean holding?",
     "precondition(pick(O), empty(panda), true) :- action(pick(O)).": "action(pick(O)) never holds: pick takes 2 "
-    "arguments there, not 1; mend its arguments, or remove the rule",
+    "arguments there, not 1; fix its arguments, or remove the rule",
     "postconditon(drop(R,O), empty(R), true) :- action(drop(R,O)).": "unknown predicate postconditon/3; "
     "did you mean postcondition?",
     "#program step(t).\n:- occurs(pik(R,O),t).": "no entity, fluent or action has the name pik; did you mean pick?",
@@ -165,10 +165,10 @@ def test_a_comment_on_its_line_quiets_a_warning_and_nothing_else(tmp_path: Path)
 
 def test_a_comment_in_the_settings_quiets_as_well(tmp_path: Path) -> None:
     (line,) = told(tmp_path, settings='author = "me"\n')
-    assert line.startswith("domain.toml:1: warning: unknown key author; known are description, language, scene, ")
+    assert line.startswith("domain.toml:1: warning: author: unknown key; known are description, language, scene, ")
     assert told(tmp_path, settings='author = "me"  # lint: allow no-effect\n') == []
     (line,) = told(tmp_path, settings='titel = "me"  # lint: allow no-effect\n')
-    assert line == "domain.toml:1: unknown key titel; did you mean title?"
+    assert line == "domain.toml:1: titel: unknown key; did you mean title?"
     (line,) = told(tmp_path, settings='[language]\nshovel = "shovel"\n')
     assert line.endswith("give the name of an action or a fluent [no-effect]")
     assert told(tmp_path, settings='[language]\nshovel = "shovel" # lint: allow no-effect\n') == []
@@ -201,7 +201,7 @@ def test_an_ambiguous_name_is_refused_alike_wherever_it_is_given(tmp_path: Path)
         assert str(caught.value) == message
     assert space.where("uses cube_1").count() == 2
     (line,) = told(tmp_path, "entity(cube, cube).", settings="[weights]\ncube = 2\n")
-    assert line == f"domain.toml:2: weight of cube: {message}"
+    assert line == f"domain.toml:2: weights.cube: {message}"
 
 
 def test_of_many_warnings_of_one_name_the_first_are_shown_with_the_number_of_the_others() -> None:

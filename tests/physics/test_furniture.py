@@ -219,7 +219,7 @@ def test_on_the_table_means_over_nothing_hollow(kitchen):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({"fixed": {}}, "scene.fixed.it: missing: it is a drawer, which does not move"),
+        ({"fixed": {}}, "scene.fixed.it: missing; write where it stands, because a drawer"),
         ({"shapes": {"box": {"kind": "drawer", "size": [0.05, 0.2, 0.1]}}}, "scene.shapes.box.size: needs one size"),
         (
             {"shapes": {"box": {"kind": "drawer", "size": {"low": [0.2, 0.2, 0.1], "high": [0.3, 0.2, 0.1]}}}},
@@ -240,7 +240,7 @@ def test_only_furniture_can_be_open(domain):
     shapes = {**table["shapes"], "drawer": {"kind": "container", "size": [0.2, 0.2, 0.1]}}
     fluents = list(state("open(drawer_1)"))
     told = scene_problems({**table, "shapes": shapes}, domain.facts.class_names, domain.facts.entity_names, fluents)
-    assert [problem.message for problem in told] == [
+    assert [problem.text for problem in told] == [
         "open(drawer_1) needs drawer_1 to be of the kind drawer or cupboard where it means is_open; "
         "let it mean something else, or change scene.shapes.drawer"
     ]

@@ -50,7 +50,7 @@ def validator(scene: Scene) -> Iterator[Validator]:
 
 @pytest.fixture(scope="module")
 def handover() -> Task:
-    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).narrate([HANDOVER])
+    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).tasks_of_plans([HANDOVER])
     return task
 
 
@@ -255,16 +255,16 @@ def test_robots_and_zones_are_read():
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
-        ("robots", {}, "scene.robots.left: missing: write { base = [x, y, yaw] }, in metres and degrees"),
+        ("robots", {}, "scene.robots.left: missing; write { base = [x, y, yaw] }, in metres and degrees"),
         ("robots", {"left": ROBOTS["left"]}, "scene.robots.right: missing"),
-        ("robots", {**ROBOTS, "cube_1": {}}, "scene.robots.cube_1: needs an entity with the shape of a robot"),
+        ("robots", {**ROBOTS, "cube_1": {}}, "scene.robots.cube_1: is no entity with the shape of a robot"),
         ("robots", {**ROBOTS, "left": 3}, "scene.robots.left: needs a table like"),
         ("robots", {**ROBOTS, "left": {"bass": []}}, "scene.robots.left.bass: unknown key; did you mean base?"),
         ("robots", {**ROBOTS, "left": {"kind": "robby"}}, "scene.robots.left.kind: needs one of panda, kuka"),
         ("robots", {**ROBOTS, "left": {"base": [0, 1]}}, "scene.robots.left.base: needs x and y in metres and a yaw"),
-        ("robots", {**ROBOTS, "left": {"base": [0, 9, 0]}}, "scene.robots.left.base: stands more than 2 m"),
+        ("robots", {**ROBOTS, "left": {"base": [0, 9, 0]}}, "scene.robots.left.base: is more than 2 m"),
         ("robots", {**ROBOTS, "left": {"base": [0, -0.3, 0]}}, "scene.robots.right.base: is 0.1 m from that of left"),
-        ("fixed", {}, "scene.fixed.shelf: missing: a zone needs a place"),
+        ("fixed", {}, "scene.fixed.shelf: missing; write x and y in metres"),
     ],
 )
 def test_a_malformed_table_of_robots_is_refused_with_its_key(key, value, message):

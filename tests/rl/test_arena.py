@@ -115,9 +115,9 @@ def test_fingers_open_by_so_much_and_joints_move_no_faster_than_they_may(
     with ExitStack() as resources:
         arena = Arena(scene, resources)
         situation = arena.start(given["tabletop"][0][1], 0)
-        width = arena.asked["panda"]
+        width = arena.commanded_openings["panda"]
         arena.act(np.array([0.0] * 7 + [-0.5]), "joints")
-        assert arena.asked["panda"] == pytest.approx(width - FINGERS / 2)
+        assert arena.commanded_openings["panda"] == pytest.approx(width - FINGERS / 2)
         for sign in (1.0, -1.0):
             for _ in range(15):
                 last, situation = situation, arena.act(np.array([sign] * 8), "joints")

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
-from prag_asp.fields import shown
 from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.footage import Footage, read_footage
@@ -24,6 +23,7 @@ from prag_asp.safe_reading import open_binary
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import Variation, variation_of
+from prag_asp.tables.report import shown
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]

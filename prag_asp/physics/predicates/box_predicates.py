@@ -16,7 +16,7 @@ from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, extents, heading, multiply, to_local
-from prag_asp.scene.scene import Bounds, Own
+from prag_asp.scene.scene import BoxBounds, Own
 
 TOLERANCE, SLIVER = 0.002, 1e-6
 CENTRE: Vector = (0.0, 0.0, 0.0)
@@ -51,7 +51,7 @@ def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterato
     yield min(_missed(box, at, half) for box in own.boxes) - TOLERANCE
 
 
-def _missed(box: Bounds, at: Vector, half: Vector) -> float:
+def _missed(box: BoxBounds, at: Vector, half: Vector) -> float:
     """Return by how many metres a body misses a box along the worst axis; negative within it."""
     below = (low - value + reach for low, value, reach in zip(box.low, at, half, strict=True))
     above = (value + reach - high for high, value, reach in zip(box.high, at, half, strict=True))
@@ -64,7 +64,7 @@ def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
     return Volume(unions=(tuple(_room(box, situation, arguments[1], half) for box in own.boxes),))
 
 
-def _room(box: Bounds, situation: Situation, other: str, half: Vector) -> Volume:
+def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Volume:
     """Return the region for the centre of a body of half-sides `half` that has to be in a box; metres."""
     (ax, bx), (ay, by), (az, bz) = (_ends(*ends) for ends in zip(box.low, box.high, half, strict=True))
     x, y, _ = situation.pose(other).position

@@ -9,7 +9,7 @@ from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates import PREDICATES, Gripper
 from prag_asp.physics.predicates.gripper import CLEARANCE, bearable, lowest_grip
 from prag_asp.program.problem import Problem
-from prag_asp.scene.read.report import ancestors
+from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.robots import Robot, robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight

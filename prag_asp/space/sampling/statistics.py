@@ -23,7 +23,7 @@ from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
 from prag_asp.space.automaton.automaton import Automaton, Completions, avoiding, positive
 from prag_asp.space.engines.engine import Engine, Level
-from prag_asp.space.sampling.draws import weighed_words
+from prag_asp.space.sampling.streams import weighed_words
 from prag_asp.space.weights.weights import Weights
 from prag_asp.wording import unknown
 
@@ -117,7 +117,7 @@ def weight_of_words_without(
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     numbers = {name: number for number, name in enumerate(sorted(set(name_of)))}
     asked = [tuple(part.strip() for part in each.split(">")) for each in what]
-    known = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.left_out)}
+    known = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.pruned)}
     for name in (name for each in asked for name in each):
         if name not in known:
             raise QueryError(unknown(name, sorted(known), "action"))

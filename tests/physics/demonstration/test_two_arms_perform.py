@@ -41,7 +41,7 @@ def scene() -> Scene:
 
 @pytest.fixture(scope="module")
 def handover() -> Task:
-    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).narrate([HANDOVER])
+    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).tasks_of_plans([HANDOVER])
     return task
 
 

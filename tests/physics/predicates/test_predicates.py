@@ -23,7 +23,7 @@ from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
 from prag_asp.scene.predicate_names import PREDICATE_ROLES, VOCABULARY
 from prag_asp.scene.robots import robot_of
-from prag_asp.scene.scene import Bounds, Own, Scene, Shape
+from prag_asp.scene.scene import BoxBounds, Own, Scene, Shape
 from tests.chance import examples
 from tests.physics.scenarios import STUDIO
 
@@ -67,11 +67,11 @@ ARGUMENTS = {
     "is_closed": ("cupboard",),
 }
 CORNERS = (
-    Bounds((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
-    Bounds((0.0, 0.06, -0.1), (0.15, 0.12, 0.1)),  # overlaps the first
-    Bounds((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
+    BoxBounds((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
+    BoxBounds((0.0, 0.06, -0.1), (0.15, 0.12, 0.1)),  # overlaps the first
+    BoxBounds((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
 )
-LEFT = (Bounds((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
+LEFT = (BoxBounds((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
 PAIR = ("object", "object")
 OWN = {
     "in_corner": Own("in_corner", PAIR, CORNERS, sentence="{0} {is} in a corner of {1}"),

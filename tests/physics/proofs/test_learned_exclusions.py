@@ -88,13 +88,15 @@ def test_exactly_the_plans_leave_of_which_a_state_satisfies_a_proof(before: Doma
         frozenset(fluents) for fluents, reason in prove_exclusions(before.facts, scene_of(before)).items() if reason
     ]
     for length in range(4):
-        plans = TaskSpace(before, length).words("plan")
-        tasks = list(TaskSpace(before, length).narrate(plans))
+        plans = TaskSpace(before, length).enumerate("plan")
+        tasks = list(TaskSpace(before, length).tasks_of_plans(plans))
         kept = [task for task in tasks if not any(satisfies(task, fluents) for fluents in found)]
         space = TaskSpace(after, length, engine=engine)
         assert space.count("plan") == len(kept) < (len(tasks) if length else 2)
         if engine == "automaton":
-            assert list(space.narrate(space.words("plan"))) == kept  # what is known of their states is as before
+            assert (
+                list(space.tasks_of_plans(space.enumerate("plan"))) == kept
+            )  # what is known of their states is as before
 
 
 def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, after: Domain, chance: Chance) -> None:
@@ -108,7 +110,7 @@ def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, a
             assert (task not in spaces[1]) == (verdict.status == "infeasible")
             if verdict.feasible:
                 assert verdict.witness is not None
-                [told] = spaces[1].narrate(iter([tuple(map(str, task.actions))]))
+                [told] = spaces[1].tasks_of_plans(iter([tuple(map(str, task.actions))]))
                 assert replace(task, log_probability=None) == told
     assert passed[0] < 30 and passed[1] >= 57
 
@@ -130,10 +132,10 @@ def test_witnesses_of_tabletop_stand_with_everything_that_can_be_learned(chance:
 def test_what_is_impossible_excludes_what_is_known_and_tells_nothing(toy: Toy) -> None:
     plain = TaskSpace(domain_of(replace(toy, impossible=()).text(), "at_most"), 3)
     forbidden = [frozenset(Atom(f"f{f}") for f in pair) for pair in toy.impossible]
-    tasks = list(plain.narrate(plain.words("plan")))
+    tasks = list(plain.tasks_of_plans(plain.enumerate("plan")))
     kept = [task for task in tasks if not any(satisfies(task, fluents) for fluents in forbidden)]
     space = TaskSpace(domain_of(toy.text(), "at_most"), 3)
-    assert list(space.narrate(space.words("plan"))) == kept
+    assert list(space.tasks_of_plans(space.enumerate("plan"))) == kept
     assert {tuple(map(str, task.actions)) for task in kept} == {
         tuple(term(toy, i) for i in plan) for plan in toy.plans(3)
     }

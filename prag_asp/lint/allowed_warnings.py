@@ -1,0 +1,58 @@
+"""Comments that suppress warnings: ``% lint: allow unused, empty-class`` on the line of the warning."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from prag_asp.program.problem import WARNINGS, Problem
+from prag_asp.program.settings import Settings
+from prag_asp.program.sources import Source
+from prag_asp.program.tokens import comments
+from prag_asp.wording import did_you_mean
+
+ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
+"""The text of such a comment, in a logic program (after %, or in %* *%) and in domain.toml (after #)."""
+
+TOML_COMMENT = re.compile(r"#(?P<words>[^#]*\blint:.*)$")
+
+Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
+"""The names that each line allows, whether or not there are such warnings."""
+
+
+def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
+    """Return the names that the comments of sources and of a domain.toml allow."""
+    found: dict[tuple[Path, int], tuple[str, ...]] = {}
+    for source in sources:
+        if "lint:" in source.text:
+            found |= {(source.path, line): names for line, names in _names(comments(source.text))}
+    lines = enumerate(settings.text.split("\n"), 1)
+    spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
+    return found | {(settings.path, line): names for line, names in _names(spoken)}
+
+
+def _names(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:
+    for line, words in spoken:
+        match = ALLOW.search(words)
+        if match:
+            yield line, tuple(re.findall(r"[^\s,]+", match["names"]))
+
+
+def not_allowed(problems: Iterable[Problem], allowed: Allowed) -> Iterator[Problem]:
+    """Yield the problems that no comment on their line suppresses; errors cannot be suppressed."""
+    for each in problems:
+        if not each.is_warning or each.name not in allowed.get((each.path, each.line), ()):
+            yield each
+
+
+def allowance_problems(allowed: Allowed) -> Iterator[Problem]:
+    """Yield comments with unknown names, or without names."""
+    for (path, line), names in allowed.items():
+        for name in names:
+            if name not in WARNINGS:
+                hint = did_you_mean(name, WARNINGS, f"warnings are {', '.join(WARNINGS)}")
+                yield Problem(path, line, f"unknown warning {name}; {hint}", "no-effect")
+        if not names:
+            text = f"this comment allows nothing; name a warning, such as {min(WARNINGS)}"
+            yield Problem(path, line, text, "no-effect")

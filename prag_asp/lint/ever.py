@@ -1,0 +1,153 @@
+"""The statements of ``ever``: where they lack a fluent that may be true, actions that read it are missing.
+
+So are actions whose rules read a fluent that the action does not need.
+
+Every fluent that is reachable and read has to be stated. By induction over the steps, an action that is not made then
+never occurs, because all steps before it are actions that are made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from itertools import chain
+
+import clingo
+from clingo.ast import ASTType
+
+from prag_asp.program.facts import Facts, unsorted_rows
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.invariants import entailed, invariant_graph
+from prag_asp.program.predicates import CHANGED, EVER
+from prag_asp.program.problem import Problem
+from prag_asp.program.syntax import AtomNode, Statement, plain_atom
+from prag_asp.pruning.reachability import RelaxedReach
+from prag_asp.pruning.rejected_actions import STATE_PREDICATES
+from prag_asp.pruning.relaxed_rules import FluentSetter
+
+ACTION, PRECONDITION = ("action", 1), ("precondition", 3)
+
+ASKS = "_asks_ever"
+"""The predicate of N, A and F: the N-th rule that reads `ever` makes action A only where fluent F may be true."""
+
+MISSING = "actions that ask for it would be missing"
+
+
+def ever_problems(
+    grounder: Grounder, facts: Facts, statements: Sequence[Statement], reach: RelaxedReach | None
+) -> Iterator[Problem]:
+    """Yield the first fluent of each name that may be true at some time and is read by ``ever``, but not stated.
+
+    Without a `reach`, a fluent may be true by the initial state, by an action, or by a user rule that sets it.
+    """
+    fluents = {fluent.name for fluent in facts.fluents}
+    readers: dict[str, Statement] = {}
+    for each in statements:
+        for atom in each.body if each.own else ():
+            if atom.signature == EVER:
+                readers.setdefault(_name(atom, fluents), each)
+    if not readers:
+        return
+    if not any(map(_states, statements)):
+        told = 'ever is read, but no rule states it; add #include "rules/ever.lp".'
+        yield next(iter(readers.values())).problem(told)
+        return
+    ever = {fluent for (fluent,) in unsorted_rows(grounder.control, *EVER)}
+    may_be_true = _unknown(facts, statements) if reach is None else lambda each: (each, "true") in reach.values
+    told_of: set[str] = set()
+    for fluent in facts.fluents:
+        reader = readers.get(fluent.name) or readers.get("")
+        if reader and may_be_true(fluent) and fluent not in ever and fluent.name not in told_of:
+            told_of.add(fluent.name)
+            yield _problem(fluent, facts, reader, reach.setters if reach else {})
+
+
+def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.Symbol], bool]:
+    """Return the test of whether a fluent may be true by the initial state, the actions and the user rules."""
+    false = {fluent for fluent, value in facts.initially if value == "false"}
+    made = {fluent for values in facts.postconditions.values() for fluent, value in values if value != "false"}
+    heads = [atom for each in statements if each.own for atom in each.heads if atom.signature in STATE_PREDICATES]
+    set_by_rules = {atom.arguments[0].partition("(")[0] for atom in heads if atom.arguments[1] != "false"}
+    any_name = not set_by_rules <= {fluent.name for fluent in facts.fluents}  # a variable, a pool or a constant
+    return lambda fluent: fluent not in false or fluent in made or any_name or fluent.name in set_by_rules
+
+
+def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield a warning for each rule that requires by ``ever`` a fluent that its action does not need."""
+    asking = [each for each in statements if each.own and _makes_action(each) and any(_asked(each))]
+    stated = set(chain.from_iterable(map(_demanded, statements))) if asking else set()
+    rules = [
+        f"{ASKS}({number},{action},{fluent}) :- {', '.join(text for _, text in rule.literals)}."
+        for number, rule in enumerate(asking)
+        for action in rule.heads[0].arguments
+        for fluent in _asked(rule)
+        if (action, fluent) not in stated
+    ]
+    if not rules:
+        return
+    grounder.add(ASKS, rules)
+    grounder.ground([(ASKS, [])])
+    graph = invariant_graph(facts)
+    told_of: set[int] = set()
+    for number, action, fluent in unsorted_rows(grounder.control, ASKS, 3):
+        needed = entailed(((each, value == "true") for each, value in facts.preconditions.get(action, ())), graph)
+        if number.number not in told_of and (fluent, True) not in needed:
+            told_of.add(number.number)
+            told = f"{action} is made only where {fluent} may be true at some time, but does not need it"
+            advice = f"state precondition({action},{fluent},true), or leave ever({fluent}) out"
+            yield asking[number.number].problem(f"{told}, so plans may be missing; {advice}", name="asks-more")
+
+
+def _makes_action(rule: Statement) -> bool:
+    """Return whether a rule has nothing but an action in its head."""
+    return rule.is_rule and len(rule.heads) == 1 and rule.heads[0].signature == ACTION and not rule.conditions
+
+
+def _asked(rule: Statement) -> Iterator[str]:
+    """Yield the fluents that a rule reads by ``ever``."""
+    for node, text in rule.literals:
+        atom = plain_atom(node, text)
+        if atom and not atom.negated and atom.signature == EVER:
+            yield atom.arguments[0]
+
+
+def _demanded(rule: Statement) -> Iterator[tuple[str, str]]:
+    """Yield an action with each fluent, as text, that a rule requires to be true of all its instances."""
+    for head in rule.heads if rule.own else ():
+        action, body = head.arguments[:1], [text for _, text in rule.literals]
+        if head.signature == PRECONDITION and head.arguments[2] == "true" and body == [f"action({action[0]})"]:
+            fluents = head.arguments[1]
+            yield from ((action[0], each) for each in (fluents[1:-1].split(";") if fluents[0] == "(" else [fluents]))
+
+
+def _name(atom: AtomNode, fluents: Collection[str]) -> str:
+    """Return the name of the fluents that an atom reads; empty where it may be any, such as a constant."""
+    name = atom.arguments[0].partition("(")[0]
+    return name if name in fluents else ""
+
+
+def _states(statement: Statement) -> bool:
+    """Return whether a statement derives or declares ``ever``."""
+    if statement.own and statement.kind == ASTType.Defined:
+        return (statement.node.name, statement.node.arity) == EVER
+    return any(atom.signature == EVER for atom in statement.heads)
+
+
+def _problem(
+    fluent: clingo.Symbol, facts: Facts, reader: Statement, setters: Mapping[tuple[clingo.Symbol, str], FluentSetter]
+) -> Problem:
+    """Return the problem of a fluent that is not stated, at the user rule that sets it or at the rule that reads it."""
+    made_by = setters.get((fluent, "true"))
+    if made_by is not None:
+        made = f"leaves open whether {fluent} is" if made_by.head.signature == CHANGED else f"may make {fluent}"
+        told = f"this rule {made} true, but ever does not say so, and {MISSING}"
+        return made_by.rule.problem(f"{told}; state ever({fluent})")
+    reason = "it may be so at some step"
+    if (fluent, "false") not in facts.initially:
+        reason = "it is not false at the start"
+    else:
+        for action, values in facts.postconditions.items():
+            if any(changed == fluent and value != "false" for changed, value in values):
+                reason = f"{action} may make it so"
+                break
+    told = f"ever does not say that {fluent} may be true, but {reason}, and {MISSING}"
+    return reader.problem(f'{told}; state it, or add #include "rules/ever.lp".')
