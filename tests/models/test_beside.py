@@ -73,7 +73,7 @@ def test_where_there_is_no_room_for_a_counter_the_count_goes_on_alone(
     with counter.CountBeside(lambda: (Cnf(2, ((1, 2),), {}, (1, 2)), ()), 0) as beside:
         assert beside() is None
         while beside._child is not None:
-            beside._child.line.poll(600)
+            beside._child.connection.poll(600)
             assert beside() is None
         assert beside() is None
     assert tried == [what]
@@ -102,7 +102,7 @@ def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeyp
         """Have compiling wait for the counter once it is there."""
         found = ask(self)
         if self._child is not None and found is None:
-            waited.append(self._child.line.poll(600))
+            waited.append(self._child.connection.poll(600))
             return ask(self)
         return found
 
