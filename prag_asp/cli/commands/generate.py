@@ -160,9 +160,9 @@ def warnings_as_lines() -> Iterator[None]:
 
 def tell_what_is_there(output: str) -> None:
     """Say that a run goes on with what another one has left."""
-    from prag_asp.dataset.store.manifest import read_manifest
+    from prag_asp.dataset.store.manifest import DATASET
 
-    manifest = read_manifest(Path(output))
+    manifest = DATASET.read(Path(output))
     if manifest is not None and not manifest.complete:
         tell_line(f"{output}: goes on after a run that was broken off, which has left {_tasks(manifest)}")
     elif manifest is not None:
@@ -183,8 +183,8 @@ def show(made: Dataset) -> None:
         say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
         for tally in part.lengths:
             refused.update({reason.reason: reason.count for reason in tally.reasons})
-    wanted, found = manifest.asked.starts * manifest.rows("tasks"), manifest.rows("witnesses")
-    if manifest.asked.starts > 1 and found < wanted:
+    wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")
+    if manifest.spec.starts > 1 and found < wanted:
         tell_line(
             f"only {found} of {plural(wanted, 'first state')} have a witness; the column starts says of which tasks"
         )
