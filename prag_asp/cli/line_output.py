@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from prag_asp.cli.terminal import for_terminal, whole_lines
 from prag_asp.errors import OutputError
-from prag_asp.output import atomic_file, new_folder
+from prag_asp.output import new_folder, open_atomic
 from prag_asp.output.atomic_file import AtomicFile, is_stream, output_errors
 
 HELD = 1 << 20
@@ -71,7 +71,7 @@ def writer(output: str | None) -> Iterator[Writer]:
             with _stream(output) as stream:
                 yield stream
         else:
-            with atomic_file(output) as file:
+            with open_atomic(output) as file:
                 lines = _FileWriter(file)
                 yield lines
                 lines.flush()

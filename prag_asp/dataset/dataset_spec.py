@@ -19,9 +19,9 @@ from prag_asp.space.sampling.sharding import ALL, Deal
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
-    from prag_asp.space.without_replacement import Division
     from prag_asp.space.weights.temperature import Temperature
     from prag_asp.space.weights.weights import Number
+    from prag_asp.space.without_replacement import Division
 
 SHARD = 1000
 """Tasks of a full shard by default."""

@@ -10,7 +10,7 @@ import errno
 import fcntl
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic, sleep
@@ -56,6 +56,7 @@ class AtomicFile:
             try:
                 os.ftruncate(self._descriptor, 0)
             except BaseException:
+                self.discard()
                 self.close()
                 raise
 
@@ -93,7 +94,7 @@ class AtomicFile:
 
 
 @contextmanager
-def atomic_file(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True) -> Iterator[AtomicFile]:
+def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True) -> Iterator[AtomicFile]:
     """Yield a file to write, which takes the place of its target when the block ends, and is gone if it fails.
 
     With `follow`, a link is followed, otherwise replaced. `mode` has the permissions of a new file.
@@ -116,7 +117,7 @@ def atomic_file(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
 def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
     """Write a file whole: whatever interrupts this, the file is the old one or the new one.
 
-    A device or a pipe is written as it is. `mode` and `follow` are those of `atomic_file`.
+    A device or a pipe is written as it is. `mode` and `follow` are those of `open_atomic`.
 
     Raises:
         OutputError: it cannot be written.
@@ -126,7 +127,7 @@ def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, fol
         with output_errors(path), path.open("wb") as stream:
             stream.write(content)
         return
-    with atomic_file(path, mode=mode, follow=follow) as part:
+    with open_atomic(path, mode=mode, follow=follow) as part:
         part.write(content)
 
 
@@ -139,7 +140,7 @@ def whole_file(file: Path) -> Iterator[Path]:
     """
     if is_stream(file):
         raise OutputError(f"{file}: is no regular file; give a file")
-    with atomic_file(file) as part, output_errors(file):
+    with open_atomic(file) as part, output_errors(file):
         yield part.path
 
 
@@ -171,13 +172,29 @@ def open_locked(path: Path, mode: int = EVERYBODY) -> int:
         OutputError: another run writes it, or it is no regular file.
         OSError: it cannot be opened.
     """
+
+    def opened() -> int:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK, mode)
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            return descriptor
+        os.close(descriptor)
+        raise OutputError(f"{path}: is no regular file, but one has to be written there; remove it")
+
+    return locked(path, opened)
+
+
+def locked(path: Path, opened: Callable[[], int]) -> int:
+    """Return a descriptor that `opened` returns for a path, once no other run has it locked.
+
+    Raises:
+        OutputError: another run still has it after `PATIENCE`.
+        OSError: it cannot be opened.
+    """
     until = monotonic() + PATIENCE
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK, mode)
+        descriptor = opened()
         try:
-            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-                raise OutputError(f"{path}: is no regular file, but one has to be written there; remove it")
-            if _locked(descriptor) and _is_at(descriptor, path):
+            if _lock(descriptor) and _is_at(descriptor, path):
                 return descriptor
         except BaseException:
             os.close(descriptor)
@@ -209,7 +226,7 @@ def flush_folder(folder: Path) -> None:
             raise
 
 
-def _locked(descriptor: int) -> bool:
+def _lock(descriptor: int) -> bool:
     """Lock a file, and return whether nobody else has; without locks, nobody has."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

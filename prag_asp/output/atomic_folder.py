@@ -9,38 +9,35 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from prag_asp.errors import OutputError
-from prag_asp.output.atomic_file import SUFFIX, flush_folder, open_locked, output_errors
+from prag_asp.output.atomic_file import SUFFIX, flush_folder, locked, output_errors
 from prag_asp.safe_reading import is_inside
-
-LOCK = f"lock{SUFFIX}"
-"""The file in ``NAME.part`` that marks the folder as one of these, and is locked while it is filled."""
 
 
 @contextmanager
 def new_folder(folder: Path) -> Iterator[Path]:
     """Yield an empty folder, which becomes a new folder in one stroke when the block has filled it.
 
-    It is filled as ``NAME.part/NAME``. What a killed run has left there is removed first.
+    It is filled as ``NAME.part/NAME``, and ``NAME.part`` is locked meanwhile. What a killed run has left there is
+    removed first.
 
     Raises:
         OutputError: there is such a folder already, another run is writing it, or something cannot be written.
     """
     if folder.name in ("", ".."):
         raise OutputError(f"{folder}: name a new folder")
-    if os.path.lexists(folder) and (folder.is_symlink() or not folder.is_dir() or any(folder.iterdir())):
-        raise OutputError(f"{folder}: is there already; remove it, or give a new folder")
+    _require_new(folder)
     part = folder.with_name(folder.name + SUFFIX)
     if part.is_symlink():
         raise OutputError(f"{part}: is a link, but has to be a folder; remove it")
-    make_folder(part)
     with output_errors(part):
-        strange = sorted({path.name for path in part.iterdir()} - {LOCK, folder.name})
-        if strange:
-            raise OutputError(f"{part}: holds {strange[0]}, but has to be empty for {folder}; move it away")
-        lock = open_locked(part / LOCK)
+        lock = locked(part, lambda: os.open(make_folder(part), os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW))
     inner = part / folder.name
     try:
+        _require_new(folder)  # another run may have made it since
         with output_errors(part):
+            others = sorted({path.name for path in part.iterdir()} - {folder.name})
+            if others:
+                raise OutputError(f"{part}: holds {others[0]}, but has to be empty for {folder}; move it away")
             _remove(inner)
             inner.mkdir()
         yield inner
@@ -51,9 +48,18 @@ def new_folder(folder: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             _remove(inner)
-            (part / LOCK).unlink()
             part.rmdir()
         os.close(lock)
+
+
+def _require_new(folder: Path) -> None:
+    """Check that a folder is not there, or is empty.
+
+    Raises:
+        OutputError: something else is there.
+    """
+    if os.path.lexists(folder) and (folder.is_symlink() or not folder.is_dir() or any(folder.iterdir())):
+        raise OutputError(f"{folder}: is there already; remove it, or give a new folder")
 
 
 def make_folder(folder: str | Path) -> Path:

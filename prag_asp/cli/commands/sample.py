@@ -143,7 +143,7 @@ def _feasible(
     def told() -> str:
         return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
 
-    with tallied(tally, told), writer(output) as out, recordings_folder(checking.demonstrate) as folder:
+    with tallied(tally, told), recordings_folder(checking.demonstrate) as folder, writer(output) as out:
         arguments = {**checking.arguments(), "demonstrate": folder}
         looked_at = draws_looked_at(
             drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how

@@ -95,8 +95,8 @@ class _Check:
         staging = self.filming.staging(*self._scenes() if self.filming.asked else ())
         with (
             tallied(tally, told),
-            writer(self.output) as out,
             recordings_folder(self.checking.demonstrate) as folder,
+            writer(self.output) as out,
         ):
             arguments = {**self.checking.arguments(), "demonstrate": folder}
             outcomes = recheck(
