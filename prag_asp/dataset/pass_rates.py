@@ -1,4 +1,4 @@
-"""How many tasks passed physics, and why the others did not."""
+"""Tallies of tasks: how many passed physics, and why others failed."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Tally:
         self.count(verdict.status, verdict.reason, verdict.causes)
 
     def count(self, status: str, reason: str, causes: Mapping[str, int] | None = None) -> None:
-        """Count what became of a task, and why attempts at it failed."""
+        """Count the outcome of a task, and the causes of failed attempts."""
         self.seen += 1
         self.passed += status == "feasible"
         self.causes.update(causes or {})

@@ -45,7 +45,7 @@ def feasible(
     cameras that film, and what varies. What is yielded depends on the seed alone, not on the number of `workers`.
 
     Raises:
-        SceneError: the domain has no scene, or a task speaks of something for which the scene has no shape.
+        SceneError: the domain has no scene, or a task names something for which the scene has no shape.
         QueryError: the space is empty, or the draw is asked for in a wrong way.
         OutputError: a recording cannot be written.
         WorkerError: workers died again and again.

@@ -1,4 +1,4 @@
-"""Check tasks of a file again: whether their plans are valid, and whether physics agrees."""
+"""Check tasks of a file again: whether their plans are valid and physically feasible."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 TOLD_TOGETHER = 128
-"""Tasks of which the states are worked out together; that many are read ahead."""
+"""Tasks whose states are computed together; as many are read ahead."""
 
 CheckedRecord = tuple[Record, str]
-"""A record, and what is wrong with its task as a value, or nothing."""
+"""A record, and what is wrong with its task as a value, "" if nothing is."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a task: feasible, not_found, infeasible, invalid or witness_fails; why, and failed attempts.
+    """The outcome of a task: feasible, not_found, infeasible, invalid or witness_fails; reason and failed attempts.
 
     `detail` names in words the fact or the bodies to blame for the reason, where they are known.
     """
@@ -51,7 +51,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class _RecheckOptions:
-    """How physics looks at the tasks."""
+    """The options of physics."""
 
     seed: int
     workers: int
@@ -73,7 +73,7 @@ def recheck(
     load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
 ) -> Generator[Outcome, None, None]:
-    """Yield what becomes of each task of a file, or of records: is its plan valid, and can a robot do it.
+    """Yield the outcome of each task of a file, or of records: whether its plan is valid and a robot can do it.
 
     Physics looks for witnesses anew, with the same outcome for a task wherever it stands; with `witness_only` it checks
     those in the file. Without a `domain`, each record names its own: a shipped one, or a folder, here or beside the
@@ -143,7 +143,7 @@ def _fault(task: Task, expected: Task) -> str:
 
 
 def _anew(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
-    """Yield what a new search says of each task, wherever it stands in the file."""
+    """Yield the outcome of a new search for each task."""
     waiting: deque[CheckedRecord] = deque()
 
     def valid() -> Iterator[tuple[int, Task]]:
@@ -164,14 +164,14 @@ def _anew(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) 
 
 
 def _invalid(waiting: deque[CheckedRecord]) -> Iterator[Outcome]:
-    """Take the invalid tasks that come first, up to one that is valid."""
+    """Yield the outcomes of the leading invalid tasks."""
     while waiting and waiting[0][1]:
         record, fault = waiting.popleft()
         yield Outcome(record, "invalid", fault)
 
 
 def _witnesses(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
-    """Yield what the witness of each record is worth, by the tiers of a budget."""
+    """Yield the outcome of checking the witness of each record, by the tiers of a budget."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
     def shown() -> Iterator[tuple[int, tuple[Task, Witness]]]:
@@ -194,7 +194,7 @@ def _witnesses(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOpti
 
 
 def _shown(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
-    """Return the witness of a record, or what becomes of the record without a look at one."""
+    """Return the witness of a record, or the outcome of the record without checking one."""
     if fault:
         return Outcome(record, "invalid", fault)
     if record.witness is None:
@@ -207,7 +207,7 @@ def _shown(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
 
 
 def _known(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
-    """Take the records that come first of which it is known what becomes of them."""
+    """Yield the leading outcomes that are known already."""
     while waiting and (outcome := waiting[0][1]) is not None:
         waiting.popleft()
         yield outcome

@@ -54,7 +54,7 @@ def spaces(tabletop: Domain) -> TaskSpaces:
 
 @pytest.fixture(scope="package")
 def small(spaces: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    """Return 12 tasks in three shards and two parts, some of them refused, each from two first states."""
+    """Return 12 tasks in three shards and two parts, some of them refused, each from two initial states."""
     folder = tmp_path_factory.mktemp("data") / "small"
     shares = {"train": "3/4", "test": "1/4"}
     return generate(spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4)

@@ -257,7 +257,7 @@ def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
     with pytest.raises(KeyboardInterrupt):
         make()
     assert (tmp_path / "broken" / JOURNAL).is_file()
-    with pytest.raises(QueryError, match="has not ended; the same command"):
+    with pytest.raises(QueryError, match="has not ended; resume it by"):
         Dataset.open(tmp_path / "broken")
     make()
     assert content(tmp_path / "broken") == content(small.folder)

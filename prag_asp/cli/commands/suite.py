@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--at-most", "most", type=options.whole(1), metavar="K",
-    help="At most K tasks a part, to try it; without, the same command goes on from there.",
+    help="At most K tasks a part, to try it; without, the same command extends it.",
 )  # fmt: skip
 @click.option("--workers", type=options.whole(1), default=1, show_default=True, help="Processes for physics.")
 @options.TRUST
@@ -39,7 +39,7 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
     """Count or write a benchmark: parts over one domain, each with what the others have not.
 
     SUITE is a shipped one, such as tabletop-generalisation, or a TOML file. Parts with tasks in common are refused
-    unless the file says so. A run that was broken off goes on where it was when it is started again.
+    unless the file says so. An interrupted run is resumed by the same command.
     """
     from prag_asp.dataset.suites.counting import count_suite, refuse_leaks
     from prag_asp.dataset.suites.suite_reader import load_suite

@@ -1,4 +1,4 @@
-"""BDDL in LIBERO's text form: one file a task, with its objects, its first state, its goal, and its words.
+"""BDDL in LIBERO's text form: one file a task, with its objects, its initial state, its goal, and its words.
 
 The grammar is that of https://github.com/Lifelong-Robot-Learning/LIBERO, ``libero/envs/bddl_utils.py``: expressions in
 parentheses, of which small letters alone are read. Facts that are known to be false stand in ``(not ...)``; what is
@@ -62,7 +62,7 @@ class Bddl:
 
 
 def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None]]:
-    """Yield each task with its witness from the first of its first states, where there is one."""
+    """Yield each task with its witness from the first of its initial states, where there is one."""
     witnesses = ((entry, found) for entry, start, found in source.data.witnesses() if start == 0)
     waiting = next(witnesses, None)
     for entry in source.data.entries():

@@ -1,4 +1,4 @@
-"""What all forms are written from: the recordings of a dataset as episodes, with one shape for all of them."""
+"""The recordings of a dataset as episodes of the same shape, from which all formats are written."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NO_TASK = "has no task that is asked for; ask for others"
 
 @dataclass(frozen=True, eq=False)
 class ExportEpisode:
-    """A recording as N moments, a picture or else a frame each, and the actions between them; R robots.
+    """A recording as N moments, each a camera image or a frame, and the actions between them; R robots.
 
     `frames` (N,) are the frames of the recording at these moments; `state` (N, 8R) has the joint angles in radians and
     the opening in metres of each robot, in the order of `EpisodeSource.joints`; `action` (N, 8R) what its motors drive
@@ -179,7 +179,7 @@ class EpisodeSource:
             raise QueryError(f"{self.data.folder}: has no recordings; {wanted}")
 
     def episodes(self) -> Iterator[ExportEpisode]:
-        """Yield the episodes, in the order of the tasks and their first states.
+        """Yield the episodes, in the order of the tasks and their initial states.
 
         Raises:
             QueryError: there are none, or a recording is damaged, or is not of these robots and cameras.

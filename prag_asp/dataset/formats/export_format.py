@@ -1,4 +1,4 @@
-"""What a form of datasets is, and the list of them."""
+"""The formats that datasets can be exported to."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import NamedTuple, Protocol
 from prag_asp.dataset.formats.episode_source import EpisodeSource
 
 Progress = Callable[[str, int, int], None]
-"""Is told how far things are: in words, how many are done, and how many there are."""
+"""Takes the progress: in words, how many are done, and how many there are."""
 
 
 class ExportFormat(Protocol):
-    """A form of datasets."""
+    """Writes a dataset in the format of another program."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write a dataset, whole or not at all, in the memory of one episode.
@@ -25,7 +25,7 @@ class ExportFormat(Protocol):
 
 
 class FormatInfo(NamedTuple):
-    """A form that there is: the name of its class, the packages that it needs, and whether it is of recordings."""
+    """A format: the name of its class, the packages that it needs, and whether it needs recordings."""
 
     title: str
     packages: tuple[str, ...]
@@ -38,4 +38,4 @@ FORMS: Mapping[str, FormatInfo] = {
     "robomimic": FormatInfo("Robomimic", ("pyarrow", "h5py")),
     "bddl": FormatInfo("Bddl", ("pyarrow",), recorded=False),
 }
-"""The forms: each is a file here of that name, with a class of this one."""
+"""The formats by name; each is the module of that name, with a class of this one."""

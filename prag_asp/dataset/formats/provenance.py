@@ -1,4 +1,4 @@
-"""What stands beside a dataset in another form: of which one it is, and what has written it."""
+"""The provenance of an export: its dataset, and the versions that have written it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PROVENANCE = "export.json"
 
 
 def provenance_of(source: EpisodeSource, form: str) -> dict[str, object]:
-    """Return of which dataset something is, and what has written it."""
+    """Return the provenance of an export."""
     manifest = source.data.manifest
     return {
         "form": form,

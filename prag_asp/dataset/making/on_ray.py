@@ -1,4 +1,4 @@
-"""Draws that are looked at on the nodes of a Ray cluster, as Ray tasks over some draws in a row.
+"""Draws that are validated on the nodes of a Ray cluster, as Ray tasks over some draws in a row.
 
 A node that is lost costs what was done on it: Ray does its tasks again elsewhere. What is found comes back in the order
 of the draws. A process of its own talks to Ray, so that nothing of Ray's reaches ours: neither threads, nor handlers of
@@ -38,16 +38,16 @@ LARGEST, GROWTH = 512, 2
 """Draws of a task of Ray at most, and by how much these grow at once."""
 
 LOST = 20
-"""How often a task of Ray is done again whose node was lost."""
+"""Retries of a task of Ray whose node was lost."""
 
 PARTING = 10.0
-"""Seconds that Ray has to end what it does for us."""
+"""Seconds that Ray has to end its processes."""
 
 PATIENCE = 60.0
 """Seconds to wait for a first processor of a cluster."""
 
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
-"""What keeps Ray from telling others of its use."""
+"""Environment variables that disable Ray's usage statistics."""
 
 
 @dataclass(frozen=True)
@@ -57,15 +57,15 @@ class RayExecutor:
     captions: bool = True
 
     def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
-        """Yield what is known of draws, in their order; closing the iterator ends the work at once.
+        """Yield the results of jobs, in their order; closing the iterator ends the work at once.
 
         Raises:
-            SceneError: a task speaks of something for which the scene has no shape.
+            SceneError: a task names something for which the scene has no shape.
             WorkerError: there is no cluster, or nodes were lost again and again.
         """
         from prag_asp.dataset.store.columns import RowReference, unpacked
 
-        stage("looking at tasks on the cluster")
+        stage("validating tasks on the cluster")
         with Children(__name__, complaints=subprocess.DEVNULL) as children:
             try:
                 talker = children.start()
@@ -96,15 +96,14 @@ def _let_go(talker: Child) -> None:
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
-    """Yield how many draws are wanted, and get them, fewer where there are no more; yield what is known of some.
+    """Yield the number of jobs that the cluster has room for, and the results of jobs, pickled; None comes last.
 
-    That passes through as the node has pickled it: a list of `JobResult`, and their rows.
-
-    First of all comes how they are looked at; None comes last.
+    The first message is the `ValidationSetup`; each number is answered by that many jobs, or fewer at the end. Results
+    are a list of `JobResult` and their rows, as the node has pickled them.
 
     Raises:
-        SceneError: as `RayExecutor.look` does.
-        WorkerError: so, too.
+        SceneError: as `RayExecutor.run` does.
+        WorkerError: as `RayExecutor.run` does.
     """
     import ray
 
@@ -172,7 +171,7 @@ def _processors(ray: Any) -> int:
 
 
 def _answer(ray: Any, reference: Any) -> tuple[bytes, float]:
-    """Return what a task of Ray has found, pickled, and how long that took.
+    """Return the pickled results of a task of Ray, and the seconds that it took.
 
     Raises:
         WorkerError: Ray has given it up.
@@ -194,7 +193,7 @@ def _line(error: BaseException) -> str:
 
 @dataclass
 class _Kept:
-    """What a process of Ray keeps from one task to the next of the same run."""
+    """The state of a process of Ray between tasks of the same run."""
 
     run: str = ""
     validate: Any = None
@@ -205,10 +204,7 @@ _KEPT = _Kept()
 
 
 def validated(run: str, setup: ValidationSetup, jobs: list[ValidationJob]) -> tuple[bytes, Exception | None, float]:
-    """Return what is known of draws, pickled, or the error that was met, and how many seconds it took.
-
-    This is run on a node.
-    """
+    """Return the pickled results of jobs, or the error raised, and the seconds that it took; this runs on a node."""
     begun = monotonic()
     try:
         if _KEPT.run != run:

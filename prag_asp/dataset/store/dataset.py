@@ -1,4 +1,4 @@
-"""A dataset that was made before, read as it is asked for."""
+"""A dataset on disk, read lazily."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Dataset:
-    """The tasks of a folder that `generate` has written; nothing of a table is read before it is asked for.
+    """The tasks of a folder that `generate` has written; tables are read lazily.
 
-    Numbers count the tasks of all `parts` in their order, from 0. `manifest` is what dataset.json says, `conditions`
-    what the tasks satisfy that are looked at.
+    Numbers count the tasks of all `parts` in their order, from 0. `manifest` has the contents of dataset.json;
+    only tasks that satisfy the `conditions` are returned.
     """
 
     folder: Path
@@ -55,7 +55,7 @@ class Dataset:
         if manifest is None:
             raise QueryError(f"{path}: is no dataset, for it has no {NAME}; make one with prag-asp generate -o {path}")
         if not manifest.complete:
-            raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
+            raise QueryError(f"{path}: the run that makes it has not ended; resume it by the same command")
         return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -87,7 +87,7 @@ class Dataset:
             QueryError: a condition is none, or speaks of something that the domain does not have.
         """
         chosen = replace(self, conditions=(*self.conditions, *conditions))
-        assert chosen._space  # what cannot be asked is told now
+        assert chosen._space  # a wrong condition is reported now
         return chosen
 
     def count(self) -> int:
@@ -106,7 +106,7 @@ class Dataset:
         return task_of(row, self.manifest.domain.constants)
 
     def entry(self, number: int) -> DatasetEntry:
-        """Return all that is told of the task of a number.
+        """Return the entry of the task of a number.
 
         Raises:
             IndexError: there is none.
@@ -119,15 +119,15 @@ class Dataset:
         return (entry.task for entry in self.entries())
 
     def entries(self) -> Iterator[DatasetEntry]:
-        """Yield all that is told of each task, in their order."""
+        """Yield the entry of each task, in order."""
         return (self._entry(note, row) for note, row in self._rows("tasks"))
 
     def refused(self) -> Iterator[DatasetEntry]:
-        """Yield what is told of each task that was drawn and did not pass, in the order of the draws."""
+        """Yield the entry of each task that was refused, in the order of the draws."""
         return (self._entry(note, row) for note, row in self._rows("refused"))
 
     def by_rank(self, length: int, rank: int) -> DatasetEntry:
-        """Return what is told of the task that has a rank among all tasks of its length.
+        """Return the entry of the task with a rank among all tasks of its length.
 
         Raises:
             QueryError: the dataset does not have it.
@@ -139,7 +139,7 @@ class Dataset:
         raise QueryError(f"{self.folder}: no task of length {length} with the rank {rank} in it")
 
     def witness(self, number: int, start: int = 0) -> Witness:
-        """Return the witness of the task of a number, from one of its first states.
+        """Return the witness of the task of a number, from one of its initial states.
 
         Raises:
             IndexError: there is no such task.
@@ -149,12 +149,12 @@ class Dataset:
         return _witness(row["witness"])
 
     def witnesses(self) -> Iterator[tuple[DatasetEntry, int, Witness]]:
-        """Yield each task, the number of a first state, and the witness from there, in their order."""
+        """Yield each task, the number of an initial state, and the witness from there, in their order."""
         for entry, row in self._starts("witnesses"):
             yield entry, row["start"], _witness(row["witness"])
 
     def demonstration(self, number: int, start: int = 0) -> Demonstration:
-        """Return the recording of the task of a number, from one of its first states.
+        """Return the recording of the task of a number, from one of its initial states.
 
         Raises:
             IndexError: there is no such task.
@@ -163,7 +163,7 @@ class Dataset:
         return self._recording(self._start("recordings", number, start)["file"])
 
     def demonstrations(self) -> Iterator[tuple[DatasetEntry, int, Demonstration]]:
-        """Yield each task, the number of a first state, and the recording from there, in their order."""
+        """Yield each task, the number of an initial state, and the recording from there, in their order."""
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], self._recording(row["file"])
 
@@ -244,7 +244,7 @@ class Dataset:
         return {space.length: number_of(space.tasks) for space in self.manifest.spaces}
 
     def _start(self, table: str, number: int, start: int) -> Mapping[str, Any]:
-        """Return the row of a first state of a task.
+        """Return the row of an initial state of a task.
 
         Raises:
             QueryError: there is none.
@@ -253,10 +253,10 @@ class Dataset:
         for found in self._tables.starts(note, table, row):
             if found["start"] == start:
                 return found
-        raise QueryError(f"{self.folder}: task {number} has nothing of the first state {start} in {table}")
+        raise QueryError(f"{self.folder}: task {number} has nothing of the initial state {start} in {table}")
 
     def _starts(self, table: str) -> Iterator[tuple[DatasetEntry, Mapping[str, Any]]]:
-        """Yield tasks with each of their rows in a table of first states."""
+        """Yield tasks with each of their rows in a table of initial states."""
         for note in self._notes:
             rows = self._tables.rows(note, table)
             waiting = next(rows, None)

@@ -1,4 +1,4 @@
-"""The domain of a dataset, kept with it: all files that its tasks and verdicts depend on."""
+"""The snapshot of a domain that a dataset holds: all files that its tasks and verdicts depend on."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DOMAIN, ENCODINGS = "domain", "encodings"
 
 
 MEND = "make the dataset anew, or copy it once more"
-"""What to do where a file of one is damaged."""
+"""The remedy for a damaged file."""
 
 BLOCK = 1 << 20
 """Bytes of a file that are read at once."""
@@ -39,7 +39,7 @@ class FileRecord(msgspec.Struct):
 
 
 class DomainSnapshot(msgspec.Struct):
-    """A domain as dataset.json tells of it: how it is read from its files."""
+    """The description of a snapshot in dataset.json: how the domain is read from its files."""
 
     name: str
     label: str
@@ -50,7 +50,7 @@ class DomainSnapshot(msgspec.Struct):
 
 
 def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
-    """Return what is told of a domain, and the content of its files by their paths in a dataset.
+    """Return the snapshot of a domain, and the content of its files by their paths in a dataset.
 
     Raises:
         OSError: a file of it can no longer be read.
@@ -66,7 +66,7 @@ def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
 
 
 def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
-    """Write the files of a domain into the folder of a dataset, each whole; those that are there stay.
+    """Write the files of a snapshot into the folder of a dataset, each whole, unless they are there.
 
     Raises:
         OutputError: one cannot be written.
@@ -118,7 +118,7 @@ def _read(domain: Domain) -> Iterator[Path]:
 
 
 def digest_of(path: Path, *, at_most: int | None = None) -> str:
-    """Return the SHA-256 of a file, of so many bytes at most.
+    """Return the SHA-256 of a file of `at_most` bytes.
 
     Raises:
         OSError: it cannot be read, or is larger.
@@ -136,7 +136,7 @@ def _told(files: dict[str, bytes]) -> Iterator[FileRecord]:
 
 
 def _own_sources(domain: Domain) -> list[Source]:
-    """Return the sources of a domain that every domain has not: rules that were asked for among them."""
+    """Return the sources that belong to this domain alone, requested rules included."""
     from prag_asp.program.sources import HIERARCHY, core_sources
 
     known = {source.path.resolve() for source in core_sources(domain.encodings)}
@@ -145,7 +145,7 @@ def _own_sources(domain: Domain) -> list[Source]:
 
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a domain, as a folder that says the same: those of its own folder as they are."""
+    """Yield the files of a folder that defines the same domain: those of its own folder unchanged."""
     from prag_asp.domain.identity import scene_files
     from prag_asp.domain.load import LEARNED
 

@@ -1,4 +1,4 @@
-"""What a dataset says of one task, and the way back from a row to values."""
+"""An entry of a dataset: a task with its texts and verdict, decoded from a row."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class DatasetEntry:
 
 
 def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:
-    """Return what a row of a table of tasks says.
+    """Return the entry of a row of a table of tasks.
 
     Raises:
         QueryError: it lacks a value, or one has no meaning.
@@ -88,7 +88,7 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
 
 @contextmanager
 def _told(row: Mapping[str, Any]) -> Iterator[None]:
-    """Tell what is wrong with a row by its draw."""
+    """Report what is wrong with a row, by its draw."""
     try:
         yield
     except (TypeError, ValueError, KeyError) as error:

@@ -1,4 +1,4 @@
-"""What a task is told as, in words: the one place where instructions come into a dataset."""
+"""The texts of a task in a dataset: instructions, and a sentence for each action."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LEVELS, PLAIN = ("vague", "default", "exact"), "plain"
 
 
 class TaskTexts(NamedTuple):
-    """A task in words by how much they say, a sentence for each action, and what had to be called by its name."""
+    """The texts of a task: (level, instruction) pairs, a sentence for each action, and the entities called by name."""
 
     whole: tuple[tuple[str, str], ...]
     subgoals: tuple[str, ...]
@@ -25,14 +25,13 @@ class TaskTexts(NamedTuple):
 
 
 Captioner = Callable[["Task", Mapping[str, str]], TaskTexts]
-"""Tells a task by the colours that some things have in its picture, where they are other than the scene's."""
+"""Returns the texts of a task, given the colours of entities that differ from the scene's."""
 
 
 def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Captioner:
-    """Return what tells tasks of a domain in a language; the seed chooses among its `phrasings`.
+    """Return a captioner of the tasks of a domain in a language; the seed chooses among its `phrasings`.
 
-    A task that cannot be told without a sentence that means something else as well is told plainly, by the names of its
-    entities, at one level alone: ``plain``.
+    A task that has no unambiguous text is described by the names of its entities, at the single level ``plain``.
 
     Raises:
         QueryError: the domain does not speak the language, or has no such phrasings.
@@ -41,9 +40,9 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
 
 
 def captioner_with(teller: Teller, domain: Domain, seed: int) -> Captioner:
-    """Return what tells tasks as `captioner_of` does, by a teller that is there."""
+    """Return the captioner of `captioner_of` for an existing teller."""
 
-    def told(task: Task, colours: Mapping[str, str]) -> TaskTexts:
+    def texts(task: Task, colours: Mapping[str, str]) -> TaskTexts:
         try:
             found = teller.recoloured(colours).instructions(task, seed)
         except QueryError:
@@ -52,4 +51,4 @@ def captioner_with(teller: Teller, domain: Domain, seed: int) -> Captioner:
             return TaskTexts(((PLAIN, instruction(task, templates)),), plain, tuple(task.entities))
         return TaskTexts(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
 
-    return told
+    return texts

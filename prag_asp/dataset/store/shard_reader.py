@@ -1,4 +1,4 @@
-"""The draws of a dataset once more, one after another, as the rows of another dataset take them."""
+"""Read the draws of a dataset in order, as rows for another dataset."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class DrawRows(NamedTuple):
-    """A draw of another dataset: its one row, what follows from that, and the rows of its first states."""
+    """A draw of another dataset: its row, the values that follow from it, and the rows of its initial states."""
 
     passed: bool
     row: pa.Table
@@ -40,11 +40,11 @@ class PartReader:
 
     @property
     def draws(self) -> int:
-        """How many draws it has."""
+        """The number of draws."""
         return self._note.draws
 
     def draw(self, number: int) -> DrawRows:
-        """Return a draw; none before it is asked for later.
+        """Return a draw; draws are requested in ascending order.
 
         Raises:
             QueryError: a file is missing, is not what dataset.json says, or has no row of the draw.
@@ -90,7 +90,7 @@ class _Cursor:
         self._place = 0
 
     def rows(self, column: str, number: int) -> pa.Table | None:
-        """Return the rows of a number, None where there are none; none of a smaller number is asked for later."""
+        """Return the rows of a number, None without any; numbers are requested in ascending order."""
         found = []
         while self._forward(column):
             if self._keys[self._place] > number:
@@ -105,7 +105,7 @@ class _Cursor:
         return pa.concat_tables(found) if len(found) > 1 else found[0] if found else None
 
     def _forward(self, column: str) -> bool:
-        """Come to the next row, and tell whether there is one."""
+        """Move to the next row, and return whether there is one."""
         while self._place >= len(self._keys):
             self._rows = next(self._groups, None)
             if self._rows is None:

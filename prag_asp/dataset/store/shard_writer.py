@@ -1,4 +1,4 @@
-"""The rows of a part of a dataset while they are being written, shard by shard."""
+"""Write the draws of a part of a dataset, shard by shard."""
 
 from __future__ import annotations
 
@@ -28,38 +28,38 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 LIMITS: Mapping[str, int] = {"tasks": 1, "refused": 10, "witnesses": 4}
-"""How many times the rows of tasks in a full shard its other tables have at most, about."""
+"""The most rows of each table in a full shard, as a multiple of its tasks."""
 
 
 TOGETHER = "; "
-"""What stands between the versions of several that have made a shard."""
+"""Separates the versions of the programs that have made a shard."""
 
 SUMMED_TOGETHER = 256
-"""Draws that are counted together."""
+"""Tallies of single draws before they are summed."""
 
 
 class PartWriter:
-    """Takes the draws of a part in their order, and writes a shard whenever one is full."""
+    """Takes the draws of a part in order, and writes a shard whenever one is full."""
 
     def __init__(self, folder: Path, note: PartManifest, shard: int) -> None:
-        """Go on after the shards that a part has; `shard` is how many tasks a full one has at most."""
+        """Continue after the shards that a part has; a full shard has at most `shard` tasks."""
         self._folder, self._limit, self.note, self._ours = folder, shard, note, versions()
         self._begin()
         self._take_up(note.tail)
 
     @property
     def next(self) -> int:
-        """The number of the draw that comes next."""
+        """The number of the next draw."""
         return self._first + self._draws
 
     @property
     def tasks(self) -> int:
-        """How many tasks the part has."""
+        """The number of tasks of the part."""
         return self.note.rows("tasks") + self._rows["tasks"].count
 
     @property
     def full(self) -> bool:
-        """Whether the shard is to be written before another draw is added."""
+        """Whether the shard has to be written before another draw is added."""
         return any(self._rows[table].count >= times * self._limit for table, times in LIMITS.items())
 
     @property
@@ -68,7 +68,7 @@ class PartWriter:
         return not self._draws
 
     def add(self, placed: Placed, task: Task, looked: DrawResult, words: TaskTexts) -> None:
-        """Add a draw, and what is known of it."""
+        """Add a draw with its result and texts."""
         row, witnesses = row_of(placed, task, looked, words), looked.witnesses
         if looked.passed:
             self._rows["tasks"].add({**row, "task": self.tasks, "starts": witnesses})
@@ -77,7 +77,7 @@ class PartWriter:
         self._looked_at(looked, len(task))
 
     def add_row(self, placed: Placed, row: RowReference, looked: DrawResult) -> None:
-        """Add a draw whose row was made elsewhere, and what is known of it."""
+        """Add a draw whose row was made elsewhere, with its result."""
         if looked.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=looked.witnesses)
         else:
@@ -85,14 +85,14 @@ class PartWriter:
         self._looked_at(looked, len(placed.word))
 
     def _looked_at(self, looked: DrawResult, length: int) -> None:
-        """Add the first states of the draw whose row was added last, and count it."""
+        """Add the initial states of the draw whose row was added last, and count it."""
         for start, each in enumerate(looked.starts) if looked.passed else ():
             self._add_start(self.tasks - 1, start, each)
         self._tally(_tally(length, looked.verdict, looked.witnesses), self._ours)
         self._draws += 1
 
     def take(self, given: DrawRows) -> None:
-        """Add a draw as another dataset has it, with the numbers that it has here."""
+        """Add a draw of another dataset, with the numbers that it has here."""
         if given.passed:
             number = self.tasks
             self._rows["tasks"].take(RowReference(given.row, 0), task=number, draw=self.next)
@@ -106,7 +106,7 @@ class PartWriter:
         self._draws += 1
 
     def write(self) -> None:
-        """Write the shard, and note it with the part; dataset.json has to be written next.
+        """Write the shard, and add it to the part; dataset.json has to be written next.
 
         Raises:
             OutputError: it cannot be written.
@@ -133,7 +133,7 @@ class PartWriter:
         self._versions: set[str] = set()
 
     def _take_up(self, tail: Shard | None) -> None:
-        """Begin with the rows of a shard that was not full, where its files are what dataset.json says."""
+        """Begin with the rows of a shard that was not full, if its files are what dataset.json says."""
         if tail is None:
             return
         try:
@@ -150,7 +150,7 @@ class PartWriter:
         self._versions = {*tail.versions.split(TOGETHER)}
 
     def _add_start(self, task: int, start: int, found: StartResult) -> None:
-        """Add a first state of a task."""
+        """Add an initial state of a task."""
         of_it, text = {"task": task, "start": start}, found.text
         if text is not None:
             self._rows["witnesses"].add({**of_it, "index": found.index, "witness": text})
@@ -158,7 +158,7 @@ class PartWriter:
             self._rows["recordings"].add({**of_it, **msgspec.structs.asdict(found.recording)})
 
     def _tally(self, tally: LengthTally, made_by: str) -> None:
-        """Count a draw, and note what has looked at it."""
+        """Count a draw, and the version that has validated it."""
         self._versions.add(made_by)
         self._tallies.append(tally)
         if len(self._tallies) >= SUMMED_TOGETHER:
@@ -166,7 +166,7 @@ class PartWriter:
 
 
 def row_of(placed: Placed, task: Task, looked: DrawResult, words: TaskTexts) -> dict[str, Any]:
-    """Return what tables of tasks say of a draw."""
+    """Return the row of a draw in a table of tasks."""
     return {
         "draw": looked.draw,
         "domain": task.domain,
@@ -204,6 +204,6 @@ def _tally(length: int, told: Mapping[str, Any] | None, witnesses: int) -> Lengt
 
 
 def _verdict_row(verdict: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a verdict as its column has it."""
+    """Return a verdict as a value of its column."""
     causes = [{"cause": cause, "count": count} for cause, count in verdict["causes"].items()]
     return {**verdict, "causes": causes, "details": verdict.get("details", [])}

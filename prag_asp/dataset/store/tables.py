@@ -1,4 +1,4 @@
-"""Rows of the tables of a dataset, read from the shards that have them and from no others."""
+"""Rows of the tables of a dataset, read from the shards that hold them."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ Row = Mapping[str, Any]
 
 
 class TableReader:
-    """The tables of a dataset in a folder."""
+    """Reads the tables of a dataset in a folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._kept: dict[str, list[tuple[int, str]]] = {}
 
     def place(self, note: PartManifest, table: str, number: int) -> tuple[Shard, int]:
-        """Return the shard of a row of a part, and its place there; there is such a row."""
+        """Return the shard of a row of a part, and its position there; the row exists."""
         ends = list(accumulate(shard.rows(table) for shard in note.shards))
         at = bisect_right(ends, number)
         return note.shards[at], number - (ends[at - 1] if at else 0)
@@ -52,9 +52,9 @@ class TableReader:
             yield from found.to_pylist()
 
     def found(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
-        """Yield the row of the task of a rank; where its draw is known, one shard alone is looked into.
+        """Yield the row of the task of a rank; where its draw is known, only one shard is read.
 
-        Otherwise the ranks of the part are read once, and kept: about a hundred bytes a task.
+        Otherwise the ranks of the part are read once and cached: about a hundred bytes a task.
         """
         wanted = (length, str(rank))
         if draw is not None:
@@ -68,7 +68,7 @@ class TableReader:
             yield self.row("tasks", *self.place(note, "tasks", number))
 
     def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
-        """Return the length and the rank of each task of some shards, which Arrow would import pandas to compare."""
+        """Return the length and the rank of each task of some shards; Arrow would import pandas to compare them."""
         found: list[tuple[int, str]] = []
         for shard in shards:
             if shard.rows("tasks"):
@@ -78,7 +78,7 @@ class TableReader:
         return found
 
     def starts(self, note: PartManifest, table: str, task: Row) -> Iterator[Row]:
-        """Yield the rows of the first states of a task, which stand in one shard with it."""
+        """Yield the rows of the initial states of a task, which are in the same shard."""
         place = bisect_right([shard.end for shard in note.shards], task["draw"])
         if place == len(note.shards):
             raise QueryError(f"{self.folder}: has no shard of the draw {task['draw']} of {note.name}; {MEND}")
@@ -88,7 +88,7 @@ class TableReader:
                 yield self.row(table, shard, first + place)
 
     def _groups(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[tuple[int, pa.Table]]:
-        """Yield the rows of a shard in groups, each with the place of its first one; no file stays open meanwhile."""
+        """Yield the rows of a shard in groups, each with the position of its first row; no file stays open."""
         if not shard.rows(table):
             return
         for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
@@ -98,5 +98,5 @@ class TableReader:
 
 
 def _places(values: Sequence[object], wanted: object) -> Iterator[int]:
-    """Yield where a value stands."""
+    """Yield the positions of a value."""
     return (place for place, value in enumerate(values) if value == wanted)

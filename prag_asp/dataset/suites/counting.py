@@ -1,4 +1,4 @@
-"""How many tasks the parts of a suite have, exactly, and that they are apart: by counting what would lie in both."""
+"""Count the tasks of the parts of a suite exactly, and those that two parts have in common."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from prag_asp.space.limits import Limits
 
 Counted = Callable[[str, int, int], None]
-"""Is told what is being counted, how much was counted, and how much there is to count."""
+"""Takes the progress: what is counted, how many counts were made, and how many there are."""
 
 
 class Overlap(msgspec.Struct, frozen=True):
-    """How many tasks two parts have in common, and whether one of them says that it may."""
+    """The number of tasks that two parts have in common, and whether one of them declares that."""
 
     one: str
     other: str
@@ -36,7 +36,7 @@ class Overlap(msgspec.Struct, frozen=True):
 
 
 class HeldOutCount(msgspec.Struct, frozen=True):
-    """How many tasks of a part have something that is held out from it."""
+    """The number of tasks of a part that have something held out from it."""
 
     what: str
     part: str
@@ -57,7 +57,7 @@ class Figures:
 
     @property
     def leaks(self) -> tuple[Overlap, ...]:
-        """The parts that share tasks, and do not say so."""
+        """The pairs of parts that share tasks without declaring it."""
         return tuple(each for each in self.shared if number_of(each.tasks) and not each.declared)
 
 

@@ -45,14 +45,14 @@ def generate_suite(
     limits: Limits = UNLIMITED,
     progress: Progress = lambda words, done, total: None,
 ) -> SuiteManifest:
-    """Write a dataset for each part of a suite, in a folder of its name, and return what suite.json says of all.
+    """Write a dataset for each part of a suite, in a folder of its name, and return the manifest of the suite.
 
-    What was begun goes on, and more tasks for a part add to what is there. All depends on the suite alone, not on the
-    number of `workers`.
+    An interrupted run is resumed by the same call, and more tasks for a part extend its dataset. The bytes depend
+    on the suite alone, not on the number of `workers`.
 
     Raises:
         QueryError: parts have tasks in common and do not say so, or a part cannot be drawn as it says.
-        SceneError: a task speaks of something for which the scene has no shape.
+        SceneError: a task names something for which the scene has no shape.
         OutputError: the folder holds something else, or a file cannot be written.
         NotFound: fewer tasks were found for some parts than they want; all else is written.
         WorkerError: workers died again and again.
@@ -84,7 +84,7 @@ def generate_suite(
 def _made(
     suite: Suite, note: SuitePartManifest, folder: Path, workers: int, limits: Limits, progress: Progress
 ) -> tuple[str, ...]:
-    """Write the dataset of a part, note it, and return what it lacks, in words."""
+    """Write the dataset of a part, record it, and return in words what it lacks."""
     part, lacking = suite.parts[note.name], tuple[str, ...]()
 
     def told(words: str, done: int, total: int) -> None:

@@ -53,7 +53,7 @@ def _text(note: SuiteManifest) -> Iterator[str]:
     yield ""
     yield "## Conditions"
     yield ""
-    yield f"All tasks are of the domain `{note.domain}`. A task is a plan with its first state."
+    yield f"All tasks are of the domain `{note.domain}`. A task is a plan with its initial state."
     yield ""
     for part in note.parts:
         if part.of is not None:

@@ -1,4 +1,4 @@
-"""suite.json: the exact figures of a suite that was made, and the datasets that its parts became."""
+"""suite.json: the exact figures of a suite, and the datasets of its parts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NAME, SPELLED = "suite.json", "suite.toml"
 
 
 class SuitePartManifest(msgspec.Struct):
-    """A part: its exact size, what was drawn of it, and the dataset.json that says the rest."""
+    """A part: its exact size, the number of its tasks, and its dataset.json, which has the rest."""
 
     name: str
     about: str
@@ -41,7 +41,7 @@ class SuitePartManifest(msgspec.Struct):
 
 
 class SuiteManifest(msgspec.Struct):
-    """What suite.json says."""
+    """The contents of suite.json."""
 
     complete: bool
     identity: str
@@ -88,7 +88,7 @@ def manifest_of(suite: Suite, figures: Figures, identity: str, versions: str) ->
 
 
 def record_part(folder: Path, part: SuitePartManifest) -> None:
-    """Note what became of a part: how many tasks it has, and its dataset.json.
+    """Record the number of tasks of a part, and its dataset.json.
 
     Raises:
         QueryError: there is no such dataset.
@@ -101,12 +101,12 @@ def record_part(folder: Path, part: SuitePartManifest) -> None:
 
 
 def is_suite(folder: str | Path) -> bool:
-    """Tell whether a folder is one of a suite."""
+    """Return whether a folder is one of a suite."""
     return (Path(folder) / NAME).is_file()
 
 
 def count_tasks(folder: str | Path) -> int:
-    """Return how many tasks a dataset has, or all datasets of a suite.
+    """Return the number of tasks of a dataset, or of all datasets of a suite.
 
     Raises:
         QueryError: there is none, or it cannot be read.

@@ -1,4 +1,4 @@
-"""A suite as a value: its parts, each with the conditions that keep it apart from the others."""
+"""A suite as a value: its parts, each with the conditions that distinguish it from the others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Something that only some parts have: the conditions that a task has it, and that it has nothing of it."""
+    """Something that only some parts have: the condition that a task has it, and its negation."""
 
     what: str
     having: str
@@ -28,7 +28,7 @@ class HeldOut:
 
 @dataclass(frozen=True)
 class SuitePart:
-    """A part: which tasks it draws from, how many, and in which words they are told.
+    """A part: the tasks that it samples from, their number, and the language of their texts.
 
     `where` are all its conditions, those of the suite and of what is held out included. `unseen` are the things that
     its tasks have and those of other parts do not, `of` the part whose tasks it has, and `shares` are the parts with
@@ -52,12 +52,12 @@ class SuitePart:
     phrasings: str = ""
 
     def apart(self, other: SuitePart) -> bool:
-        """Tell whether no sentence of an action is one of both."""
+        """Return whether two parts have no sentence of an action in common."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
     def declares(self, other: SuitePart) -> bool:
-        """Tell whether one of two parts says that it may have tasks of the other."""
+        """Return whether one of two parts declares that it may have tasks of the other."""
         return other.name in (*self.shares, self.of) or self.name in (*other.shares, other.of)
 
 
@@ -79,11 +79,11 @@ class Suite:
     text: str = field(default="", repr=False)
 
     def place(self, *keys: str) -> str:
-        """Return where a key stands, as messages begin."""
+        """Return the file and line of a key, as messages begin."""
         return f"{self.path}:{key_line(self.text, keys)}"
 
     def at_most(self, tasks: int) -> Suite:
-        """Return the suite with so many tasks a part at most, to try it; the whole one goes on from there.
+        """Return the suite with at most `tasks` tasks a part, to try it; the whole suite extends its datasets.
 
         Raises:
             QueryError: that is none.

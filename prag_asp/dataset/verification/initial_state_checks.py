@@ -1,4 +1,4 @@
-"""The first states of tasks: their witnesses, each in a fresh simulator, and the recordings of them."""
+"""The initial states of tasks: their witnesses, each in a fresh simulator, and the recordings of them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ TRANSIT = TIERS[-2]
 
 
 class InitialStateChecks:
-    """Looks at the witnesses and recordings of a dataset, shard by shard."""
+    """Checks the witnesses and recordings of a dataset, shard by shard."""
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class InitialStateChecks:
         self._budget = Budget(requested.restarts, requested.samples, tier)
 
     def wrong(self, note: PartManifest) -> Iterator[Finding]:
-        """Yield what is wrong with the first states of a part's tasks."""
+        """Yield what is wrong with the initial states of a part's tasks."""
         for shard in note.shards:
             try:
                 rows, found, recorded = (self._whole(name, shard) for name in ("tasks", "witnesses", "recordings"))
@@ -73,16 +73,16 @@ class InitialStateChecks:
         return whole_rows("", self._tables.of_shard(table, shard))[0]
 
     def _wrong_numbers(self, shard: Shard, rows: list[Row], found: list[Row]) -> Iterator[Finding]:
-        """Yield which tasks have not as many witnesses as their rows say, or witnesses of other searches."""
+        """Yield the tasks whose number of witnesses differs from their rows, and witnesses of wrong searches."""
         count = Counter(row["task"] for _, row in found)
         for place, row in rows:
             if row["starts"] != count.pop(row["task"], 0):
                 yield Finding(
-                    shard.files["tasks"].path, place, f"says that {row['starts']} first states have a witness"
+                    shard.files["tasks"].path, place, f"says that {row['starts']} initial states have a witness"
                 )
         whole = self._manifest.spec.deal.whole
         draws = {row["task"]: whole(row["draw"]) for _, row in rows}
-        before: dict[int, tuple[int, int]] = {}  # of each task: the first state that is due, and the last search
+        before: dict[int, tuple[int, int]] = {}  # of each task: the initial state that is due, and the last search
         for place, row in found:
             file = shard.files["witnesses"].path
             if row["task"] in count:
@@ -91,13 +91,13 @@ class InitialStateChecks:
             due, last = before.get(row["task"], (0, -1))
             search, lacks = divmod(row["index"] - draws[row["task"]], START)
             if row["start"] != due:
-                yield Finding(file, place, f"is of the first state {row['start']}; the next one is {due}")
+                yield Finding(file, place, f"is of the initial state {row['start']}; the next one is {due}")
             if lacks or not last < search < TRIES * self._manifest.spec.starts or (search > 0) != (due > 0):
-                yield Finding(file, place, f"is of the index {row['index']}, not of its draw and first state")
+                yield Finding(file, place, f"is of the index {row['index']}, not of its draw and initial state")
             before[row["task"]] = due + 1, search
 
     def _wrong_witnesses(self, shard: Shard, tasks: Mapping[int, Task], found: list[Row]) -> Iterator[Finding]:
-        """Yield which witnesses a fresh simulator does not take."""
+        """Yield the witnesses that a fresh simulator rejects."""
         file, records, places = shard.files["witnesses"].path if found else "", [], []
         seen = set[tuple[int, str]]()
         for place, row in found:
@@ -110,7 +110,7 @@ class InitialStateChecks:
                 yield Finding(file, place, f"is no witness: {error}")
                 continue
             if begins in seen:
-                yield Finding(file, place, "begins in a first state that another witness of its task has")
+                yield Finding(file, place, "begins in an initial state that another witness of its task has")
             seen.add(begins)
             records.append(record)
             places.append(place)
@@ -123,7 +123,7 @@ class InitialStateChecks:
                     yield Finding(file, place, f"the witness fails: {outcome.reason}")
 
     def _wrong_recordings(self, shard: Shard, tasks: Mapping[int, Task], rows: list[Row]) -> Iterator[Finding]:
-        """Yield which recordings are not the files that were written, or do not show their tasks."""
+        """Yield the recordings that are not the files written, or do not show their tasks."""
         for place, row in rows:
             table, task = shard.files["recordings"].path, tasks.get(row["task"])
             path = self._folder / row["file"]

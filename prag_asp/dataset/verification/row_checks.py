@@ -1,4 +1,4 @@
-"""The rows of a dataset's tables of tasks, beside what is drawn now by the same seed."""
+"""Check the rows of the tables of tasks against those sampled again by the same seed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 READ_BACK = ("default", "exact")
-"""The levels at which words say the whole plan."""
+"""The levels whose instructions determine the plan."""
 
 MISSING, UNREAD = 1_000, 100_000
 """How many draws of a shard may lack their rows, and how many one may have whose rows cannot be read: what is claimed
@@ -51,7 +51,7 @@ VALUES = {
 
 @dataclass
 class RowChecks:
-    """Looks at the rows of the tables of tasks of a dataset, part by part.
+    """Checks the rows of the tables of tasks of a dataset, part by part.
 
     `seen` has where each task was found that was looked at, by its length and rank; `progress` is told how many of all.
     """
@@ -71,7 +71,7 @@ class RowChecks:
         self._colours: Mapping[int, Mapping[str, str]] = {}
 
     def wrong(self, note: PartManifest, drawn: Iterator[tuple[Placed, Task]]) -> Iterator[Finding]:
-        """Yield what is wrong with the rows of a part, of which the draws come once more."""
+        """Yield what is wrong with the rows of a part, given its draws sampled again."""
         tasks = 0
         for shard in note.shards:
             try:
@@ -137,7 +137,7 @@ class RowChecks:
     def _wrong_row(
         self, table: str, row: Mapping[str, Any], expected: tuple[Placed, Task], where: str
     ) -> Iterator[str]:
-        """Yield what is wrong with a row, of which the draw is known."""
+        """Yield what is wrong with a row whose draw is known."""
         placed, task = expected
         key = (row["length"], row["rank"])
         if key in self.seen:
@@ -164,12 +164,12 @@ class RowChecks:
         yield from self._wrong_verdict(table, entry)
 
     def _is_plan(self, plan: list[str]) -> bool:
-        """Tell whether clingo, which has drawn nothing, takes a plan."""
+        """Return whether clingo, which has sampled nothing, accepts a plan."""
         space = self._clingo.get(len(plan))
         return space is not None and plan in space
 
     def _wrong_words(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield what words say otherwise than the task: they are read back from the text and the colours alone.
+        """Yield how texts differ from the task: they are parsed from the text and the colours alone.
 
         Instructions that are longer than any that can be read are compared with those that the seed draws.
         """

@@ -1,4 +1,4 @@
-"""All that is wrong with a dataset, from what is cheap to look at to what is dear."""
+"""Verify one dataset, checks in order of cost."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progress: Progress) -> Iterator[Finding]:
-    """Yield what is wrong with one dataset, as `verify` of any of them does."""
+    """Yield what is wrong with one dataset, as `verify` does."""
     data = Dataset.open(folder, trust=trust)
     manifest, tables = data.manifest, TableReader(data.folder)
     progress("files", 0, 1)
@@ -33,7 +33,7 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
     try:
         domain = data.domain
     except PragError as error:
-        yield Finding(NAME, None, f"the domain cannot be read, so nothing else was looked at: {error}")
+        yield Finding(NAME, None, f"the domain cannot be read, so nothing else was checked: {error}")
         return
     yield from wrong_card(data.folder, manifest, domain)
     yield from _wrong_tasks(manifest, domain, tables, progress)
@@ -42,7 +42,7 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
 
 
 def _recordings(manifest: Manifest, tables: TableReader) -> frozenset[str]:
-    """Return the files that the tables of recordings name, as far as they can be read."""
+    """Return the files that the readable tables of recordings name."""
     found = set[str]()
     for part in manifest.parts:
         for shard in part.shards:
@@ -54,7 +54,7 @@ def _recordings(manifest: Manifest, tables: TableReader) -> frozenset[str]:
 
 
 def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
-    """Yield what is wrong with sizes and rows, beside what is counted and drawn now."""
+    """Yield what is wrong with sizes and rows, compared with those counted and sampled now."""
     spec, lengths = manifest.spec, manifest.lengths
     if [space.length for space in manifest.spaces] != lengths:  # to count others might never end
         yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")

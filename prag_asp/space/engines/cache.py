@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.array_archive import BadArchive, read_arrays
-from prag_asp.output.cache_files import keep, read_kept
+from prag_asp.output.cache_files import read_cached, write_cached
 
 HEADER = "header"
 SUFFIX = ".arrays"
@@ -39,7 +39,7 @@ class Entry:
 
 def read_entry(folder: Path, key: str, names: Collection[str]) -> Entry | None:
     """Return what was kept under a key, of its arrays those of some names; or None."""
-    content = read_kept(folder / f"{key}{SUFFIX}", LARGEST_FILE)
+    content = read_cached(folder / f"{key}{SUFFIX}", LARGEST_FILE)
     try:
         return None if content is None else _parsed(content, key, names)
     except (BadArchive, ValueError, KeyError, TypeError, RecursionError):
@@ -60,7 +60,7 @@ def write_entry(folder: Path, key: str, entry: Entry) -> bool:
     np.savez(buffer, **arrays)
     if buffer.tell() > LARGEST_FILE:
         return False
-    if not keep(folder / f"{key}{SUFFIX}", buffer.getvalue()):
+    if not write_cached(folder / f"{key}{SUFFIX}", buffer.getvalue()):
         return False
     with suppress(OSError):
         _shrink(folder)

@@ -27,7 +27,7 @@ def filmed(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
 
 @pytest.fixture(scope="package")
 def arms(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    """Return a dataset of two robots without cameras, one task from two first states."""
+    """Return a dataset of two robots without cameras, one task from two initial states."""
     folder = tmp_path_factory.mktemp("formats") / "arms"
     return generate(TaskSpace(load_domain("two_arms"), 1), folder, tasks=1, starts=2, demonstrate=True)
 

@@ -59,7 +59,7 @@ def test_tasks_drawn_by_weight_are_found_by_rank_too(numbers: Path) -> None:
     for entry in data.entries():
         assert data.by_rank(len(entry.task), entry.rank) == entry
         assert entry.verdict is None and entry.starts == 0 and entry.number is not None
-    with pytest.raises(QueryError, match="nothing of the first state 0 in witnesses"):
+    with pytest.raises(QueryError, match="nothing of the initial state 0 in witnesses"):
         data.witness(0)
 
 

@@ -182,16 +182,16 @@ STARTS: dict[str, tuple[Change, str]] = {
         forged(lambda rows: rows[0].update(witness=rows[2]["witness"]), "witnesses"),
         rf"{WITNESSES}: row 0: the witness fails",
     ),
-    "a witness less": (forged(lambda rows: rows.pop(0), "witnesses"), rf"{TRAIN}: row 0: says that 2 first states"),
+    "a witness less": (forged(lambda rows: rows.pop(0), "witnesses"), rf"{TRAIN}: row 0: says that 2 initial states"),
     "a witness of another search": (
         forged(lambda rows: rows[1].update(index=7), "witnesses"), rf"{WITNESSES}: row 1: is of the index 7"
     ),
     "a first state twice": (
         forged(lambda rows: rows[1].update(witness=rows[0]["witness"]), "witnesses"),
-        rf"{WITNESSES}: row 1: begins in a first state that another",
+        rf"{WITNESSES}: row 1: begins in an initial state that another",
     ),
     "a first state left out": (
-        forged(lambda rows: rows[1].update(start=2), "witnesses"), rf"{WITNESSES}: row 1: is of the first state 2; the"
+        forged(lambda rows: rows[1].update(start=2), "witnesses"), rf"{WITNESSES}: row 1: is of the initial state 2;"
     ),
     "no witness": (forged(lambda rows: rows[1].update(witness="{"), "witnesses"), rf"{WITNESSES}: row 1: is no wit"),
     "a witness for nothing": (
