@@ -103,9 +103,9 @@ def _recorded(
             if not verdict.feasible:
                 yield None
                 continue
-            told = verdict.to_json()
-            witness = told.pop("witness")
+            values = verdict.to_json()
+            witness = values.pop("witness")
             name = recordings.write(tally.passed, verdict.demonstration)
             if name is not None:
-                told["demonstration"] = name
-            yield Record(task, told, witness)
+                values["demonstration"] = name
+            yield Record(task, values, witness)

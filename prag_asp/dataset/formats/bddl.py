@@ -82,7 +82,7 @@ def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None 
     task = entry.task
     standing = _fixtures(source, entry)
     objects = {name: kind for name, kind in task.entities.items() if name not in standing}
-    asked = [name for name in objects if any(name in fluent.arguments for fluent in task.goal)]
+    of_interest = [name for name in objects if any(name in fluent.arguments for fluent in task.goal)]
     init = [f"    {_fact(fluent, value)}" for fluent, value in task.initial.items()]
     goal = " ".join(_fact(fluent, value) for fluent, value in task.goal.items())
     lines = [
@@ -99,7 +99,7 @@ def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None 
         *_typed(objects),
         "  )",
         "  (:obj_of_interest",
-        *(f"    {_word(name)}" for name in asked),
+        *(f"    {_word(name)}" for name in of_interest),
         "  )",
         "  (:init",
         *init,
@@ -160,8 +160,8 @@ def _typed(entities: Mapping[str, str]) -> list[str]:
 
 
 def _fact(fluent: Atom, value: bool) -> str:
-    told = " ".join(map(_word, (fluent.name, *fluent.arguments)))
-    return f"({told})" if value else f"(not ({told}))"
+    text = " ".join(map(_word, (fluent.name, *fluent.arguments)))
+    return f"({text})" if value else f"(not ({text}))"
 
 
 def _word(text: str) -> str:

@@ -23,7 +23,7 @@ from prag_asp.wording import did_you_mean
 
 Floats = NDArray[np.float32]
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
-NO_TASK = "has no task that is asked for; ask for others"
+NO_TASK = "has no such task; request others"
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,8 +175,8 @@ class EpisodeSource:
             QueryError: it was not.
         """
         if not self.data.manifest.spec.demonstrate:
-            wanted = "make a dataset that has, with prag-asp generate --demonstrate"
-            raise QueryError(f"{self.data.folder}: has no recordings; {wanted}")
+            hint = "make a dataset that has, with prag-asp generate --demonstrate"
+            raise QueryError(f"{self.data.folder}: has no recordings; {hint}")
 
     def episodes(self) -> Iterator[ExportEpisode]:
         """Yield the episodes, in the order of the tasks and their initial states.
@@ -192,7 +192,7 @@ class EpisodeSource:
             raise QueryError(f"{self.data.folder}: {NO_TASK}")
 
     def instruction(self, entry: DatasetEntry) -> str:
-        """Return the words for a task; a task that can be told plainly alone is."""
+        """Return the instruction of a task at this level, or the plain one if it has no other."""
         return entry.instruction.get(self.level, entry.instruction.get(PLAIN, ""))
 
     def objects_of(self, episode: ExportEpisode) -> Floats:

@@ -29,7 +29,7 @@ def export(
     instructions say: ``vague``, ``default`` or ``exact``.
 
     Raises:
-        QueryError: there is no such form, or the dataset has no recordings, or no task that is asked for.
+        QueryError: there is no such form, or the dataset has no recordings, or no such task.
         DomainError: the domain of the dataset is not what dataset.json says.
         OutputError: it cannot be written, or is there already.
         DatasetsMissingError: a package that the form needs is not installed.

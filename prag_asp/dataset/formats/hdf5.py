@@ -27,7 +27,7 @@ LONGEST = 60_000
 
 
 class _Disk:
-    """A file that HDF5 writes to, which keeps the first failure to itself: told of one, HDF5 ends the whole process.
+    """A file that HDF5 writes to, which holds back the first failure: HDF5 aborts the process when it gets one.
 
     After it nothing more is written, and what is read back is zeros; so whoever writes asks now and then for it.
     """

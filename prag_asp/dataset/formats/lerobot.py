@@ -107,8 +107,8 @@ class _LeRobotWriter:
             "dataset_to_index": self._frames + episode.length,
         }
         for key, reel in self._reels.items():
-            told, found[key] = reel.add(episode)
-            row |= {f"videos/{key}/{name}": value for name, value in told.items()}
+            place, found[key] = reel.add(episode)
+            row |= {f"videos/{key}/{name}": value for name, value in place.items()}
         row |= flattened(found)
         self._rows.add_row({**row, **_origin(episode)})
         for name, each in found.items():
@@ -200,13 +200,13 @@ class _VideoFeature:
         for picture in episode.films[self._camera].packed[0].rows():
             colours.add(picture)
             self._video.add(picture)
-        told = {
+        place = {
             "chunk_index": self._place[0],
             "file_index": self._place[1],
             "from_timestamp": begin,
             "to_timestamp": self._video.seconds,
         }
-        return told, colours.statistics()
+        return place, colours.statistics()
 
     def close(self) -> None:
         """End the video that is being written."""

@@ -83,11 +83,11 @@ def dataset_name(source: EpisodeSource) -> str:
 def _write(group: h5py.Group, source: EpisodeSource, episode: ExportEpisode, number: int) -> int:
     """Write an episode, and return how many steps it has."""
     steps = require_steps(source, episode)
-    told = {
+    attributes = {
         name: json.dumps(each, ensure_ascii=False) if isinstance(each, list) else each
         for name, each in origin(episode).items()
     }
-    note(group, {"id": number, "total_steps": steps, **told})
+    note(group, {"id": number, "total_steps": steps, **attributes})
     last = np.arange(steps) == steps - 1
     done = episode.rewards[1:] == 1
     put(group, "actions", episode.action[:-1])

@@ -23,7 +23,7 @@ from prag_asp.output import whole_file
 from prag_asp.wording import plural
 
 GYM = 2
-"""The type of environment that robomimic is told, which has none for those that are not there."""
+"""The type of environment in the file: robomimic has none for environments that do not exist."""
 
 IMAGES = {"rgb": "image", "depth": "depth", "segmentation": "segmentation"}
 """What robomimic calls what cameras see."""
@@ -67,8 +67,8 @@ def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> i
     for name, values in _observed(source, episode):
         put(demo, f"obs/{name}", values[:-1])
         put(demo, f"next_obs/{name}", values[1:])
-    told = json.dumps({"lang": episode.instruction, **origin(episode)}, ensure_ascii=False)
-    note(demo, {"num_samples": steps, "ep_meta": told})
+    origins = json.dumps({"lang": episode.instruction, **origin(episode)}, ensure_ascii=False)
+    note(demo, {"num_samples": steps, "ep_meta": origins})
     return steps
 
 
@@ -97,9 +97,9 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
 
 
 def _environment(source: EpisodeSource) -> dict[str, Any]:
-    """Return what is told of the environment: there is none to be made, so what would make it is what there is."""
+    """Return the description of the environment; none can be made, so the arguments hold the metadata."""
     lower, upper = source.limits
-    told = {
+    values = {
         **provenance_of(source, "robomimic"),
         "rate": source.rate,
         "joints": source.joints,
@@ -109,4 +109,4 @@ def _environment(source: EpisodeSource) -> dict[str, Any]:
         "furniture": source.furniture,
         "legend": source.legend,
     }
-    return {"env_name": f"prag_asp/{source.data.domain.name}", "type": GYM, "env_kwargs": told}
+    return {"env_name": f"prag_asp/{source.data.domain.name}", "type": GYM, "env_kwargs": values}

@@ -17,7 +17,7 @@ OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
 """A picture that needs no other comes every ten, so that one is found quickly; a single thread, for the same bytes."""
 
 QUIET = "0"
-"""The encoder, which writes on stderr by itself, is not heard: what goes wrong is told by an error."""
+"""Silences the encoder, which writes to stderr; failures are raised as errors."""
 
 
 class Video:

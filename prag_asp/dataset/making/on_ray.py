@@ -84,12 +84,12 @@ class RayExecutor:
                     with uninterrupted():
                         _let_go(talker)
             except Ended as ended:
-                told = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
-                raise WorkerError(told) from None
+                message = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
+                raise WorkerError(message) from None
 
 
 def _let_go(talker: Child) -> None:
-    """Have Ray end all that it does for us, as it does when it is asked to; otherwise a cluster here leaves agents."""
+    """Terminate the process that talks to Ray, so that Ray ends our work; a killed local cluster would leave agents."""
     talker.process.terminate()
     with suppress(subprocess.TimeoutExpired):
         talker.process.wait(PARTING)

@@ -61,8 +61,10 @@ def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
         f"{ENCODINGS}/{path.relative_to(folder).as_posix()}": read_bytes(path) for path in sorted(folder.rglob("*.lp"))
     }
     flat = not domain.facts.composites and any("composite" in source.text for source in _own_sources(domain))
-    told = DomainSnapshot(domain.name, domain.label, dict(domain.constants), flat, [*_told(own)], [*_told(encodings)])
-    return told, {**own, **encodings}
+    snapshot = DomainSnapshot(
+        domain.name, domain.label, dict(domain.constants), flat, [*_records(own)], [*_records(encodings)]
+    )
+    return snapshot, {**own, **encodings}
 
 
 def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
@@ -78,7 +80,7 @@ def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
             replace_file(path, content, follow=False)
 
 
-def load_snapshot(folder: Path, told: DomainSnapshot, *, trust: bool = False) -> Domain:
+def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False) -> Domain:
     """Load the domain of a dataset from its folder alone.
 
     Raises:
@@ -89,7 +91,7 @@ def load_snapshot(folder: Path, told: DomainSnapshot, *, trust: bool = False) ->
     for name in (DOMAIN, ENCODINGS):
         if not is_inside(folder / name, folder):
             raise DomainError(f"{folder / name}: leads out of the dataset; {MEND}")
-    for file in (*told.files, *told.encodings):
+    for file in (*snapshot.files, *snapshot.encodings):
         path = folder / file.path
         try:
             content = read_bytes(path, within=folder)
@@ -98,13 +100,13 @@ def load_snapshot(folder: Path, told: DomainSnapshot, *, trust: bool = False) ->
         if sha256(content).hexdigest() != file.sha256:
             raise DomainError(f"{path}: is not what dataset.json says; {MEND}")
     domain = load_domain(
-        folder / DOMAIN, constants=told.constants, encodings=folder / ENCODINGS, flat=told.flat, trust=trust
+        folder / DOMAIN, constants=snapshot.constants, encodings=folder / ENCODINGS, flat=snapshot.flat, trust=trust
     )
-    known = {(folder / file.path).resolve() for file in (*told.files, *told.encodings)}
+    known = {(folder / file.path).resolve() for file in (*snapshot.files, *snapshot.encodings)}
     for path in _read(domain):
         if path.resolve() not in known:
             raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
-    return replace(domain, name=told.name)
+    return replace(domain, name=snapshot.name)
 
 
 def _read(domain: Domain) -> Iterator[Path]:
@@ -130,7 +132,7 @@ def digest_of(path: Path, *, at_most: int | None = None) -> str:
     return found.hexdigest()
 
 
-def _told(files: dict[str, bytes]) -> Iterator[FileRecord]:
+def _records(files: dict[str, bytes]) -> Iterator[FileRecord]:
     for path, content in sorted(files.items()):
         yield FileRecord(path, len(content), sha256(content).hexdigest())
 

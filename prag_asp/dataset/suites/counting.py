@@ -83,8 +83,10 @@ def count_suite(
         sizes[name] = count.by_length(name, part.where, part.lengths)
         there = sum(sizes[name].values())
         if there < part.tasks:
-            told = f"{name} wants {plural(part.tasks, 'task')}, but there are {there}"
-            raise QueryError(f"{suite.place('parts', name, 'tasks')}: {told}; ask for fewer, or give other conditions")
+            problem = f"{name} wants {plural(part.tasks, 'task')}, but there are {there}"
+            raise QueryError(
+                f"{suite.place('parts', name, 'tasks')}: {problem}; ask for fewer, or give other conditions"
+            )
     shared = []
     for one, other in combinations(suite.parts.values(), 2):
         both = [length for length in one.lengths if length in other.lengths]
@@ -105,9 +107,9 @@ class _SuiteCounter:
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
         self._suite, self._limits, self._progress = suite, limits, progress
         self._known: dict[tuple[frozenset[str], int], int] = {}
-        self._wanted: dict[frozenset[str], set[int]] = {}
+        self._lengths: dict[frozenset[str], set[int]] = {}
         for part in suite.parts.values():
-            self._wanted.setdefault(frozenset(part.where), set()).update(part.lengths)
+            self._lengths.setdefault(frozenset(part.where), set()).update(part.lengths)
         parts = len(suite.parts)
         self._done, self._total = 0, parts + parts * (parts - 1) // 2 + parts * len(suite.held)
 
@@ -115,17 +117,17 @@ class _SuiteCounter:
         """Return the number of tasks of each length that satisfy all of some conditions."""
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
-        asked = frozenset(clauses)
-        if any({held.having, held.without} <= asked for held in self._suite.held):
+        conditions = frozenset(clauses)
+        if any({held.having, held.without} <= conditions for held in self._suite.held):
             return dict.fromkeys(lengths, 0)  # each is the negation of the other
-        if any((asked, length) not in self._known for length in lengths):
+        if any((conditions, length) not in self._known for length in lengths):
             # What is explored for the longest holds for all, those of other parts under the same conditions among them.
-            wanted = self._wanted.get(asked, set()).union(lengths)
-            missing = sorted(length for length in wanted if (asked, length) not in self._known)
+            lengths_needed = self._lengths.get(conditions, set()).union(lengths)
+            missing = sorted(length for length in lengths_needed if (conditions, length) not in self._known)
             space = _space(self._suite, tuple(dict.fromkeys(clauses)), missing, self._limits)
             for length in reversed(missing):
-                self._known[asked, length] = at(space, length).count()
-        return {length: self._known[asked, length] for length in lengths}
+                self._known[conditions, length] = at(space, length).count()
+        return {length: self._known[conditions, length] for length in lengths}
 
 
 def _space(
@@ -146,10 +148,10 @@ def refuse_leaks(suite: Suite, figures: Figures) -> None:
     Raises:
         QueryError: there are some.
     """
-    told = []
+    problems = []
     for leak in figures.leaks:
         what = f"{leak.one} and {leak.other} have {plural(number_of(leak.tasks), 'task')} in common"
         mend = f'tell them apart by conditions, or add shares = "{leak.one}" to [parts.{leak.other}]'
-        told.append(f"{suite.place('parts', leak.other)}: {what}; {mend}")
-    if told:
-        raise QueryError(*told)
+        problems.append(f"{suite.place('parts', leak.other)}: {what}; {mend}")
+    if problems:
+        raise QueryError(*problems)

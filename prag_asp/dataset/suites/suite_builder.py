@@ -87,12 +87,12 @@ def _made(
     """Write the dataset of a part, record it, and return in words what it lacks."""
     part, lacking = suite.parts[note.name], tuple[str, ...]()
 
-    def told(words: str, done: int, total: int) -> None:
+    def report(words: str, done: int, total: int) -> None:
         progress(f"{note.name}: {words}", done, total)
 
     space = space_of(suite, part, limits=limits)
     try:
-        generate(space, folder / note.name, suite.dataset_spec(part), workers=workers, progress=told)
+        generate(space, folder / note.name, suite.dataset_spec(part), workers=workers, progress=report)
     except NotFound as error:
         lacking = tuple(f"{folder / note.name}: {line}" for line in error.lines)
     record_part(folder, note)
@@ -126,5 +126,5 @@ def _require_suite_folder(folder: Path, suite: Suite, identity: str) -> None:
     else:
         for part in before.parts:
             if part.tasks > suite.parts[part.name].tasks:
-                told = f"has {plural(part.tasks, 'task')} already; ask for at least as many, or give a new folder"
-                raise QueryError(f"{folder / part.name}: {told}")
+                problem = f"has {plural(part.tasks, 'task')} already; ask for at least as many, or give a new folder"
+                raise QueryError(f"{folder / part.name}: {problem}")

@@ -42,8 +42,8 @@ def verify(
 
     Each file is as dataset.json says, and there are no others. Each exact size is counted again. Each draw is made
     again by its seed, and stands in one row, once in all parts; clingo, which drew nothing, takes its plan; its words
-    are read back from their text. With `physics`, where that was asked, a fresh simulator takes each witness, and
-    recordings show their tasks; several `workers` find the same, in the same order. With `trust`, physics may run the
+    are read back from their text. With `physics`, each witness is simulated again,
+    and recordings show their tasks; several `workers` find the same, in the same order. With `trust`, physics may run the
     Python files of the domain.
 
     Of a suite, all figures are counted again from its own text, and each dataset is of the space that this says. No
@@ -72,7 +72,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
         yield Finding(SPELLED, None, f"cannot be looked at: {error}")
         return
     if {part.name for part in note.parts} != {*suite.parts}:
-        return  # which is told
+        return  # which is a finding already
     apart = _Apart(suite)
     for part in note.parts:
         if part.dataset is None:
@@ -80,8 +80,8 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
         try:
             data = Dataset.open(path / part.name, trust=trust)
             yield from _wrong_part(suite, part.name, data)
-            told = _of(part.name, progress)
-            for finding in wrong_dataset(path / part.name, trust, physics, workers, told):
+            report = _of_part(part.name, progress)
+            for finding in wrong_dataset(path / part.name, trust, physics, workers, report):
                 yield finding._replace(file=f"{part.name}/{finding.file}")
             yield from apart.wrong(part.name, data)
         except PragError as error:
@@ -100,8 +100,8 @@ def _text(folder: Path) -> str:
         raise DomainError(f"{folder / SPELLED}: cannot be read: {error}; copy the suite once more") from None
 
 
-def _of(name: str, progress: Progress) -> Progress:
-    """Return what tells how far a part is."""
+def _of_part(name: str, progress: Progress) -> Progress:
+    """Return the progress of a part."""
     return lambda words, done, total: progress(f"{name}: {words}", done, total)
 
 
@@ -170,6 +170,6 @@ class _Apart:
             for text in (*said, *(entry.subgoals if said else ())):
                 for before, place in self.words.get(text, {}).items():
                     if before != name and part.apart(parts[before]):
-                        yield Finding(name, row, f"is told in words of {before}, row {place}: {text}")
+                        yield Finding(name, row, f"has words of {before}, row {place}: {text}")
                 if text:
                     self.words.setdefault(text, {}).setdefault(name, row)

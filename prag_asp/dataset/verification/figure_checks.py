@@ -1,4 +1,4 @@
-"""The figures of dataset.json: what follows from its shards, from the space, and from what was asked for."""
+"""Check the figures of dataset.json, which follow from its shards, the space and the request."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ def _wrong_shard(part: PartManifest, shard: Shard) -> Iterator[Finding]:
     counted = {table: shard.rows(table) for table in ("tasks", "refused", "witnesses")}
     for what, number in {**counted, "draws": shard.end - shard.first}.items():
         if said[what] != number:
-            told = f"the tally of shard {shard.number} has {said[what]} {what}; there are {number}"
-            yield Finding(NAME, None, f"parts, {part.name}: {told}")
+            problem = f"the tally of shard {shard.number} has {said[what]} {what}; there are {number}"
+            yield Finding(NAME, None, f"parts, {part.name}: {problem}")
 
 
 def wrong_sizes(manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, Ordered]) -> Iterator[Finding]:
@@ -68,9 +68,11 @@ def wrong_sizes(manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapp
     for space in manifest.spaces:
         count = spaces[space.length].count()
         if number_of(space.tasks) != count:
-            told = f"there are {grouped(count)} tasks of length {space.length}, not {grouped(number_of(space.tasks))}"
-            yield Finding(NAME, None, f"spaces: {told}")
+            problem = (
+                f"there are {grouped(count)} tasks of length {space.length}, not {grouped(number_of(space.tasks))}"
+            )
+            yield Finding(NAME, None, f"spaces: {problem}")
     for part in manifest.parts:
         if number_of(part.size) != parts[part.name].size:
-            told = f"has {grouped(parts[part.name].size)} tasks to draw, not {grouped(number_of(part.size))}"
-            yield Finding(NAME, None, f"parts, {part.name}: {told}")
+            problem = f"has {grouped(parts[part.name].size)} tasks to draw, not {grouped(number_of(part.size))}"
+            yield Finding(NAME, None, f"parts, {part.name}: {problem}")

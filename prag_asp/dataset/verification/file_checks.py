@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 LARGEST_RECORDING = 1_000_000_000
-"""Bytes of a recording, of which no size is told, that are looked at."""
+"""The most bytes of a recording that are read: its table does not have its size."""
 
 UNSEEN = (".git", ".cache", ".gitattributes")
 """What hubs put beside the files of a dataset."""

@@ -62,7 +62,7 @@ class InitialStateChecks:
                 rows, found, recorded = (self._whole(name, shard) for name in ("tasks", "witnesses", "recordings"))
                 tasks = {row["task"]: entry_of(row, "", self._manifest.domain.constants).task for _, row in rows}
             except (PragError, ValueError, TypeError, KeyError):
-                continue  # what is wrong with the rows is told of them
+                continue  # the checks of rows report that
             yield from self._wrong_numbers(shard, rows, found)
             yield from self._wrong_witnesses(shard, tasks, found)
             yield from self._wrong_recordings(shard, tasks, recorded)

@@ -53,7 +53,7 @@ VALUES = {
 class RowChecks:
     """Checks the rows of the tables of tasks of a dataset, part by part.
 
-    `seen` has where each task was found that was looked at, by its length and rank; `progress` is told how many of all.
+    `seen` has the place of each checked task, by its length and rank; `progress` takes the numbers checked and to check.
     """
 
     manifest: Manifest
@@ -66,7 +66,7 @@ class RowChecks:
     def __post_init__(self) -> None:
         spec = self.manifest.spec
         self._teller = teller_of(self.domain, spec.language, phrasings=spec.phrasings)
-        self._tell = captioner_with(self._teller, self.domain, spec.seed)
+        self._captioner = captioner_with(self._teller, self.domain, spec.seed)
         self._clingo = clingo_spaces(self.manifest, self.domain)
         self._colours: Mapping[int, Mapping[str, str]] = {}
 
@@ -81,8 +81,8 @@ class RowChecks:
                 found = {}
             counted = sum(len(rows) + len(wrong) for rows, wrong in found.values()) if found else UNREAD
             if shard.end - shard.first > counted + MISSING:
-                told = f"shard {shard.number} has too many draws for its rows, {shard.end - shard.first:,}"
-                yield Finding(NAME, None, f"parts, {note.name}: {told}; nothing after that was looked at")
+                problem = f"shard {shard.number} has too many draws for its rows, {shard.end - shard.first:,}"
+                yield Finding(NAME, None, f"parts, {note.name}: {problem}; nothing after that was checked")
                 return
             right = [next(drawn, None) for _ in range(shard.end - shard.first)]
             if not found:
@@ -93,13 +93,13 @@ class RowChecks:
             passed, refused, starts = (rows for rows, _ in found.values())
             for place, row in passed:
                 if row["task"] != tasks + place:
-                    told = f"has the number {row['task']}, not {tasks + place}"
-                    yield Finding(shard.files["tasks"].path, place, told)
+                    problem = f"has the number {row['task']}, not {tasks + place}"
+                    yield Finding(shard.files["tasks"].path, place, problem)
             tasks += shard.rows("tasks")
             yield from self._wrong_draws(shard, passed, refused, right)
             if shard.tally != tally_of(passed, refused, [row for _, row in starts]):
-                told = f"the tally of shard {shard.number} of {note.name} is not what its rows say"
-                yield Finding(NAME, None, told)
+                problem = f"the tally of shard {shard.number} of {note.name} is not what its rows say"
+                yield Finding(NAME, None, problem)
             self.done += shard.rows("tasks")
             self.progress("rows", self.done, self.manifest.rows("tasks"))
 
@@ -118,8 +118,8 @@ class RowChecks:
                 file, draw = shard.files[table].path, row["draw"]
                 if draw not in missing:
                     known = shard.first <= draw < shard.end
-                    told = "is there twice" if known else f"is not of this shard, {shard.first} to {shard.end - 1}"
-                    yield Finding(file, place, f"draw {draw} {told}")
+                    problem = "is there twice" if known else f"is not of this shard, {shard.first} to {shard.end - 1}"
+                    yield Finding(file, place, f"draw {draw} {problem}")
                     continue
                 if draw < before:
                     yield Finding(file, place, f"draw {draw} stands after draw {before}")
@@ -173,8 +173,8 @@ class RowChecks:
 
         Instructions that are longer than any that can be read are compared with those that the seed draws.
         """
-        told, teller = self._tell(task, colours), self._teller.recoloured(colours)
-        if (dict(told.whole), told.subgoals, told.named) != (entry.instruction, entry.subgoals, entry.named):
+        texts, teller = self._captioner(task, colours), self._teller.recoloured(colours)
+        if (dict(texts.whole), texts.subgoals, texts.named) != (entry.instruction, entry.subgoals, entry.named):
             yield "its words are not those that the seed draws"
         for level in READ_BACK:
             if level not in entry.instruction:
@@ -196,7 +196,7 @@ class RowChecks:
         verdict, spec = entry.verdict, self.manifest.spec
         if verdict is None or spec.budget is None:
             if (verdict is None) != (spec.budget is None):
-                yield "has no verdict" if verdict is None else "has a verdict, though physics was not asked"
+                yield "has no verdict" if verdict is None else "has a verdict, though there is no budget"
             return
         if verdict.feasible != (table == "tasks"):
             yield f"is {verdict.status}, which belongs into another table"
@@ -212,7 +212,7 @@ def _file(shard: Shard) -> str:
 
 
 def colours_of(tables: TableReader, shard: Shard, manifest: Manifest) -> Mapping[int, Mapping[str, str]]:
-    """Return the colours in the recording of each task of a shard; those that cannot be read are told of themselves."""
+    """Return the colours in the recording of each task of a shard; unreadable recordings are findings elsewhere."""
     staging = manifest.spec.staging
     if staging is None or "colour" not in staging.vary:
         return {}

@@ -199,7 +199,7 @@ FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
     ),
     "words of training": (
         lambda folder: (shutil.rmtree(folder / "words"), shutil.copytree(folder / "train", folder / "words")),
-        "words: row 0: is told in words of train",
+        "words: row 0: has words of train",
     ),
     "a part that is gone": (lambda folder: shutil.rmtree(folder / "start"), "start: "),
 }
