@@ -39,8 +39,8 @@ def main() -> None:
     moments = [moment_of(shown, int(k)) for k in np.linspace(0, len(shown.times) - 1, PICTURES)]
     ways: dict[tuple[str, str], Callable[[], None]] = {}
     with ExitStack() as resources:
-        studio = resources.enter_context(open_studio(shown.sized(scene), shown.objects))
-        whole = resources.enter_context(open_simulator(shown.sized(scene), visual=True))
+        studio = resources.enter_context(open_studio(shown.sized_scene(scene), shown.objects))
+        whole = resources.enter_context(open_simulator(shown.sized_scene(scene), visual=True))
 
         def ours(camera: Camera) -> None:
             for moment in moments:
@@ -83,7 +83,7 @@ def _timed(run: Callable[[], object], count: int) -> float:
 def _demonstrated(name: str, scene: Scene, seed: int) -> Demonstration:
     """Return the recording of the first task that is demonstrated."""
     with open_validator(scene) as validator:
-        for index, task in enumerate(TaskSpace(load_domain(name), 3).draw(seed=seed)):
+        for index, task in enumerate(TaskSpace(load_domain(name), 3).stream(seed=seed)):
             verdict = validator.validate(task, seed=seed, index=index, budget=Budget(tier="demonstration"))
             if verdict.demonstration is not None:
                 return verdict.demonstration

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import msgspec
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.physics.filming.episode_options import Staging
-from prag_asp.physics.verdict import Budget
+from prag_asp.physics.verdict import Budget, Tier
 from prag_asp.space.sampling.sharding import ALL, Deal
+from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
@@ -211,7 +211,7 @@ def require_staging(staging: Staging, domain: Domain, demonstrate: bool, starts:
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
     """Return a budget with the tier of demonstrations where these are to be recorded."""
     budget = budget or Budget()
-    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
+    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION)
 
 
 def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:

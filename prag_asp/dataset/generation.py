@@ -14,11 +14,10 @@ from prag_asp.missing import require_pyarrow
 if TYPE_CHECKING:
     from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
 
 
 def generate(
-    space: TaskSpace | TaskSpaces,
+    space: TaskSpace,
     folder: str | Path,
     spec: DatasetSpec | None = None,
     *,

@@ -16,7 +16,6 @@ from prag_asp.missing import require_pyarrow
 from prag_asp.safe_reading import is_inside, read_bytes
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -60,7 +59,7 @@ def merge(
             raise QueryError(f"{folder}: {where} one of the parts; give a new folder")
     manifest = found[0].manifest
     domain, lengths = found[0].domain, manifest.lengths
-    space = TaskSpace(domain, lengths[0]) if len(lengths) == 1 else TaskSpaces(domain, lengths)
+    space = TaskSpace(domain, lengths)
     files = {
         file.path: read_bytes(found[0].folder / file.path, within=found[0].folder)
         for file in (*manifest.domain.files, *manifest.domain.encodings)

@@ -14,17 +14,15 @@ from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.pass_rates import Tally
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
-from prag_asp.space.without_replacement import drawn_tasks
 
 if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
 
 
 def feasible(
-    space: TaskSpace | TaskSpaces,
+    space: TaskSpace,
     scene: Scene | None = None,
     *,
     seed: int = 0,
@@ -38,7 +36,7 @@ def feasible(
 ) -> Generator[Record, None, None]:
     """Yield the feasible tasks among those drawn from a space, each with its verdict and its witness, without end.
 
-    `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.draw` takes beside the
+    `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.stream` takes beside the
     seed; with ``distinct=True`` (and weights alone), no task is drawn twice, and it ends with the last one. It ends
     after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot performs each
     task, and recordings are written into that folder, which is made where it is missing, with what `staging` asks for:
@@ -58,7 +56,7 @@ def feasible(
 
 
 def draws_looked_at(
-    space: TaskSpace | TaskSpaces,
+    space: TaskSpace,
     scene: Scene | None = None,
     *,
     seed: int = 0,
@@ -80,7 +78,7 @@ def draws_looked_at(
         require_demonstrated(staging, demonstrate)
         staging.cameras_of(scene)
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
-    tasks, again = tee(islice(drawn_tasks(space, seed=seed, **drawing), draws))
+    tasks, again = tee(islice(space.stream(seed=seed, **drawing), draws))
     verdicts = validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget, staging=staging)
     return _recorded(again, verdicts, Recordings(demonstrate), tally)
 

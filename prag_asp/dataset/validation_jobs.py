@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget, Demonstration, Staging, Validator, Verdict, Witness
     from prag_asp.scene.scene import Scene
-    from prag_asp.space.without_replacement import Placed
+    from prag_asp.space.distinct_sampling import RankedDraw
 
 START = 1 << 32
 """The difference between the indices of two searches in a row for the same task."""
@@ -34,7 +34,7 @@ class ValidationJob(NamedTuple):
 
     number: int
     search: int
-    drawn: Task | Placed
+    drawn: Task | RankedDraw
 
 
 class JobResult(NamedTuple):
@@ -73,33 +73,23 @@ class CaptionSetup:
     phrasings: str
 
 
-def answers(messages: Iterator[Any]) -> Iterator[list[JobResult]]:
-    """Yield the results of numbered jobs, many together; the first message is their `ValidationSetup`.
-
-    Raises:
-        SceneError: the scene cannot be built, or a task names something for which it has no shape.
-    """
-    with open_job_validator(next(messages)) as validate:
-        for numbered in messages:
-            yield validate([job for _, job in numbered])
-
-
 @contextmanager
-def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[Sequence[ValidationJob]], list[JobResult]]]:
-    """Yield a function that validates jobs with tasks; search s of a draw has the index ``search + s * START``.
+def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, ValidationJob], JobResult]]:
+    """Yield a function that validates a job with a task; search s of a draw has the index ``search + s * START``.
 
     So its results depend on the seed and these two alone. A search that finds no witness, or one from an initial state
     that is there already, is replaced by the next one, up to `TRIES` for each initial state.
 
     Raises:
-        SceneError: as `answers` does.
+        SceneError: the scene cannot be built, or a task names something for which it has no shape.
     """
     with _validator(setup) as validator:
 
-        def results(jobs: Sequence[ValidationJob]) -> list[JobResult]:
-            return [_result(setup, job, job.drawn, validator)[1] for job in jobs if isinstance(job.drawn, Task)]
+        def validate(_: int, job: ValidationJob) -> JobResult:
+            assert isinstance(job.drawn, Task)
+            return _result(setup, job, job.drawn, validator)[1]
 
-        yield results
+        yield validate
 
 
 @contextmanager
@@ -109,7 +99,7 @@ def open_draw_validator(
     """Yield a function that makes tasks of draws and validates them; it returns results, and their rows as Arrow.
 
     Raises:
-        SceneError: as `answers` does.
+        SceneError: the scene cannot be built, or a task names something for which it has no shape.
     """
     from prag_asp.dataset.store.columns import TableBuilder, packed
     from prag_asp.dataset.store.shard_writer import row_of
@@ -136,31 +126,22 @@ def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
     Raises:
         SceneError: the scene cannot be built.
     """
-    with ExitStack() as resources:
-        if setup.scene is None:
-            yield None
-            return
-        from prag_asp.physics.worker import opened_validator
+    if setup.scene is None:
+        yield None
+        return
+    from prag_asp.physics import open_validator
 
-        yield opened_validator(setup.scene, resources)
+    with open_validator(setup.scene) as validator:
+        yield validator
 
 
-def _tasks_and_texts(setup: CaptionSetup) -> tuple[Callable[[Sequence[Placed]], list[Task]], Captioner]:
+def _tasks_and_texts(setup: CaptionSetup) -> tuple[Callable[[Sequence[RankedDraw]], list[Task]], Captioner]:
     """Return a function that makes tasks of draws, many together, and one that makes the texts of a task."""
     from prag_asp.dataset.store.instructions import captioner_of
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
-    from prag_asp.space.without_replacement import tell
 
-    one = len(setup.lengths) == 1
-    domain = setup.domain
-    whole = TaskSpace(domain, setup.lengths[0]) if one else TaskSpaces(domain, setup.lengths)
-    space = whole.where(*setup.where)
-
-    def tasks(draws: Sequence[Placed]) -> list[Task]:
-        return [task for _, task in tell(space, iter(draws), together=len(draws))]
-
-    return tasks, captioner_of(domain, setup.language, setup.seed, setup.phrasings)
+    space = TaskSpace(setup.domain, setup.lengths).where(*setup.where)
+    return space.tasks_of_draws, captioner_of(setup.domain, setup.language, setup.seed, setup.phrasings)
 
 
 def _result(
@@ -170,7 +151,7 @@ def _result(
     result, recordings = DrawResult(setup.part, job.number, None, []), tuple[bytes | None, ...]()
     if validator is not None:
         verdicts = _verdicts(setup, job, task, validator)
-        recordings = tuple(None if each.demonstration is None else each.demonstration.packed() for each in verdicts)
+        recordings = tuple(None if each.demonstration is None else each.demonstration.to_bytes() for each in verdicts)
         starts = [
             StartResult(each.index, _witness_json(each), _recording_info(each.demonstration, content))
             for each, content in zip(verdicts, recordings, strict=True)

@@ -9,16 +9,13 @@ from functools import cached_property
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground_step import GroundStep, ground_plan, ground_step
 from prag_asp.logic.ground.program import canonical_program, closed_program, weighing_program, whole_program
-from prag_asp.logic.ground.stationary import StepReads, read_step
+from prag_asp.logic.ground.stationary import Obstacle, StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
-from prag_asp.logic.symmetry.asymmetric_invariants import stated_unevenly
 from prag_asp.logic.symmetry.symmetries import Symmetries
-from prag_asp.logic.symmetry.symmetry import find_symmetries, may_interchange
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.sources import ADDED, Program
 
@@ -71,11 +68,11 @@ class Model:
             EngineError: a step reads more than the step before it.
         """
         if self.reads.obstacles:
-            raise EngineError(self.reads.obstacles[0])
+            raise self.reads.obstacles[0].error()
         return ground_step(self.program, self.domain.facts, self.reads)
 
     @property
-    def obstacles(self) -> tuple[str, ...]:
+    def obstacles(self) -> tuple[Obstacle, ...]:
         """Why a step is not a function of the state and the action, where it is not."""
         return self.reads.obstacles or self.ground.obstacles
 
@@ -94,6 +91,8 @@ class Model:
         if self.part_of is not None:
             return self.part_of.symmetries(length)
         if self.whole is not self:
+            from prag_asp.logic.symmetry.symmetry import may_interchange  # noqa: PLC0415 - plans and skeletons need none
+
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
@@ -112,6 +111,8 @@ class Model:
 
         Where the invariants may say of single entities what follows anyway, all that follows is stated first.
         """
+        from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
+
         bare = self.bare
         beside = None if bare is None else lambda: ground(bare._closed() or bare)
 
@@ -126,6 +127,8 @@ class Model:
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> Model | None:
         """Return the model that states all that the invariants entail, where more than `groups` may be alike in it."""
+        from prag_asp.logic.symmetry.asymmetric_invariants import stated_unevenly  # noqa: PLC0415 - plans and skeletons need none
+
         if not stated_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
             return None
         return Model(replace(self.domain, program=program))
@@ -187,7 +190,7 @@ class Model:
             EngineError: the step is not a function of the state and the action.
         """
         if self.obstacles:
-            raise EngineError(self.obstacles[0])
+            raise self.obstacles[0].error()
         tells_apart = tasks and bool(self.symmetries(0))
         if not weighed and not labels:
             return self._task_transition if tells_apart else self._plan_transition

@@ -17,7 +17,7 @@ from prag_asp.logic.formula.cnf import dimacs
 from prag_asp.program.constants import Constant
 from prag_asp.program.paths import shipped_domains
 from prag_asp.space.engines import LEVELS, automaton_engine
-from prag_asp.space.engines.stored_automata import shelf_for
+from prag_asp.space.engines.stored_automata import automaton_slot
 from prag_asp.space.engines.word_formula import word_formula
 
 HANOI = (shipped_domains()["hanoi"] / "domain.lp").read_text(encoding="utf-8")
@@ -42,7 +42,7 @@ def test_every_engine_counts_what_the_edited_text_has(engine: str) -> None:
         text = TaskSpace(load_domain(text=edited(discs)), 3, engine=engine)
         for level in LEVELS:
             assert given.count(level) == text.count(level)
-            assert list(given.words(level)) == list(text.words(level))
+            assert list(given.enumerate(level)) == list(text.enumerate(level))
 
 
 def test_the_number_of_walks_is_that_of_the_graph_with_so_many_discs() -> None:
@@ -169,6 +169,6 @@ def test_what_is_kept_for_one_value_is_never_taken_for_another(tmp_path: Path, m
     keys = {
         shelf.key
         for domain in (load_domain("hanoi"), load_domain("hanoi", constants={"discs": 3}))
-        if (shelf := shelf_for(tmp_path, Model(domain), "task", None))
+        if (shelf := automaton_slot(tmp_path, Model(domain), "task", None))
     }
     assert len(keys) == 1  # the same program

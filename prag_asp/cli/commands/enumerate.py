@@ -42,11 +42,11 @@ def enumerate(
     with progress() as tell:
         space = asked.spaces(tell)
         with writer(output) as out:
-            words = islice(space.words(by, first), limit)
+            words = islice(space.enumerate(by, first), limit)
             if form == "text":
                 for word in words:
                     out.write(" ".join(word))
             else:
                 line = telling.line(space.domain)
-                for task in space.narrate(words):
+                for task in space.tasks_of_plans(words):
                     out.write(line(Record(task)))

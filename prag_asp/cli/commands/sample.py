@@ -23,7 +23,6 @@ from prag_asp.wording import plural
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""
@@ -68,7 +67,6 @@ def sample(
     Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end.
     """
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.space.without_replacement import drawn_tasks
 
     telling.check()
     require_writable(output)
@@ -87,7 +85,7 @@ def sample(
         drawing.update(weighing.arguments(space.domain))
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
-            drawn = drawn_tasks(space, seed=seed, **drawing) if wanted else iter(())
+            drawn = space.stream(seed=seed, **drawing) if wanted else iter(())
             found = 0
             with writer(output) as out:
                 for task in islice(drawn, wanted):
@@ -119,7 +117,7 @@ def _distinct(over: str | None, by: str) -> dict[str, Any]:
 class _Drawing:
     """What is drawn, how many feasible tasks are wanted, and in how many draws."""
 
-    space: TaskSpace | TaskSpaces
+    space: TaskSpace
     wanted: int
     limit: int
     seed: int

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, open_job_validator
@@ -48,14 +49,16 @@ class LocalExecutor:
         if self.workers == 1 or setup.scene is None:
             with open_job_validator(setup) as validate:
                 for job in jobs:
-                    yield validate([job])[0]
+                    yield validate(job.search, job)
             return
-        from prag_asp.physics.pool import pooled
+        from prag_asp.physics.validator import ACTIVITY
+        from prag_asp.processes.worker_pool import map_ordered
 
         numbered = ((job.search, job) for job in jobs)
         chunk = max(CHUNK // setup.starts, 1)
-        with closing(pooled(numbered, "prag_asp.dataset.validation_jobs", setup, self.workers, chunk=chunk)) as found:
-            yield from found
+        opened = partial(open_job_validator, setup)
+        with closing(map_ordered(numbered, opened, self.workers, activity=ACTIVITY, chunk=chunk)) as results:
+            yield from results
 
 
 def executor_of(workers: int, on: str | None) -> Executor:

@@ -23,7 +23,7 @@ from typing import Any
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, open_draw_validator
 from prag_asp.errors import WorkerError
 from prag_asp.processes.progress_events import stage
-from prag_asp.processes.workers import Child, Children, Ended, uninterrupted
+from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
 """Tasks of Ray for each processor that are handed out: the one that it does, and one that it need not wait for."""
@@ -66,7 +66,7 @@ class RayExecutor:
         from prag_asp.dataset.store.columns import RowReference, unpacked
 
         stage("validating tasks on the cluster")
-        with Children(__name__, complaints=subprocess.DEVNULL) as children:
+        with WorkerGroup(__name__, stderr=subprocess.DEVNULL) as children:
             try:
                 talker = children.start()
                 try:
@@ -83,12 +83,12 @@ class RayExecutor:
                 finally:
                     with uninterrupted():
                         _let_go(talker)
-            except Ended as ended:
+            except WorkerEnded as ended:
                 message = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
                 raise WorkerError(message) from None
 
 
-def _let_go(talker: Child) -> None:
+def _let_go(talker: Worker) -> None:
     """Terminate the process that talks to Ray, so that Ray ends our work; a killed local cluster would leave agents."""
     talker.process.terminate()
     with suppress(subprocess.TimeoutExpired):

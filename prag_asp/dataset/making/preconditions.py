@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.manifest import DATASET, Manifest, PartManifest
 from prag_asp.errors import OutputError
-from prag_asp.fields import shown
+from prag_asp.tables.report import shown
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.space.without_replacement import Ordered
+    from prag_asp.space.distinct_sampling import TaskOrder
 
 JOURNAL = "journal.part"
 """The results of the draws since the last shard, from which an interrupted run is resumed; it is removed at the end."""
@@ -43,7 +43,7 @@ def difference(one: Manifest, other: Manifest) -> str:
     return "is a dataset of another state of the domain or of the encodings"
 
 
-def too_few(part: PartManifest, available: Ordered, limit: int) -> str:
+def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
     """Return in words that a part has fewer tasks than requested, and why."""
     found = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in"
     found = f"{found} {plural(part.draws, 'draw')}"

@@ -38,16 +38,16 @@ from prag_asp.integers import digits_of, number_of
 from prag_asp.output import Journal, file_in, make_folder, replace_file
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
-from prag_asp.space.without_replacement import Ordered, at, lengths_of, ordered_parts, tell
+from prag_asp.space.distinct_sampling import TaskOrder
+from prag_asp.space.without_replacement import ordered_parts, with_tasks
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.making.machine_parts import MachineParts
     from prag_asp.dataset.store.shard_writer import PartWriter
+    from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
-    from prag_asp.space.without_replacement import Placed
     from prag_asp.task import Task
 
 RECORDINGS = "demonstrations"
@@ -64,7 +64,7 @@ class DrawRecord:
     It has a task and its texts, or a row of them in the job result.
     """
 
-    placed: Placed
+    placed: RankedDraw
     result: DrawResult
     task: tuple[Task, TaskTexts] | None
     job_result: JobResult | None = None
@@ -75,7 +75,7 @@ class DatasetRun:
 
     def __init__(
         self,
-        space: TaskSpace | TaskSpaces,
+        space: TaskSpace,
         folder: Path,
         spec: DatasetSpec,
         snapshot: tuple[DomainSnapshot, dict[str, bytes]],
@@ -101,7 +101,7 @@ class DatasetRun:
         self._captioner = captioner_of(self._space.domain, spec.language, spec.seed, spec.phrasings)
         require_dataset_folder(self._folder)
         parts = ordered_parts(
-            self._space, spec.division, seed=spec.seed, weights=spec.weights, temperature=spec.temperature,
+            self._space, spec.division, seed=spec.seed, weights=self._space.weights(spec.weights, spec.temperature),
             evenly=spec.evenly, deal=spec.deal,
         )  # fmt: skip
         make_folder(self._folder)
@@ -126,7 +126,7 @@ class DatasetRun:
         """Return the number of draws after which a part is given up."""
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
-    def _new_manifest(self, parts: Mapping[str, Ordered]) -> Manifest:
+    def _new_manifest(self, parts: Mapping[str, TaskOrder]) -> Manifest:
         """Return the manifest of the dataset before anything is made."""
         request = request_of(self._space, self._spec)
         return Manifest(
@@ -136,7 +136,7 @@ class DatasetRun:
             lengths=request["lengths"],
             where=request["where"],
             domain=self._snapshot,
-            spaces=[SpaceSize(length, digits_of(at(self._space, length).count())) for length in request["lengths"]],
+            spaces=[SpaceSize(length, digits_of(self._space.at(length).count())) for length in request["lengths"]],
             parts=[PartManifest(name, digits_of(part.size), 0) for name, part in parts.items()],
         )
 
@@ -170,7 +170,7 @@ class DatasetRun:
             write_snapshot(self._folder, self._files)
         return manifest
 
-    def _make(self, parts: Mapping[str, Ordered]) -> None:
+    def _make(self, parts: Mapping[str, TaskOrder]) -> None:
         """Write what is missing."""
         from prag_asp.dataset.store.shard_writer import PartWriter
 
@@ -193,7 +193,7 @@ class DatasetRun:
             with suppress(msgspec.MsgspecError):
                 yield msgspec.json.decode(line, type=DrawResult)
 
-    def _fill(self, writer: PartWriter, part: Ordered, left: list[DrawResult]) -> None:
+    def _fill(self, writer: PartWriter, part: TaskOrder, left: list[DrawResult]) -> None:
         """Add draws to a part until it has its tasks, or is given up."""
         note, parts = writer.note, self._parts
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
@@ -226,11 +226,11 @@ class DatasetRun:
             self._journal.clear()
 
     def _records(
-        self, writer: PartWriter, part: Ordered, plan: DrawPlan, left: list[DrawResult], limit: int
+        self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, left: list[DrawResult], limit: int
     ) -> Generator[DrawRecord, None, None]:
         """Yield the draws of a part that this run validates; the results of some are `left` in the journal."""
         numbers, again = tee(plan.missing(writer.next, limit))
-        drawn = zip(numbers, part.picked(again), strict=False)
+        drawn = zip(numbers, part.pick(again), strict=False)
         first = list(islice(drawn, len(left)))
         known = list(takewhile(lambda pair: pair[0][0] == pair[1].draw, zip(first, left, strict=False)))
         for ((_, placed), result), task in zip(known, self._tasks(placed for (_, placed), _ in known), strict=True):
@@ -238,10 +238,10 @@ class DatasetRun:
         yield from self._validated(writer.note.name, plan, chain(first[len(known) :], drawn))
 
     def _validated(
-        self, name: str, plan: DrawPlan, drawn: Iterator[tuple[int, Placed]]
+        self, name: str, plan: DrawPlan, drawn: Iterator[tuple[int, RankedDraw]]
     ) -> Generator[DrawRecord, None, None]:
         """Yield numbered draws of a part as the executor has validated them."""
-        handed: deque[tuple[Placed, Task | None]] = deque()
+        handed: deque[tuple[RankedDraw, Task | None]] = deque()
 
         def jobs() -> Iterator[ValidationJob]:
             if self._executor.captions:
@@ -261,9 +261,9 @@ class DatasetRun:
                 texts = None if task is None else (task, self._captioner(task, result.colours))
                 yield DrawRecord(placed, result, texts, each)
 
-    def _tasks(self, placed: Iterable[Placed]) -> Iterator[Task]:
+    def _tasks(self, placed: Iterable[RankedDraw]) -> Iterator[Task]:
         """Yield draws as tasks, of which the states are computed many together."""
-        return (task for _, task in tell(self._space, iter(placed)))
+        return (task for _, task in with_tasks(self._space, placed))
 
     def _setup(self, part: str) -> ValidationSetup:
         """Return how the draws of a part are validated.
@@ -278,8 +278,7 @@ class DatasetRun:
         scene = None if spec.budget is None else scene_of(domain)
         captions = None
         if self._executor.captions:
-            lengths = tuple(lengths_of(space))
-            captions = CaptionSetup(domain, lengths, where, spec.language, spec.seed, spec.phrasings)
+            captions = CaptionSetup(domain, space.lengths, where, spec.language, spec.seed, spec.phrasings)
         return ValidationSetup(part, spec.seed, spec.budget, scene, spec.starts, spec.staging, captions)
 
     def _noted(self, writer: PartWriter, record: DrawRecord) -> DrawResult:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from prag_asp.dataset.language import instruction, sentence, teller_of
+from prag_asp.dataset.language import instruction, instruction_writer_of, sentence
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.language import Teller
+    from prag_asp.dataset.language import InstructionWriter
     from prag_asp.domain.load import Domain
     from prag_asp.task import Task
 
@@ -36,10 +36,10 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
     Raises:
         QueryError: the domain does not speak the language, or has no such phrasings.
     """
-    return captioner_with(teller_of(domain, language, phrasings=phrasings), domain, seed)
+    return captioner_with(instruction_writer_of(domain, language, phrasings=phrasings), domain, seed)
 
 
-def captioner_with(teller: Teller, domain: Domain, seed: int) -> Captioner:
+def captioner_with(teller: InstructionWriter, domain: Domain, seed: int) -> Captioner:
     """Return the captioner of `captioner_of` for an existing teller."""
 
     def texts(task: Task, colours: Mapping[str, str]) -> TaskTexts:

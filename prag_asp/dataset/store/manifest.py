@@ -14,12 +14,12 @@ from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
 from prag_asp.dataset.store.manifest_file import ManifestFile
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole
 from prag_asp.integers import digits_of, number_of
+from prag_asp.output.digests import digest
+from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
 
 NAME = "dataset.json"
 
@@ -158,18 +158,14 @@ class Manifest(msgspec.Struct):
         return sum(number_of(space.tasks) for space in self.spaces)
 
 
-def request_of(space: TaskSpace | TaskSpaces, spec: DatasetSpec) -> dict[str, Any]:
+def request_of(space: TaskSpace, spec: DatasetSpec) -> dict[str, Any]:
     """Return the values that identify a dataset besides its domain, by their names: the space and the fixed request."""
-    from prag_asp.space.without_replacement import lengths_of
-
     where = [str(clause) for clause in space.condition.clauses]
-    return {"lengths": [*lengths_of(space)], "where": where, **spec.fixed()}
+    return {"lengths": [*space.lengths], "where": where, **spec.fixed()}
 
 
 def identity_of(domain: DomainSnapshot, request: Mapping[str, Any]) -> str:
     """Return a digest of everything that a dataset depends on, except the number of its tasks."""
-    from prag_asp.domain.identity import digest
-
     return digest([msgspec.to_builtins(domain), request])
 
 

@@ -23,10 +23,10 @@ from prag_asp.dataset.suites.suite_manifest import (
     manifest_of,
     record_part,
 )
-from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, make_folder, replace_file
+from prag_asp.output.digests import digest
 from prag_asp.physics import require_physics
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.versions import versions

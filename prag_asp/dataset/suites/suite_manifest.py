@@ -14,8 +14,8 @@ from prag_asp.dataset.store.manifest import DATASET, Decimal, SpaceSize
 from prag_asp.dataset.store.manifest_file import ManifestFile
 from prag_asp.dataset.suites.counting import Figures, HeldOutCount, Overlap
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole
 from prag_asp.integers import digits_of
+from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
     from prag_asp.dataset.suites.suite_spec import Suite

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
-from prag_asp.program.settings import key_line
+from prag_asp.tables.toml_text import key_line
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain

@@ -42,9 +42,9 @@ def verify(
 
     Each file is as dataset.json says, and there are no others. Each exact size is counted again. Each draw is made
     again by its seed, and stands in one row, once in all parts; clingo, which drew nothing, takes its plan; its words
-    are read back from their text. With `physics`, each witness is simulated again,
-    and recordings show their tasks; several `workers` find the same, in the same order. With `trust`, physics may run the
-    Python files of the domain.
+    are read back from their text. With `physics`, each witness is simulated again, and
+    recordings are compared with their tasks; several `workers` find the same, in the same order. With `trust`, physics
+    may run the Python files of the domain.
 
     Of a suite, all figures are counted again from its own text, and each dataset is of the space that this says. No
     task stands in two parts that do not say so, and no words in two whose phrasings are to differ.

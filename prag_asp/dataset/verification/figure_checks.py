@@ -12,8 +12,8 @@ from prag_asp.dataset.verification.finding import Finding
 from prag_asp.integers import grouped, number_of
 
 if TYPE_CHECKING:
+    from prag_asp.space.distinct_sampling import TaskOrder
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.without_replacement import Ordered
 
 DERIVED = ("draws", "tasks", "covered", "lengths")
 
@@ -63,7 +63,9 @@ def _wrong_shard(part: PartManifest, shard: Shard) -> Iterator[Finding]:
             yield Finding(NAME, None, f"parts, {part.name}: {problem}")
 
 
-def wrong_sizes(manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, Ordered]) -> Iterator[Finding]:
+def wrong_sizes(
+    manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, TaskOrder]
+) -> Iterator[Finding]:
     """Yield which exact numbers of tasks are not those that are counted now."""
     for space in manifest.spaces:
         count = spaces[space.length].count()

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from prag_asp.dataset.language import teller_of
+from prag_asp.dataset.language import instruction_writer_of
 from prag_asp.dataset.language.instruction_reader import LONGEST
 from prag_asp.dataset.store.entry import entry_of
 from prag_asp.dataset.store.instructions import PLAIN, captioner_with
@@ -24,15 +24,15 @@ from prag_asp.dataset.store.manifest import (
 from prag_asp.dataset.verification.finding import Finding, Progress
 from prag_asp.dataset.verification.untrusted_rows import Row, whole_rows
 from prag_asp.errors import PragError
-from prag_asp.physics.demonstration.demonstration import drawn_for
-from prag_asp.space.sampling.draws import log_probability
+from prag_asp.physics.demonstration.demonstration import read_variation
+from prag_asp.space.sampling.streams import log_probability
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.entry import DatasetEntry
     from prag_asp.dataset.store.tables import TableReader
     from prag_asp.domain.load import Domain
-    from prag_asp.space.without_replacement import Placed
+    from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.task import Task
 
 READ_BACK = ("default", "exact")
@@ -53,7 +53,7 @@ VALUES = {
 class RowChecks:
     """Checks the rows of the tables of tasks of a dataset, part by part.
 
-    `seen` has the place of each checked task, by its length and rank; `progress` takes the numbers checked and to check.
+    `seen` has the place of each checked task, by its length and rank; `progress` takes how many were checked.
     """
 
     manifest: Manifest
@@ -65,12 +65,12 @@ class RowChecks:
 
     def __post_init__(self) -> None:
         spec = self.manifest.spec
-        self._teller = teller_of(self.domain, spec.language, phrasings=spec.phrasings)
+        self._teller = instruction_writer_of(self.domain, spec.language, phrasings=spec.phrasings)
         self._captioner = captioner_with(self._teller, self.domain, spec.seed)
         self._clingo = clingo_spaces(self.manifest, self.domain)
         self._colours: Mapping[int, Mapping[str, str]] = {}
 
-    def wrong(self, note: PartManifest, drawn: Iterator[tuple[Placed, Task]]) -> Iterator[Finding]:
+    def wrong(self, note: PartManifest, drawn: Iterator[tuple[RankedDraw, Task]]) -> Iterator[Finding]:
         """Yield what is wrong with the rows of a part, given its draws sampled again."""
         tasks = 0
         for shard in note.shards:
@@ -108,7 +108,7 @@ class RowChecks:
         return whole_rows(file, self.tables.of_shard(table, shard))
 
     def _wrong_draws(
-        self, shard: Shard, passed: list[Row], refused: list[Row], right: list[tuple[Placed, Task] | None]
+        self, shard: Shard, passed: list[Row], refused: list[Row], right: list[tuple[RankedDraw, Task] | None]
     ) -> Iterator[Finding]:
         """Yield what is wrong with the rows of a shard: each draw stands in one of two tables, and once."""
         missing = set(range(shard.first, shard.end))
@@ -135,7 +135,7 @@ class RowChecks:
             yield Finding(_file(shard), None, f"draw {draw} is missing, here and among the refused")
 
     def _wrong_row(
-        self, table: str, row: Mapping[str, Any], expected: tuple[Placed, Task], where: str
+        self, table: str, row: Mapping[str, Any], expected: tuple[RankedDraw, Task], where: str
     ) -> Iterator[str]:
         """Yield what is wrong with a row whose draw is known."""
         placed, task = expected
@@ -219,7 +219,7 @@ def colours_of(tables: TableReader, shard: Shard, manifest: Manifest) -> Mapping
     found = {}
     for row in tables.of_shard("recordings", shard, ["task", "file"]):
         with suppress(PragError):
-            variation = drawn_for(tables.folder / row["file"], within=tables.folder)
+            variation = read_variation(tables.folder / row["file"], within=tables.folder)
             found[row["task"]] = {} if variation is None else variation.colours
     return found
 
@@ -249,5 +249,5 @@ def _tally(row: Mapping[str, Any]) -> LengthTally:
     )  # fmt: skip
 
 
-def _value(task: Task, name: str, placed: Placed) -> object:
+def _value(task: Task, name: str, placed: RankedDraw) -> object:
     return log_probability(placed.probability) if name == "log_probability" else getattr(task, name)

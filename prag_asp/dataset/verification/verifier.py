@@ -16,8 +16,7 @@ from prag_asp.dataset.verification.row_checks import RowChecks
 from prag_asp.errors import PragError
 from prag_asp.physics import require_physics
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
-from prag_asp.space.without_replacement import at, ordered_parts, tell
+from prag_asp.space.without_replacement import ordered_parts, with_tasks
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
@@ -60,19 +59,18 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
         yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
         return
     try:
-        space = TaskSpace(domain, lengths[0]) if len(lengths) == 1 else TaskSpaces(domain, lengths)
-        space = space.where(*manifest.where)
+        space = TaskSpace(domain, lengths).where(*manifest.where)
         parts = ordered_parts(
-            space, spec.division, seed=spec.seed, weights=spec.weights, temperature=spec.temperature,
+            space, spec.division, seed=spec.seed, weights=space.weights(spec.weights, spec.temperature),
             evenly=spec.evenly, deal=spec.deal,
         )  # fmt: skip
     except PragError as error:
         yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")
         return
-    yield from wrong_sizes(manifest, {length: at(space, length) for length in lengths}, parts)
+    yield from wrong_sizes(manifest, {length: space.at(length) for length in lengths}, parts)
     rows = RowChecks(manifest, domain, tables, progress)
     for note in manifest.parts:
-        yield from rows.wrong(note, tell(space, iter(parts[note.name].draws())))
+        yield from rows.wrong(note, with_tasks(space, parts[note.name].draws()))
 
 
 def _wrong_starts(

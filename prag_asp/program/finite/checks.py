@@ -12,6 +12,7 @@ import clingo
 from prag_asp.errors import DomainError
 from prag_asp.integers import LARGEST, fits
 from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_range, divides
+from prag_asp.program.problem import Problem
 
 MOST_USES, DEEPEST, WIDEST = 100_000, 1_000, 1_000_000
 """How often a rule that may be endless is used within one step, how deep its terms are nested, and how many numbers an
@@ -23,7 +24,11 @@ BOUND = "bound it by a condition such as N < 10"
 
 
 class BoundReached(DomainError):
-    """Grounding made a number that is out of range, or more than it may make."""
+    """Grounding made a number that is out of range, or more than it may make; `problem` says where and what."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(str(problem))
+        self.problem = problem
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,7 @@ class Site:
 
     def error(self, what: str) -> BoundReached:
         """Return the error for what was found here."""
-        return BoundReached(f"{self.path}:{self.line}: {what}")
+        return BoundReached(Problem(self.path, self.line, what))
 
 
 @dataclass

@@ -1,0 +1,120 @@
+"""Skeletons by sets of states, each a diagram (Rabin and Scott 1959), as far as the limits allow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from prag_asp.logic.diagram.diagrams import EMPTY, Node
+from prag_asp.logic.step.transition import Transition
+from prag_asp.program.entity_names import action_name
+from prag_asp.space.automaton.automaton import NOTHING, Automaton, Completions
+from prag_asp.space.automaton.layers import Layers
+from prag_asp.space.engines.reachability import Allow, Explorer, Halt, Reach
+from prag_asp.space.limits import Budget
+from prag_asp.stop_reason import StopReason
+
+
+@dataclass
+class SetWords:
+    """The automaton of the skeletons of a domain, as far as it is known: its states are sets of the domain's.
+
+    What is missing makes words fewer, never wrong: each state that follows others in part is a set of states that are
+    reached.
+    """
+
+    edges: list[list[tuple[int, int]]] = field(default_factory=list)
+    accepting: list[bool] = field(default_factory=list)
+    horizon: int | None = None
+
+    def follow(self, layers: Layers, names: Sequence[int], length: int) -> None:
+        """Find what is reached within `length` steps; `names` has the number of each letter's name."""
+        start = layers.only_start()
+        numbers: dict[Node, int] = {}
+        frontier = [start]
+        self.accepting.append(layers.accepts(start))
+        numbers[start] = 0
+        for _ in range(length):
+            following: list[Node] = []
+            for states in frontier:
+                by_name: dict[int, Node] = {}
+                for letter, image in layers.images(states):
+                    name = names[letter]
+                    by_name[name] = layers.diagrams.join(by_name.get(name, EMPTY), image)
+                row = []
+                for name, image in sorted(by_name.items()):
+                    if image not in numbers:
+                        self.accepting.append(layers.accepts(image))
+                        numbers[image] = len(numbers)
+                        following.append(image)
+                    row.append((name, numbers[image]))
+                self.edges.append(row)
+            frontier = following
+        self.horizon = length if frontier else None
+
+    @property
+    def automaton(self) -> Automaton:
+        """The automaton; a state that was not followed has no edges."""
+        if not self.accepting:
+            return NOTHING
+        rows = [*self.edges, *([] for _ in range(len(self.accepting) - len(self.edges)))]
+        offsets = np.cumsum([0, *map(len, rows)]).astype(np.int64)
+        edges = np.array([edge for row in rows for edge in row], dtype=np.int64).reshape(-1, 2)
+        return Automaton(offsets, edges[:, 0], edges[:, 1], np.array(self.accepting, dtype=np.bool_),
+                         horizon=self.horizon)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SetExplorer(Explorer):
+    """Finds the skeletons of a domain: from set to set of states, each a diagram (Rabin and Scott 1959)."""
+
+    def reach(
+        self,
+        transition: Transition,
+        length: int,
+        budget: Budget,
+        halt: Halt | None = None,
+        allow: Allow | None = None,
+    ) -> Reach:
+        """Return what is reached within `length` steps, or what was found until the budget was spent."""
+        actions = list(map(action_name, transition.actions))
+        letters = tuple(sorted(set(actions)))
+        names = [letters.index(name) for name in actions]
+        watch = _Watch(budget)
+        found = SetWords()
+        try:
+            layers = Layers(transition, watch.look, self.tell or (lambda words: None))
+            if layers.inhabited:
+                try:
+                    layers.extend(length)
+                except _Spent:
+                    watch.close()
+                found.follow(layers, names, length)
+        except _Spent:
+            watch.close()
+        return Reach(letters, letters, Completions(found.automaton), None, watch.stop, sets=True)
+
+
+class _Spent(Exception):
+    """A limit is reached."""
+
+
+@dataclass
+class _Watch:
+    """Checks the limits; `stop` is the first one that was reached."""
+
+    budget: Budget
+    stop: StopReason | None = None
+
+    def look(self) -> None:
+        """Raise an error at a limit."""
+        reason = self.budget.reached_limit()
+        if reason:
+            self.stop = self.stop or reason
+            raise _Spent
+
+    def close(self) -> None:
+        """Go on for a little while, to tell what was found."""
+        self.budget = self.budget.to_report()
