@@ -14,8 +14,8 @@ import pytest
 
 from prag_asp.dataset.pages import strips
 from prag_asp.domain import load
-from prag_asp.lint import check
-from prag_asp.lint.stages import Checked
+from prag_asp.domain.checking import check
+from prag_asp.lint import Checked
 from prag_asp.logic.domain_logic import Model
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source

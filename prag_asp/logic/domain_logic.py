@@ -50,9 +50,9 @@ class Model:
     def whole(self) -> Model:
         """The model whose steps try every action from every state, those that are never reached as well."""
         facts = self.domain.facts
-        if not (facts.unreached or facts.steady):
+        if not (facts.unreachable or facts.static):
             return self
-        domain = replace(self.domain, facts=replace(facts, unreached=(), steady=()))
+        domain = replace(self.domain, facts=replace(facts, unreachable=(), static=()))
         return replace(self, domain=domain, bare=self.bare and self.bare.whole)
 
     @cached_property

@@ -12,10 +12,8 @@ from prag_asp.logic.formula.clark_completion import complete
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.ground.unroll import unroll
 from prag_asp.processes.progress_events import stage
+from prag_asp.program.predicates import OCCURS, EncodingPredicate
 from prag_asp.program.sources import Program
-
-OCCURS = "occurs"
-"""The predicate whose atoms tell plans apart."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +21,7 @@ class Cnf:
     """A formula with exactly one model for each answer set of a program of some steps.
 
     `literals` has the literal of every atom; the first variable is true, and stands for what holds in all of them.
-    `shown` are the variables of the atoms ``occurs(A,t)`` or ``named(N,t)``, sorted: what they tell apart is a word.
+    `shown` are the variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words.
     `plans` is the formula that this one shows in another way, if it does.
     """
 
@@ -42,7 +40,7 @@ _in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
 """The formulas that somebody uses, by program and length: nobody changes one, and levels and engines share most."""
 
 
-def plan_cnf(program: Program, length: int, shown: str = OCCURS) -> Cnf:
+def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -> Cnf:
     """Return the formula of the answer sets with a number of steps, projected on the atoms of a predicate.
 
     Raises:
@@ -64,9 +62,9 @@ def _plans(program: Program, length: int) -> Cnf:
     return Cnf(clauses.variables, tuple(clauses.clauses), literals, _variables(literals, OCCURS))
 
 
-def _variables(literals: Mapping[clingo.Symbol, Literal], shown: str) -> tuple[int, ...]:
+def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredicate) -> tuple[int, ...]:
     """Return the variables of the atoms of a predicate; clingo is slow to tell which these are, and most are facts."""
-    return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(shown, 2)))
+    return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(*shown)))
 
 
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:

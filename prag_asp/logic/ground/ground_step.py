@@ -19,6 +19,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.finite.checks import BoundReached, measured
 from prag_asp.program.finite.guards import guarded
 from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.predicates import FINAL, HOLDS, OCCURS, STATE
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature
 
@@ -35,7 +36,7 @@ one of its atoms is made of so many symbols: a step may double them."""
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
 """So many atoms, where each may be made of others; they are looked at after so many steps, which may double them."""
 
-CONTRACT = {("holds", 3), ("occurs", 2)}
+CONTRACT = {HOLDS, OCCURS}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
 OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
@@ -210,20 +211,20 @@ def _signature(symbol: clingo.Symbol) -> Signature:
 
 
 def _seeds(facts: Facts, reads: StepReads) -> Seeds:
-    """Return what step t-1 may have by the contract; fluents that are steady have the value of the start."""
+    """Return what step t-1 may have by the contract; static fluents have the value of the start."""
     seeds: Seeds = {}
-    if ("holds", 3) in reads.previous:
-        seeds |= dict.fromkeys(clingo.Function("holds", each) for each in _open_values(facts))
-    if ("occurs", 2) in reads.previous:
-        seeds |= dict.fromkeys(clingo.Function("occurs", [action]) for action in facts.tried)
+    if HOLDS in reads.previous:
+        seeds |= dict.fromkeys(HOLDS.timeless(*each) for each in _open_values(facts))
+    if OCCURS in reads.previous:
+        seeds |= dict.fromkeys(OCCURS.timeless(action) for action in facts.tried)
     return seeds
 
 
 def _open_values(facts: Facts) -> Iterator[list[clingo.Symbol]]:
     """Yield the fluents, each with each value that a state may give it."""
-    steady = {fluent: clingo.Function(value) for fluent, value in facts.steady}
+    static = {fluent: clingo.Function(value) for fluent, value in facts.static}
     for fluent in facts.fluents:
-        for value in (steady[fluent],) if fluent in steady else OPEN_VALUES:
+        for value in (static[fluent],) if fluent in static else OPEN_VALUES:
             yield [fluent, value]
 
 
@@ -232,7 +233,7 @@ def _ground_once(started: _Started, program: Program, seeds: Seeds, facts: Facts
     # What `not p(_,t)` reads is defined by rules that clingo makes as soon as the atoms p(X,t) are there.
     recorder.part = "step"
     # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
-    told = [clingo.Function("state", [*each, NOW]) for each in _open_values(facts)]
+    told = [STATE(*each, NOW) for each in _open_values(facts)]
     _declare(grounder, seeds, told)
     _ground_parts(grounder, recorder, ("step", "hindsight"))
     if grounder.control.is_conflicting:
@@ -334,7 +335,7 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
     found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
     always: list[clingo.Symbol] = []
-    for name, arity in sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)}):
+    for name, arity in sorted(reads.timed | reads.previous | {STATE, FINAL}):
         for arguments, literal, is_fact in ground_atoms(grounder.control, name, arity):
             symbol, (*others, time) = clingo.Function(name, arguments), arguments
             if not (literal or is_fact):  # it is read by `not` alone

@@ -6,10 +6,11 @@ from collections.abc import Collection, Iterable, Iterator
 
 from clingo.ast import AST, ASTType, Sign, parse_string
 
+from prag_asp.program.predicates import HOLDS, OCCURS
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, atoms, children_of, head_atoms, variables
 
-FINITE = {("occurs", 2), ("holds", 3)}
+FINITE = {OCCURS, HOLDS}
 """Timed predicates that take no values but those that the domain declares."""
 
 MADE = (ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Function)

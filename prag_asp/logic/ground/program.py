@@ -9,13 +9,23 @@ from itertools import chain, pairwise
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.program.entity_names import MENTIONS, NAME, mention_facts, name_fact
+from prag_asp.program.entity_names import mention_facts, name_fact
 from prag_asp.program.facts import Facts
+from prag_asp.program.predicates import (
+    JOINT_UNIT,
+    MENTIONS,
+    NAME,
+    NEXT_UNIT,
+    PRUNED,
+    SUCCESSOR,
+    EncodingPredicate,
+    speaks_of,
+)
 from prag_asp.program.sources import ADDED, CONTRACT, Program, Source, owned, read_sources
 from prag_asp.program.tokens import blanked
 
 DEPENDING = re.compile(
-    r"\b(propagates|impossible_with|ruled_out|barred|sought|forces|never_without|some_impossible|never_possible"
+    r"\b_(propagates|impossible_with|ruled_out|barred|goal_fluent|forces|never_without|some_impossible|never_possible"
     r"|impossible_matters)\b"
 )
 """Predicates that depend on how invariants are stated, and those of `closed_invariants.lp` alone."""
@@ -25,7 +35,7 @@ DESCRIBING = (CONTRACT, "skeleton.lp")
 
 
 def whole_program(domain: Domain) -> Program:
-    """Return the program of a domain with `left_out` for actions not tried, and with `name` and `mentions` if read."""
+    """Return the program of a domain with the actions that are not tried, and with `name` and `mentions` if read."""
     return with_facts(domain.program, _added_facts(domain.facts, domain.program))
 
 
@@ -58,7 +68,7 @@ def canonical_program(
     """
     rules = [*_rules(domain, "canonical_names"), *(_rules(domain, "joint_names") if joint else ())]
     program = Program((*domain.program.sources, *rules))
-    pairs = [f"successor({d},{e})." for group in groups for d, e in pairwise(group)]
+    pairs = [SUCCESSOR.fact(d, e) for group in groups for d, e in pairwise(group)]
     told = chain.from_iterable(_unit_facts(number, units) for number, units in enumerate(joint))
     return with_facts(program, [*_added_facts(domain.facts, program), *pairs, *told])
 
@@ -66,9 +76,9 @@ def canonical_program(
 def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterator[str]:
     """Yield what says which entities belong to the units of a joint group, and which unit follows which."""
     for place, unit in enumerate(units):
-        yield from (f"joint_unit({entity},({number},{place}))." for entity in unit)
+        yield from (JOINT_UNIT.fact(entity, f"({number},{place})") for entity in unit)
         if place:
-            yield f"next_unit(({number},{place - 1}),({number},{place}))."
+            yield NEXT_UNIT.fact(f"({number},{place - 1})", f"({number},{place})")
 
 
 def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
@@ -85,18 +95,18 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
     """
     own = [source.text for source, own in owned(program) if own]
     named = facts.actions if _read(program, NAME) else facts.tried
-    named = facts.declared_actions if any(map(NAME.search, own)) else named
-    added = [f"left_out({term})." for term in (*facts.left_out, *facts.unreached)]
+    named = facts.declared_actions if any(speaks_of(text, NAME) for text in own) else named
+    added = [PRUNED.fact(term) for term in (*facts.pruned, *facts.unreachable)]
     added += map(name_fact, named)
-    if any(map(MENTIONS.search, own)):
+    if any(speaks_of(text, MENTIONS) for text in own):
         return [*added, *mention_facts(facts.declared_actions, facts.entities)]
     return [*added, *mention_facts(facts.actions, facts.entities)] if _read(program, MENTIONS) else added
 
 
-def _read(program: Program, predicate: re.Pattern[str]) -> bool:
+def _read(program: Program, predicate: EncodingPredicate) -> bool:
     """Return whether a file may read a predicate: one that speaks of it, but for those that speak of it in any case."""
     files = (each.text for each, own in owned(program) if own or each.path.name not in DESCRIBING)
-    return any(map(predicate.search, files))
+    return any(speaks_of(text, predicate) for text in files)
 
 
 def with_facts(program: Program, facts: Sequence[str]) -> Program:

@@ -25,6 +25,7 @@ from prag_asp.logic.ground.rules import Rule
 from prag_asp.logic.symmetry.fact_propagation import settled_rules
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.program.finite.components import components
+from prag_asp.program.predicates import FINDING
 
 SpelledLiteral = tuple[int, int, int]
 """An atom by its number, whether it is negated (1) or not (0), and its weight."""
@@ -41,9 +42,6 @@ INSIDE = 0
 
 START, COMPONENT = 2**32, 2**33
 """The bounds of what states the initial values, and of what stands for an atom of a component."""
-
-CONDITIONS = ("tested", 2)
-"""What a condition finds out about a step has a name of the library's own, which may number what is alike."""
 
 
 class SpelledRule(NamedTuple):
@@ -72,7 +70,7 @@ class Atoms:
         self._of_atom = {
             atom: self._named(shapes.of(symbol))
             for atom, symbol in ground.names.items()
-            if not symbol.match(*CONDITIONS)
+            if not symbol.match(*FINDING)  # a condition may number in it what is alike
         }
         step, facts = settled_rules(ground.rules.get("step", ()))
         check, _ = settled_rules(ground.rules.get("check", ()), facts)
