@@ -1,7 +1,7 @@
 """What to do where a package is missing.
 
 PyBullet and frankik may be, because a new Python comes long before their wheels; pyarrow, Gymnasium, and what other
-forms of data sets are written with, because few need them.
+forms of datasets are written with, because few need them.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def needed(module: str) -> ModuleType:
 
 
 def require_pyarrow() -> None:
-    """Check that data sets can be written and read.
+    """Check that datasets can be written and read.
 
     Raises:
         DatasetsMissingError: pyarrow is not installed, or cannot be loaded.
@@ -51,7 +51,7 @@ def require_pyarrow() -> None:
         import_module("pyarrow.parquet")
     except ImportError as error:
         missing = (error.name or "").startswith("pyarrow")
-        told = "data sets need pyarrow" if missing else f"pyarrow cannot be loaded: {' '.join(str(error).split())}"
+        told = "datasets need pyarrow" if missing else f"pyarrow cannot be loaded: {' '.join(str(error).split())}"
         raise DatasetsMissingError(f'{told}; install it: pip install "prag_asp[datasets]"') from None
 
 
@@ -71,7 +71,7 @@ def require_gymnasium() -> ModuleType:
 
 
 def require_packages(form: str, packages: Iterable[str]) -> None:
-    """Check that the packages are there that a form of data sets is written with.
+    """Check that the packages are there that a form of datasets is written with.
 
     Raises:
         DatasetsMissingError: one is not installed, or cannot be loaded.

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.dataset_spec import DatasetSpec
     from prag_asp.dataset.formats.exporting import export
     from prag_asp.dataset.generation import generate
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.dataset.physics_filter import feasible
     from prag_asp.dataset.revalidation import Outcome, recheck
-    from prag_asp.dataset.store.entry import Entry
+    from prag_asp.dataset.store.entry import DatasetEntry
     from prag_asp.dataset.suites.counting import count_suite
     from prag_asp.dataset.suites.suite_builder import generate_suite
     from prag_asp.dataset.suites.suite_reader import load_suite
@@ -34,7 +35,8 @@ if TYPE_CHECKING:
     from prag_asp.dataset.verification.finding import Finding
 
 __all__ = [
-    "Entry",
+    "DatasetEntry",
+    "DatasetSpec",
     "Finding",
     "InstructionWriter",
     "Instructions",
@@ -64,6 +66,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.dataset.physics_filter": ("feasible",),
+    "prag_asp.dataset.dataset_spec": ("DatasetSpec",),
     "prag_asp.dataset.formats.exporting": ("export",),
     "prag_asp.dataset.generation": ("generate",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
@@ -73,7 +76,7 @@ _HOMES = {
     "prag_asp.dataset.learned_rules": ("Learned", "learn"),
     "prag_asp.dataset.merging": ("merge",),
     "prag_asp.dataset.revalidation": ("Outcome", "recheck"),
-    "prag_asp.dataset.store.entry": ("Entry",),
+    "prag_asp.dataset.store.entry": ("DatasetEntry",),
     "prag_asp.dataset.suites.counting": ("count_suite",),
     "prag_asp.dataset.suites.suite_builder": ("generate_suite",),
     "prag_asp.dataset.suites.suite_reader": ("load_suite",),

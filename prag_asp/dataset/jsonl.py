@@ -20,7 +20,7 @@ from prag_asp.task import FrozenDict, Task
 
 @dataclass(frozen=True)
 class Record:
-    """A task with what physics said of it, as plain values; None where it was not asked.
+    """A task with its verdict and witness as plain values, None without physics.
 
     `place` is the ``file:line`` that it was read from.
     """
@@ -63,7 +63,7 @@ def _action_json(action: Atom) -> str:
 
 
 def _mapping_json(values: Mapping[Any, Any]) -> str:
-    """Return what a task knows as JSON; its own mappings are shared with other tasks, so their texts are kept."""
+    """Return what a task knows as JSON; frozen mappings are shared between tasks, so their texts are cached."""
     return _frozen_json(values) if isinstance(values, FrozenDict) else _json(_spelled(values))
 
 
@@ -77,7 +77,7 @@ def _spelled(values: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def read_tasks(file: str | Path) -> Iterator[Record]:
-    """Yield the records of a file of JSON lines; what is not UTF-8 in it is told as any other mistake.
+    """Yield the records of a file of JSON lines; text that is not UTF-8 is reported as any other mistake.
 
     Raises:
         OSError: the file cannot be read.

@@ -1,4 +1,4 @@
-"""What physics proves impossible in the scene of a domain, as invariants of it."""
+"""Learned rules: what physics proves impossible in the scene of a domain, as invariants of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check tasks of a file again: whether their plans are valid, and whether physics agrees."""
+"""Check tasks of a file again: whether their plans are valid and physically feasible."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
-from itertools import chain, groupby, islice
+from itertools import chain, groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.batches import growing_batches
+from prag_asp.dataset.dataset_spec import budget_of, require_demonstrated
 from prag_asp.dataset.episode_files import Recordings
 from prag_asp.dataset.jsonl import Record, read_tasks
-from prag_asp.dataset.physics_filter import budget_of, require_demonstrated
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.task_origin import foreign, index_of, named_domain, read_witness, told_with_place
 from prag_asp.domain.load import load_domain
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 TOLD_TOGETHER = 128
-"""Tasks of which the states are worked out together; that many are read ahead."""
+"""Tasks whose states are computed together; as many are read ahead."""
 
-Told = tuple[Record, str]
-"""A record, and what is wrong with its task as a value, or nothing."""
+CheckedRecord = tuple[Record, str]
+"""A record, and what is wrong with its task as a value, "" if nothing is."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a task: feasible, not_found, infeasible, invalid or witness_fails; why, and failed attempts.
+    """The outcome of a task: feasible, not_found, infeasible, invalid or witness_fails; reason and failed attempts.
 
     `detail` names in words the fact or the bodies to blame for the reason, where they are known.
     """
@@ -51,8 +51,8 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class _Search:
-    """How physics looks at the tasks."""
+class _RecheckOptions:
+    """The options of physics."""
 
     seed: int
     workers: int
@@ -73,16 +73,15 @@ def recheck(
     witness_only: bool = False,
     load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
-    done: int = 0,
 ) -> Generator[Outcome, None, None]:
-    """Yield what becomes of each task of a file, or of records: is its plan valid, and can a robot do it.
+    """Yield the outcome of each task of a file, or of records: whether its plan is valid and a robot can do it.
 
     Physics looks for witnesses anew, with the same outcome for a task wherever it stands; with `witness_only` it checks
     those in the file. Without a `domain`, each record names its own: a shipped one, or a folder, here or beside the
     file (in `folder`, for records); `load` says how it is loaded where that takes more. Tasks have to satisfy the
     conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder,
     with what `staging` asks for.
-    Records are read a little ahead; the first, so many as are `done`, are read and not checked.
+    Records are read a little ahead.
 
     Raises:
         QueryError: a line of the file is no task, or a domain that it names is not found; the message has the place.
@@ -95,9 +94,8 @@ def recheck(
         records = iter(tasks)
     if staging is not None:
         require_demonstrated(staging, demonstrate)
-    number, recordings = done, Recordings(demonstrate)
-    records = islice(records, done, None)
-    search = _Search(seed, workers, budget_of(budget, demonstrate), staging)
+    number, recordings = 0, Recordings(demonstrate)
+    search = _RecheckOptions(seed, workers, budget_of(budget, demonstrate), staging)
     load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
     for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
         group = iter(several)
@@ -113,7 +111,7 @@ def recheck(
             yield outcome
 
 
-def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[Told]:
+def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[CheckedRecord]:
     """Yield records with what is wrong with their tasks as values."""
     for batch in growing_batches(records, TOLD_TOGETHER):
         valid = [record.task in space.at(len(record.task)) for record in batch]
@@ -143,9 +141,9 @@ def _fault(task: Task, expected: Task) -> str:
     return f"its {', '.join(wrong)} {verb} not what its actions make" if wrong else ""
 
 
-def _anew(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
-    """Yield what a new search says of each task, wherever it stands in the file."""
-    waiting: deque[Told] = deque()
+def _anew(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
+    """Yield the outcome of a new search for each task."""
+    waiting: deque[CheckedRecord] = deque()
 
     def valid() -> Iterator[tuple[int, Task]]:
         for record, fault in told:
@@ -164,15 +162,15 @@ def _anew(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outco
     yield from _invalid(waiting)
 
 
-def _invalid(waiting: deque[Told]) -> Iterator[Outcome]:
-    """Take the invalid tasks that come first, up to one that is valid."""
+def _invalid(waiting: deque[CheckedRecord]) -> Iterator[Outcome]:
+    """Yield the outcomes of the leading invalid tasks."""
     while waiting and waiting[0][1]:
         record, fault = waiting.popleft()
         yield Outcome(record, "invalid", fault)
 
 
-def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
-    """Yield what the witness of each record is worth, by the tiers of a budget."""
+def _witnesses(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
+    """Yield the outcome of checking the witness of each record, by the tiers of a budget."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
     def shown() -> Iterator[tuple[int, tuple[Task, Witness]]]:
@@ -197,7 +195,7 @@ def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[
 
 
 def _shown(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
-    """Return the witness of a record, or what becomes of the record without a look at one."""
+    """Return the witness of a record, or the outcome of the record without checking one."""
     if fault:
         return Outcome(record, "invalid", fault)
     if record.witness is None:
@@ -210,7 +208,7 @@ def _shown(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
 
 
 def _known(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
-    """Take the records that come first of which it is known what becomes of them."""
+    """Yield the leading outcomes that are known already."""
     while waiting and (outcome := waiting[0][1]) is not None:
         waiting.popleft()
         yield outcome

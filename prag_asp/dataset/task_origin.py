@@ -1,4 +1,4 @@
-"""Which domain the tasks of a file are of, how their searches are numbered, and how messages say where they stand."""
+"""The domain, the search index and the position in a file of recorded tasks."""
 
 from __future__ import annotations
 

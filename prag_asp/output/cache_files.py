@@ -1,9 +1,9 @@
-"""Files that are kept for the next run, in a folder of the user's: what was long to compute.
+"""Cache files of the user: results that took long to compute, for the next run.
 
-A file ends with a checksum: what is cut short or was changed is taken as absent. What cannot be written is not kept.
+A file ends with a checksum: one that was cut or changed counts as absent. Failures to write are ignored.
 
 A checksum is no signature: whoever can write a file can write another content into it. So a folder or a file that is
-another user's, or that others may write, is as good as none: nothing is read there, and nothing kept.
+another user's, or that others may write, is neither read nor written.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from contextlib import suppress
 from pathlib import Path
 
 from prag_asp.errors import OutputError
-from prag_asp.output.atomic_files import replace_file
+from prag_asp.output.atomic_file import replace_file
 from prag_asp.safe_reading import open_binary
 
 CHECKSUM = 4
 """Bytes of a checksum."""
 
 OWN = 0o600
-"""The permissions of a file: what one user keeps, no other one reads or writes."""
+"""The permissions of a file: no other user reads or writes it."""
 
 OURS_ALONE = 0o700
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
@@ -39,8 +39,8 @@ def cache_folder() -> Path | None:
         return None
 
 
-def read_kept(path: Path, at_most: int) -> bytes | None:
-    """Return what a file holds that was kept, of so many bytes at most; None where there is none, or it is damaged."""
+def read_cached(path: Path, at_most: int) -> bytes | None:
+    """Return the content of a cache file of `at_most` bytes, None if it is missing or damaged."""
     try:
         if not _is_ours(path.parent.stat()):
             return None
@@ -55,8 +55,8 @@ def read_kept(path: Path, at_most: int) -> bytes | None:
     return content[:-CHECKSUM]
 
 
-def keep(path: Path, content: bytes) -> bool:
-    """Keep something as a file, in one stroke; return whether that was possible."""
+def write_cached(path: Path, content: bytes) -> bool:
+    """Write a cache file, whole; return whether that was possible."""
     try:
         path.parent.mkdir(OURS_ALONE, parents=True, exist_ok=True)
         if not _is_ours(path.parent.stat()):
@@ -73,5 +73,5 @@ def checksum(content: bytes | memoryview) -> bytes:
 
 
 def _is_ours(found: os.stat_result) -> bool:
-    """Tell whether a file or a folder is the user's, and nobody else may write to it."""
+    """Return whether a file or a folder belongs to the user, and nobody else may write to it."""
     return found.st_uid == os.geteuid() and not found.st_mode & OTHERS_WRITE

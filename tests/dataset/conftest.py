@@ -1,4 +1,4 @@
-"""Small data sets that several tests look at, and nobody changes."""
+"""Small datasets that several tests look at, and nobody changes."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def spaces(tabletop: Domain) -> TaskSpace:
 
 @pytest.fixture(scope="package")
 def small(spaces: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    """Return 12 tasks in three shards and two parts, some of them refused, each from two first states."""
+    """Return 12 tasks in three shards and two parts, some of them refused, each from two initial states."""
     folder = tmp_path_factory.mktemp("data") / "small"
     shares = {"train": "3/4", "test": "1/4"}
     return generate(spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4)
@@ -62,7 +62,7 @@ def small(spaces: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Datase
 
 @pytest.fixture(scope="package")
 def numbers(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of a data set without physics, of a domain that has weights."""
+    """Return the folder of a dataset without physics, of a domain that has weights."""
     folder = tmp_path_factory.mktemp("data") / "numbers"
     generate(TaskSpace(load_domain("kitchen"), range(1, 4)), folder, tasks=6, seed=1, physics=False, shard=4)
     return folder

@@ -72,7 +72,7 @@ class Refused:
         """
         if self.code < 0:
             return not self.err
-        lines = [line for line in self.err.splitlines() if ".part keeps " not in line and line not in notes]
+        lines = [line for line in self.err.splitlines() if line not in notes]
         return (self.code, len(lines)) in ((Exit.LIMIT, 1), (Exit.DONE, 0))
 
 
@@ -196,7 +196,7 @@ def _second(
 ) -> Ran:
     """Run a command once more where a refusal has left its files."""
     left = content(folder)
-    cut = [file for file, text in left.items() if ".part" not in file and not file.endswith(".run")]
+    cut = [file for file, text in left.items() if ".part" not in file]
     assert all(left[file] in (before.get(file), whole.get(file)) for file in cut), (name, cut)
     second = run(keeping(arguments), folder, LIMITS, variables=VARIABLES)
     assert content(folder) == whole, (name, sorted(left), second)

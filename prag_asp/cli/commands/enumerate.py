@@ -13,7 +13,6 @@ from prag_asp.cli.bundles.task_format import Telling, tells
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import asks
-from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.terminal import progress
 from prag_asp.errors import QueryError
 
@@ -30,7 +29,7 @@ def enumerate(
 ) -> None:
     """Print all tasks of length N, each once, in rank order; of several lengths, the shortest first.
 
-    FILE is replaced as a whole at the end; a run that was broken off goes on where it was when it is started again.
+    FILE is replaced as a whole at the end.
     """
     form = telling.form
     telling.check()
@@ -42,9 +41,8 @@ def enumerate(
     require_writable(output)
     with progress() as tell:
         space = asked.spaces(tell)
-        run = run_of(space.domain) if output else None
-        with writer(output, run, lambda lines, _: limit is None or lines <= limit) as out:
-            words = islice(space.enumerate(by, first), out.lines, limit)
+        with writer(output) as out:
+            words = islice(space.enumerate(by, first), limit)
             if form == "text":
                 for word in words:
                     out.write(" ".join(word))

@@ -91,7 +91,7 @@ def pddl(*, asked: Asked, chosen: Chosen, positive: bool, unconditional: bool, o
 
     They have the same plans. What a task leaves open of its initial state is false in PDDL, and a comment says so.
     """
-    from prag_asp.output import building, replace_file
+    from prag_asp.output import new_folder, replace_file
     from prag_asp.planners import write
 
     folder = Path(output)
@@ -103,7 +103,7 @@ def pddl(*, asked: Asked, chosen: Chosen, positive: bool, unconditional: bool, o
         named = chosen.of(asked.space(tell, domain)) if chosen.any else None
         files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if named else 2]
         marks, tasks = named if named is not None else ([""], repeat(None, 1))
-        with building(folder, [file.format(mark) for mark in marks for file in files]) as part:
+        with new_folder(folder) as part:
             for number, (mark, task) in enumerate(zip(marks, tasks, strict=True)):
                 tell("tasks written", number, len(marks))
                 found = write(domain, task, negative=not positive, conditional=not unconditional)

@@ -101,8 +101,7 @@ def generate(
     """Write a data set: different tasks of length N, their witnesses, and what was refused, with the exact figures.
 
     Tasks are drawn without replacement. DIR holds tables in Parquet, dataset.json, the domain, and a card for hubs.
-    Each file is written whole; a run that was broken off goes on where it was when it is started again, to the same
-    bytes.
+    Each file is written whole; an interrupted run is resumed by the same command, to the same bytes.
     """
     from prag_asp.dataset.dataset_spec import SHARD
     from prag_asp.dataset.generation import generate as make
@@ -159,12 +158,12 @@ def warnings_as_lines() -> Iterator[None]:
 
 
 def tell_what_is_there(output: str) -> None:
-    """Say that a run goes on with what another one has left."""
-    from prag_asp.dataset.store.manifest import read_manifest
+    """Report that a run resumes an interrupted one, or extends a dataset."""
+    from prag_asp.dataset.store.manifest import DATASET
 
-    manifest = read_manifest(Path(output))
+    manifest = DATASET.read(Path(output))
     if manifest is not None and not manifest.complete:
-        tell_line(f"{output}: goes on after a run that was broken off, which has left {_tasks(manifest)}")
+        tell_line(f"{output}: resumes an interrupted run, which has left {_tasks(manifest)}")
     elif manifest is not None:
         tell_line(f"{output}: has {_tasks(manifest)} already")
 
@@ -183,10 +182,9 @@ def show(made: Dataset) -> None:
         say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
         for tally in part.lengths:
             refused.update({reason.reason: reason.count for reason in tally.reasons})
-    wanted, found = manifest.asked.starts * manifest.rows("tasks"), manifest.rows("witnesses")
-    if manifest.asked.starts > 1 and found < wanted:
-        tell_line(
-            f"only {found} of {plural(wanted, 'first state')} have a witness; the column starts says of which tasks"
-        )
+    wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")
+    if manifest.spec.starts > 1 and found < wanted:
+        states = plural(wanted, "initial state")
+        tell_line(f"only {found} of {states} have a witness; the column starts says of which tasks")
     for reason, count in refused.most_common():
         tell_line(f"{plural(count, 'task')} refused: {reason}")

@@ -33,7 +33,7 @@ def merge(
     """Merge the parts that `generate --part 1/N` to `N/N` have made, all of them, into one data set.
 
     Its bytes are those that one machine writes without --part. Parts end at different draws; the few that none of them
-    has looked at are looked at here. A run that was broken off goes on where it was when it is started again.
+    has looked at are looked at here. An interrupted run is resumed by the same command.
     """
     from prag_asp.dataset.merging import merge as make
     from prag_asp.missing import require_pyarrow

@@ -14,13 +14,12 @@ from prag_asp.cli.arguments import pixels as pixels_of
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import asks
-from prag_asp.cli.run_fingerprint import run_on_file
 from prag_asp.cli.terminal import progress, say, whole_lines
 from prag_asp.dataset.task_origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
-from prag_asp.output import Steps, file_in, make_folder
+from prag_asp.output import file_in, make_folder
 from prag_asp.processes.progress_events import stage
-from prag_asp.safe_reading import lines_of, open_text, read_bytes
+from prag_asp.safe_reading import lines_of, open_text
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -85,8 +84,7 @@ def render(
     """Draw the tasks of a file, or those of the NUMBERs, which count its lines from 1; prints the files written.
 
     A task without a witness is validated first. For an animation the robot performs the task, unless --recordings
-    has what it did. Each picture is written whole; a run that was broken off goes on where it was when it is started
-    again.
+    has what it did. Each picture is written whole.
     """
     from prag_asp.dataset.jsonl import read_lines
     from prag_asp.physics import require_physics
@@ -105,26 +103,20 @@ def render(
         if number > len(records):
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
-    steps = None if len(chosen) == 1 else _steps(asked, file, drawing, Path(output), [targets[n] for n in chosen])
     tellers: dict[str, InstructionWriter] = {}
     with progress() as show, whole_lines():
         for done, number in enumerate(chosen):
-            if steps is None or done >= steps.done:
-                record = records[number - 1]
-                named = repr((record.task.domain, record.task.constants))
-                if named not in tellers:
-                    tellers[named] = _teller(asked, record, Path(file).parent)
+            record = records[number - 1]
+            named = repr((record.task.domain, record.task.constants))
+            if named not in tellers:
+                tellers[named] = _teller(asked, record, Path(file).parent)
 
-                def tell(share: float, done: int = done) -> None:
-                    show("pictures", done + share, len(chosen))
+            def tell(share: float, done: int = done) -> None:
+                show("pictures", done + share, len(chosen))
 
-                drawing.draw(record, number, tellers[named], targets[number], tell)
-                tell(1.0)
-                if steps is not None:
-                    steps.do(done + 1)
+            drawing.draw(record, number, tellers[named], targets[number], tell)
+            tell(1.0)
             say(targets[number])
-    if steps is not None:
-        steps.finish()
 
 
 def _teller(asked: Asked, record: Record, folder: Path) -> InstructionWriter:
@@ -138,21 +130,6 @@ def _teller(asked: Asked, record: Record, folder: Path) -> InstructionWriter:
     domain = asked.of(record, folder).domain()
     with told_with_place(record, domain):
         return instruction_writer_of(domain)
-
-
-def _steps(asked: Asked, file: str, drawing: _Drawing, output: Path, pictures: Sequence[Path]) -> Steps | None:
-    """Return how many pictures a broken run of the same has drawn, None where nobody can know."""
-    from hashlib import blake2b
-
-    recordings = () if drawing.recordings is None else sorted(drawing.recordings.glob("*.npz"))
-    shown = [(path.name, blake2b(read_bytes(path, within=drawing.recordings)).hexdigest()) for path in recordings]
-    run = run_on_file(asked, file, told=[str(output), shown])
-    if run is None:
-        return None
-    steps = Steps(output.with_name(f"{output.name}.run"), run)
-    if not all(picture.is_file() for picture in pictures[: steps.done]):
-        steps.done = 0
-    return steps
 
 
 @dataclass(frozen=True)

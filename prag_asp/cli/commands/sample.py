@@ -14,9 +14,8 @@ from prag_asp.cli import options
 from prag_asp.cli.bundles.camera_options import Filming, films
 from prag_asp.cli.bundles.task_format import Telling, tells
 from prag_asp.cli.domain_options import Asked
-from prag_asp.cli.line_output import require_writable, writer
+from prag_asp.cli.line_output import recordings_folder, require_writable, writer
 from prag_asp.cli.options import Checking, Weighing, asks
-from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
@@ -65,8 +64,7 @@ def sample(
 ) -> None:
     """Draw tasks of length N, each with a probability proportional to its weight, exactly.
 
-    Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end; a run that was broken
-    off goes on where it was when it is started again.
+    Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end.
     """
     from prag_asp.dataset.jsonl import Record
 
@@ -85,13 +83,12 @@ def sample(
         line = telling.line(space.domain, seed)
         drawing = _distinct(over, by) if distinct else {"by": by, "over": over}
         drawing.update(weighing.arguments(space.domain))
-        run = run_of(space.domain, told=[physics]) if output or checking.demonstrate else None
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = space.stream(seed=seed, **drawing) if wanted else iter(())
-            with writer(output, run, lambda lines, _: lines <= wanted) as out:
-                found = out.lines
-                for task in islice(drawn, out.lines, wanted):
+            found = 0
+            with writer(output) as out:
+                for task in islice(drawn, wanted):
                     out.write(line(Record(task)))
                     found += 1
             if found < wanted:
@@ -100,7 +97,7 @@ def sample(
         from prag_asp.dataset.scenes import scene_of
 
         staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_FOR_EACH * wanted
-        _feasible(_Drawing(space, wanted, limit, seed, {**drawing, "staging": staging}), checking, output, run, line,
+        _feasible(_Drawing(space, wanted, limit, seed, {**drawing, "staging": staging}), checking, output, line,
                   tell)  # fmt: skip
 
 
@@ -128,8 +125,7 @@ class _Drawing:
 
 
 def _feasible(
-    drawing: _Drawing, checking: Checking, output: str | None, run: str | None, line: Callable[[Record], str],
-    tell: Tell,
+    drawing: _Drawing, checking: Checking, output: str | None, line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
     """Write the feasible ones of the tasks that are drawn.
 
@@ -137,43 +133,26 @@ def _feasible(
         NotFound: they are fewer than wanted.
     """
     from prag_asp.cli.summary import tallied, tally_line
-    from prag_asp.dataset.episode_files import claim, remove_after
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.dataset.physics_filter import draws_looked_at
 
     tally, wanted, limit = Tally(), drawing.wanted, drawing.limit
-    folder = checking.demonstrate
 
     def told() -> str:
         return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
 
-    if folder is not None:
-        claim(folder, run)
-    with tallied(tally, told), writer(output, run, lambda _, state: _fits(state, drawing, folder)) as out:
-        tally.go_on(out.state)
+    with tallied(tally, told), recordings_folder(checking.demonstrate) as folder, writer(output) as out:
+        arguments = {**checking.arguments(), "demonstrate": folder}
         looked_at = draws_looked_at(
-            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **checking.arguments(), **drawing.how
+            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how
         )
         with closing(looked_at):
             for record in looked_at if tally.passed < wanted else ():
-                out.write(line(record) if record is not None else None, tally.state())
+                if record is not None:
+                    out.write(line(record), flush=True)
                 tell(told(), tally.passed, wanted)
                 if tally.passed == wanted:
                     break
-        if folder is not None:
-            remove_after(folder, tally.passed)
     if tally.passed < wanted:
         found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)
-
-
-def _fits(state: Any, drawing: _Drawing, folder: str | None) -> bool:
-    """Tell whether a broken run has come no further than this one is to, and has left its recordings."""
-    from prag_asp.dataset.episode_files import recorded
-    from prag_asp.dataset.pass_rates import Tally
-
-    tally = Tally()
-    tally.go_on(state)
-    if tally.passed > drawing.wanted or tally.seen > drawing.limit:
-        return False
-    return folder is None or recorded(folder, tally.passed) == tally.passed

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
-from itertools import islice
 from typing import TYPE_CHECKING
 
 import click
@@ -17,7 +16,6 @@ from prag_asp.cli.bundles.task_format import Telling, tells
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.line_output import writer
 from prag_asp.cli.options import asks
-from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
@@ -56,7 +54,7 @@ def split(
     """Divide the tasks of length N into disjoint parts, such as train=0.8 test=0.2, and print their sizes.
 
     With --count, uniformly drawn tasks of each part are written to DIR/NAME.txt or .jsonl. These files are replaced
-    together at the end; a run that was broken off goes on where it was when it is started again.
+    together at the end.
     """
     from prag_asp.dataset.jsonl import Record
 
@@ -78,8 +76,8 @@ def split(
         with ExitStack() as files:
             for name, part in parts.items():
                 file = file_in(folder, f"{name}.{'jsonl' if telling.form == 'jsonl' else 'txt'}")
-                out = files.enter_context(writer(str(file), run_of(space.domain, told=[name, wanted])))
-                for task in islice(_drawn(part, min(wanted, part.count()), seed), out.lines, None):
+                out = files.enter_context(writer(str(file)))
+                for task in _drawn(part, min(wanted, part.count()), seed):
                     out.write(line(Record(task)))
 
 

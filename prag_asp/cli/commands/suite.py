@@ -10,6 +10,7 @@ from prag_asp.cli import exit_control, options, shell_completion
 from prag_asp.cli.commands.generate import warnings_as_lines
 from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
 from prag_asp.errors import NotFound, QueryError
+from prag_asp.integers import number_of
 
 if TYPE_CHECKING:
     from prag_asp.dataset.suites.counting import Figures
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--at-most", "most", type=options.whole(1), metavar="K",
-    help="At most K tasks a part, to try it; without, the same command goes on from there.",
+    help="At most K tasks a part, to try it; without, the same command extends it.",
 )  # fmt: skip
 @click.option("--workers", type=options.whole(1), default=1, show_default=True, help="Processes for physics.")
 @options.TRUST
@@ -38,7 +39,7 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
     """Count or write a benchmark: parts over one domain, each with what the others have not.
 
     SUITE is a shipped one, such as tabletop-generalisation, or a TOML file. Parts with tasks in common are refused
-    unless the file says so. A run that was broken off goes on where it was when it is started again.
+    unless the file says so. An interrupted run is resumed by the same command.
     """
     from prag_asp.dataset.suites.counting import count_suite, refuse_leaks
     from prag_asp.dataset.suites.suite_reader import load_suite
@@ -75,12 +76,13 @@ def _show(suite: Suite, figures: Figures) -> None:
         lengths = f"{part.lengths[0]}" if len(part.lengths) == 1 else f"{part.lengths[0]}..{part.lengths[-1]}"
         say(f"{name:<{width}}  {lengths:>6}  {part.tasks} of {figures.size(name)}")
     for each in figures.shared:
-        if each.tasks:
+        if number_of(each.tasks):
             say(
                 f"shared: {each.one}, {each.other}  {each.tasks}, {'as said' if each.declared else 'which nobody says'}"
             )
-    none = sum(not each.tasks for each in figures.shared)
+    none = sum(not number_of(each.tasks) for each in figures.shared)
     say(f"shared: 0 in {none} of {len(figures.shared)} pairs of parts")
     for held in suite.held:
         away = [each for each in figures.unseen if each.what == held.what]
-        say(f"held out: {held.what}  {sum(each.tasks for each in away)} in {', '.join(each.part for each in away)}")
+        tasks = sum(number_of(each.tasks) for each in away)
+        say(f"held out: {held.what}  {tasks} in {', '.join(each.part for each in away)}")

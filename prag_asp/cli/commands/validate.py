@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
@@ -13,15 +13,15 @@ from prag_asp.cli import options, shell_completion
 from prag_asp.cli.bundles.camera_options import Filming, films
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.exits import Exit
-from prag_asp.cli.line_output import require_writable, writer
+from prag_asp.cli.line_output import recordings_folder, require_writable, writer
 from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.run_fingerprint import domains_of, run_on_file
 from prag_asp.cli.terminal import Tell, progress
-from prag_asp.errors import QueryError
-from prag_asp.safe_reading import lines_of, open_text
+from prag_asp.errors import PragError, QueryError
+from prag_asp.safe_reading import lines_of, open_binary, open_text
 
 if TYPE_CHECKING:
-    from prag_asp.dataset import Tally
+    from prag_asp.dataset import Record, Tally
+    from prag_asp.domain.load import Domain
     from prag_asp.scene.scene import Scene
 
 
@@ -46,8 +46,7 @@ def validate(
     """Check tasks of a file again: that their plans are valid, and that a robot can do them.
 
     Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
-    and --where that the tasks were made with. FILE is replaced as a whole at the end; a run that was broken off goes on
-    where it was when it is started again.
+    and --where that the tasks were made with. FILE is replaced as a whole at the end.
     """
     from prag_asp.physics import require_physics
 
@@ -87,33 +86,29 @@ class _Check:
         """
         from prag_asp.cli.summary import tallied, tally_line
         from prag_asp.dataset import Tally, read_lines, recheck
-        from prag_asp.dataset.episode_files import claim, recorded
 
-        total, folder, tally = self._tasks_in(stream), self.checking.demonstrate, Tally()
-
-        def fits(_: int, state: Any) -> bool:
-            tally.go_on(state)
-            return folder is None or recorded(folder, tally.seen) == tally.passed
+        total, tally = self._tasks_in(stream), Tally()
 
         def told() -> str:
             return tally_line(tally, ("task", "tasks"), limits)
 
-        run = run_on_file(self.asked, self.file) if self.output or folder else None
         staging = self.filming.staging(*self._scenes() if self.filming.asked else ())
-        if folder is not None:
-            claim(folder, run)
-        with tallied(tally, told), writer(self.output, run, fits) as out:
-            tally.go_on(out.state)
+        with (
+            tallied(tally, told),
+            recordings_folder(self.checking.demonstrate) as folder,
+            writer(self.output) as out,
+        ):
+            arguments = {**self.checking.arguments(), "demonstrate": folder}
             outcomes = recheck(
                 read_lines(lines_of(stream), self.file), where=self.asked.conditions(), seed=self.seed,
                 witness_only=self.witness_only, load=lambda record, of: self.asked.of(record, of).domain(),
-                folder=Path(self.file).parent, done=tally.seen, staging=staging, **self.checking.arguments(),
+                folder=Path(self.file).parent, staging=staging, **arguments,
             )  # fmt: skip
             with closing(outcomes):
                 for outcome in outcomes:
                     tally.count(outcome.status, outcome.reason, outcome.causes)
                     line = f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip()
-                    out.write(line, tally.state())
+                    out.write(line, flush=True)
                     tell(told(), tally.seen, total)
         return tally
 
@@ -127,7 +122,7 @@ class _Check:
 
         if not Path(self.file).is_file():
             return []
-        return [scene_of(domain) for domain in domains_of(self.asked, self.file)[0]]
+        return [scene_of(domain) for domain in _domains_of(self.asked, self.file)]
 
     def _tasks_in(self, stream: TextIO) -> int | None:
         """Return how many lines of the file hold something, None where it can be read only once.
@@ -144,3 +139,31 @@ class _Check:
         raise QueryError(
             f"{self.file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {self.file}"
         )
+
+
+def _domains_of(asked: Asked, file: str) -> list[Domain]:
+    """Return the domains that the tasks of a file are of.
+
+    Raises:
+        PragError: a domain that the file names cannot be loaded.
+    """
+    firsts: dict[tuple[bytes, bytes], Record] = {}
+    with open_binary(file) as lines:
+        for line in lines:
+            _take_first(line, file, firsts)
+    return [asked.of(record, Path(file).parent).domain(tell=False) for record in firsts.values()]
+
+
+def _take_first(line: bytes, file: str, firsts: dict[tuple[bytes, bytes], Record]) -> None:
+    """Add the record of a line where it is the first of its domain and constants; `recheck` reports a damaged line."""
+    import msgspec
+
+    from prag_asp.dataset.jsonl import read_lines
+
+    try:
+        named = msgspec.json.decode(line, type=dict[str, msgspec.Raw])
+        key = (bytes(named["domain"]), bytes(named.get("constants", msgspec.Raw(b""))))
+        if key not in firsts:
+            firsts[key] = next(read_lines([line.decode(errors="replace")], file))
+    except (msgspec.MsgspecError, KeyError, RecursionError, PragError, StopIteration):
+        return

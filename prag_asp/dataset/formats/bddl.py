@@ -1,4 +1,4 @@
-"""BDDL in LIBERO's text form: one file a task, with its objects, its first state, its goal, and its words.
+"""BDDL in LIBERO's text form: one file a task, with its objects, its initial state, its goal, and its words.
 
 The grammar is that of https://github.com/Lifelong-Robot-Learning/LIBERO, ``libero/envs/bddl_utils.py``: expressions in
 parentheses, of which small letters alone are read. Facts that are known to be false stand in ``(not ...)``; what is
@@ -14,18 +14,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.formats.episode_source import NO_TASK, Source
-from prag_asp.dataset.formats.export_format import Told
-from prag_asp.dataset.formats.provenance import MARK, mark_of
+from prag_asp.dataset.formats.episode_source import NO_TASK, EpisodeSource
+from prag_asp.dataset.formats.export_format import Progress
+from prag_asp.dataset.formats.provenance import write_provenance
 from prag_asp.errors import QueryError
-from prag_asp.output import file_in, growing, replace_file
+from prag_asp.output import file_in, new_folder, replace_file
 from prag_asp.scene.geometry import yaw_of
 from prag_asp.scene.variation import table_of
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.atom import Atom
-    from prag_asp.dataset.store.entry import Entry
+    from prag_asp.dataset.store.entry import DatasetEntry
     from prag_asp.physics import Witness
     from prag_asp.scene.geometry import Pose
 
@@ -42,7 +42,7 @@ Region = tuple[str, tuple[float, float, float, float], float]
 class Bddl:
     """Writes a folder with a file for each task, ``PART-NUMBER.bddl``."""
 
-    def write(self, source: Source, target: Path, progress: Told) -> None:
+    def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write the folder; regions are there where the domain has a scene.
 
         Raises:
@@ -50,7 +50,7 @@ class Bddl:
             OutputError: it cannot be written.
         """
         total = sum(note.rows("tasks") for note in source.data.manifest.parts if note.name in source.data.parts)
-        with growing(target, MARK, mark_of(source, "bddl")) as folder:
+        with new_folder(target) as folder:
             count = 0
             for count, (entry, witness) in enumerate(_tasks(source), 1):
                 text = problem(source, entry, witness)
@@ -58,10 +58,11 @@ class Bddl:
                 progress(plural(count, "task"), count, total)
             if not count:
                 raise QueryError(f"{source.data.folder}: {NO_TASK}")
+            write_provenance(folder, source, "bddl")
 
 
-def _tasks(source: Source) -> Iterator[tuple[Entry, Witness | None]]:
-    """Yield each task with its witness from the first of its first states, where there is one."""
+def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None]]:
+    """Yield each task with its witness from the first of its initial states, where there is one."""
     witnesses = ((entry, found) for entry, start, found in source.data.witnesses() if start == 0)
     waiting = next(witnesses, None)
     for entry in source.data.entries():
@@ -72,7 +73,7 @@ def _tasks(source: Source) -> Iterator[tuple[Entry, Witness | None]]:
             yield entry, None
 
 
-def problem(source: Source, entry: Entry, witness: Witness | None = None) -> str:
+def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None = None) -> str:
     """Return a task as a problem of BDDL.
 
     Raises:
@@ -81,7 +82,7 @@ def problem(source: Source, entry: Entry, witness: Witness | None = None) -> str
     task = entry.task
     standing = _fixtures(source, entry)
     objects = {name: kind for name, kind in task.entities.items() if name not in standing}
-    asked = [name for name in objects if any(name in fluent.arguments for fluent in task.goal)]
+    of_interest = [name for name in objects if any(name in fluent.arguments for fluent in task.goal)]
     init = [f"    {_fact(fluent, value)}" for fluent, value in task.initial.items()]
     goal = " ".join(_fact(fluent, value) for fluent, value in task.goal.items())
     lines = [
@@ -98,7 +99,7 @@ def problem(source: Source, entry: Entry, witness: Witness | None = None) -> str
         *_typed(objects),
         "  )",
         "  (:obj_of_interest",
-        *(f"    {_word(name)}" for name in asked),
+        *(f"    {_word(name)}" for name in of_interest),
         "  )",
         "  (:init",
         *init,
@@ -111,7 +112,7 @@ def problem(source: Source, entry: Entry, witness: Witness | None = None) -> str
     return "\n".join(lines) + "\n"
 
 
-def _fixtures(source: Source, entry: Entry) -> dict[str, str]:
+def _fixtures(source: EpisodeSource, entry: DatasetEntry) -> dict[str, str]:
     """Return what stands still: robots, tables, zones, and what has its place in the scene."""
     if not source.data.domain.settings.scene:
         return {}
@@ -121,7 +122,7 @@ def _fixtures(source: Source, entry: Entry) -> dict[str, str]:
     return {table_of(scene): "table", **named}
 
 
-def _regions(source: Source, witness: Witness | None) -> Iterator[str]:
+def _regions(source: EpisodeSource, witness: Witness | None) -> Iterator[str]:
     """Yield the lines of the regions: zones of the table, and where objects are at first."""
     if not source.data.domain.settings.scene:
         return
@@ -135,7 +136,7 @@ def _regions(source: Source, witness: Witness | None) -> Iterator[str]:
         yield "    )"
 
 
-def _zones(source: Source) -> Iterator[Region]:
+def _zones(source: EpisodeSource) -> Iterator[Region]:
     for name, (x, y, yaw) in source.scene.fixed.items():
         shape = source.scene.shapes.get(name)
         if shape is not None and shape.traits.surface:
@@ -159,8 +160,8 @@ def _typed(entities: Mapping[str, str]) -> list[str]:
 
 
 def _fact(fluent: Atom, value: bool) -> str:
-    told = " ".join(map(_word, (fluent.name, *fluent.arguments)))
-    return f"({told})" if value else f"(not ({told}))"
+    text = " ".join(map(_word, (fluent.name, *fluent.arguments)))
+    return f"({text})" if value else f"(not ({text}))"
 
 
 def _word(text: str) -> str:

@@ -39,8 +39,8 @@ class Colours:
     def statistics(self) -> Statistics:
         """Return the statistics of each channel from 0 to 1, over all pixels, each of shape (3, 1, 1)."""
         found = [_of_histogram(counts) for counts in self._counts]
-        told = {name: np.array([each[name] for each in found]).reshape(3, 1, 1) for name in found[0]}
-        return {name: told[name] if name in told else np.array([self._pictures]) for name in NAMES}
+        values = {name: np.array([each[name] for each in found]).reshape(3, 1, 1) for name in found[0]}
+        return {name: values[name] if name in values else np.array([self._pictures]) for name in NAMES}
 
 
 def _of_histogram(counts: NDArray[np.int64]) -> dict[str, float]:
@@ -103,5 +103,5 @@ def as_lists(statistics: Statistics) -> dict[str, Any]:
 def flattened(features: Mapping[str, Statistics], names: Sequence[str] = NAMES) -> Iterable[tuple[str, Any]]:
     """Yield the columns of an episode: ``stats/FEATURE/NAME`` with its value."""
     for feature, statistics in features.items():
-        told = as_lists(statistics)
-        yield from ((f"stats/{feature}/{name}", told[name]) for name in names)
+        values = as_lists(statistics)
+        yield from ((f"stats/{feature}/{name}", values[name]) for name in names)

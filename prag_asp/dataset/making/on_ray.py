@@ -1,4 +1,4 @@
-"""Draws that are looked at on the nodes of a Ray cluster, as Ray tasks over some draws in a row.
+"""Draws that are validated on the nodes of a Ray cluster, as Ray tasks over some draws in a row.
 
 A node that is lost costs what was done on it: Ray does its tasks again elsewhere. What is found comes back in the order
 of the draws. A process of its own talks to Ray, so that nothing of Ray's reaches ours: neither threads, nor handlers of
@@ -20,7 +20,7 @@ from itertools import islice
 from time import monotonic, sleep
 from typing import Any
 
-from prag_asp.dataset.validation_jobs import Draw, Found, Look, telling_looker
+from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, open_draw_validator
 from prag_asp.errors import WorkerError
 from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, uninterrupted
@@ -38,78 +38,79 @@ LARGEST, GROWTH = 512, 2
 """Draws of a task of Ray at most, and by how much these grow at once."""
 
 LOST = 20
-"""How often a task of Ray is done again whose node was lost."""
+"""Retries of a task of Ray whose node was lost."""
 
 PARTING = 10.0
-"""Seconds that Ray has to end what it does for us."""
+"""Seconds that Ray has to end its processes."""
 
 PATIENCE = 60.0
 """Seconds to wait for a first processor of a cluster."""
 
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
-"""What keeps Ray from telling others of its use."""
+"""Environment variables that disable Ray's usage statistics."""
 
 
 @dataclass(frozen=True)
-class Cluster:
+class RayExecutor:
     """The cluster that ``RAY_ADDRESS`` names, or this machine as one."""
 
-    tells: bool = True
+    captions: bool = True
 
-    def look(self, draws: Iterator[Draw], look: Look) -> Generator[Found, None, None]:
-        """Yield what is known of draws, in their order; closing the iterator ends the work at once.
+    def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
+        """Yield the results of jobs, in their order; closing the iterator ends the work at once.
 
         Raises:
-            SceneError: a task speaks of something for which the scene has no shape.
+            SceneError: a task names something for which the scene has no shape.
             WorkerError: there is no cluster, or nodes were lost again and again.
         """
-        from prag_asp.dataset.store.columns import Row, unpacked
+        from prag_asp.dataset.store.columns import RowReference, unpacked
 
-        stage("looking at tasks on the cluster")
+        stage("validating tasks on the cluster")
         with WorkerGroup(__name__, stderr=subprocess.DEVNULL) as children:
             try:
                 talker = children.start()
                 try:
-                    talker.send(look)
+                    talker.send(setup)
                     while (answer := talker.receive()) is not None:
                         if isinstance(answer, int):
-                            talker.send(list(islice(draws, answer)))
+                            talker.send(list(islice(jobs, answer)))
                         else:
                             every, rows = pickle.loads(answer)
                             table = unpacked(rows)
-                            yield from (each._replace(row=Row(table, place)) for place, each in enumerate(every))
+                            yield from (
+                                each._replace(row=RowReference(table, place)) for place, each in enumerate(every)
+                            )
                 finally:
                     with uninterrupted():
                         _let_go(talker)
             except WorkerEnded as ended:
-                told = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
-                raise WorkerError(told) from None
+                message = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
+                raise WorkerError(message) from None
 
 
 def _let_go(talker: Worker) -> None:
-    """Have Ray end all that it does for us, as it does when it is asked to; otherwise a cluster here leaves agents."""
+    """Terminate the process that talks to Ray, so that Ray ends our work; a killed local cluster would leave agents."""
     talker.process.terminate()
     with suppress(subprocess.TimeoutExpired):
         talker.process.wait(PARTING)
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
-    """Yield how many draws are wanted, and get them, fewer where there are no more; yield what is known of some.
+    """Yield the number of jobs that the cluster has room for, and the results of jobs, pickled; None comes last.
 
-    That passes through as the node has pickled it: a list of `Found`, and their rows.
-
-    First of all comes how they are looked at; None comes last.
+    The first message is the `ValidationSetup`; each number is answered by that many jobs, or fewer at the end. Results
+    are a list of `JobResult` and their rows, as the node has pickled them.
 
     Raises:
-        SceneError: as `Cluster.look` does.
-        WorkerError: so, too.
+        SceneError: as `RayExecutor.run` does.
+        WorkerError: as `RayExecutor.run` does.
     """
     import ray
 
     _begin(ray)
-    look = ray.put(next(messages))
+    setup = ray.put(next(messages))
     run, size, more = os.urandom(8).hex(), 1, True
-    remote = ray.remote(looked_at).options(num_cpus=1, max_retries=LOST)
+    remote = ray.remote(validated).options(num_cpus=1, max_retries=LOST)
     waiting: deque[tuple[Any, int]] = deque()
     while more or waiting:
         room = AHEAD * _processors(ray) - len(waiting)
@@ -118,7 +119,7 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
             draws = next(messages)
             more = len(draws) == room * size
             groups = [draws[first : first + size] for first in range(0, len(draws), size)]
-            waiting.extend((remote.remote(run, look, group), len(group)) for group in groups)
+            waiting.extend((remote.remote(run, setup, group), len(group)) for group in groups)
             continue
         reference, number = waiting.popleft()
         found, seconds = _answer(ray, reference)
@@ -170,7 +171,7 @@ def _processors(ray: Any) -> int:
 
 
 def _answer(ray: Any, reference: Any) -> tuple[bytes, float]:
-    """Return what a task of Ray has found, pickled, and how long that took.
+    """Return the pickled results of a task of Ray, and the seconds that it took.
 
     Raises:
         WorkerError: Ray has given it up.
@@ -192,29 +193,26 @@ def _line(error: BaseException) -> str:
 
 @dataclass
 class _Kept:
-    """What a process of Ray keeps from one task to the next of the same run."""
+    """The state of a process of Ray between tasks of the same run."""
 
     run: str = ""
-    look: Any = None
+    validate: Any = None
     resources: ExitStack = field(default_factory=ExitStack)
 
 
 _KEPT = _Kept()
 
 
-def looked_at(run: str, look: Look, draws: list[Draw]) -> tuple[bytes, Exception | None, float]:
-    """Return what is known of draws, pickled, or the error that was met, and how many seconds it took.
-
-    This is run on a node.
-    """
+def validated(run: str, setup: ValidationSetup, jobs: list[ValidationJob]) -> tuple[bytes, Exception | None, float]:
+    """Return the pickled results of jobs, or the error raised, and the seconds that it took; this runs on a node."""
     begun = monotonic()
     try:
         if _KEPT.run != run:
             _KEPT.resources.close()
             _KEPT.run, _KEPT.resources = "", ExitStack()
-            assert look.telling is not None
-            _KEPT.look, _KEPT.run = _KEPT.resources.enter_context(telling_looker(look, look.telling)), run
+            assert setup.captions is not None
+            _KEPT.validate, _KEPT.run = _KEPT.resources.enter_context(open_draw_validator(setup, setup.captions)), run
             begun = monotonic()
-        return pickle.dumps(_KEPT.look(draws)), None, monotonic() - begun
+        return pickle.dumps(_KEPT.validate(jobs)), None, monotonic() - begun
     except Exception as error:
         return b"", error, monotonic() - begun

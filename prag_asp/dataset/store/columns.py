@@ -1,4 +1,4 @@
-"""Columns that rows are added to, each row by a few plain lists: a task has hundreds of facts."""
+"""Builders of Arrow columns from rows; a task has hundreds of facts, so rows are kept as flat arrays."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from prag_asp.dataset.store.schema import FACTS, SCHEMAS
 from prag_asp.task import FrozenDict
 
 TOGETHER = 256
-"""Rows that wait as lists, which take much room; more are kept as Arrow has them."""
+"""Rows that are held as Python lists before they are packed as Arrow, which takes much less memory."""
 
 Known = Mapping[Atom, bool]
 
 
 class Fluents(dict[Atom, int]):
-    """Numbers of the fluents of some rows, each the next one when it is first asked for: rows share most of them."""
+    """Numbers of the fluents of some rows, assigned at first use: rows share most of them."""
 
     def __missing__(self, fluent: Atom) -> int:
         self[fluent] = number = len(self)
         return number
 
     def texts(self) -> pa.Array:
-        """Return the text of each, by its number."""
+        """Return the text of each fluent, by its number."""
         return texts_of([str(fluent) for fluent in self])
 
 
@@ -44,8 +44,8 @@ class Column(Protocol):
         ...
 
 
-class Plain:
-    """Values that Arrow takes as they are."""
+class PlainColumn:
+    """A column of plain values."""
 
     def __init__(self, kind: pa.DataType) -> None:
         self._kind, self._values = kind, list[Any]()
@@ -59,8 +59,8 @@ class Plain:
         return array_of(self._values, self._kind)
 
 
-class Facts:
-    """What is known of a state, for each row; `fluents` are those of all columns."""
+class FactsColumn:
+    """A column with the facts of one state a row; `fluents` are shared by all columns."""
 
     def __init__(self, fluents: Fluents) -> None:
         self._fluents, self._sizes = fluents, array("i")
@@ -68,14 +68,14 @@ class Facts:
         self._told: dict[int, tuple[Known, array[int], bytes]] = {}
 
     def add(self, known: Known) -> None:
-        """Add what is known of a state."""
+        """Add the facts of a state."""
         _, numbers, values = self._told.get(id(known)) or self._spelled(known)
         self._sizes.append(len(values))
         self._numbers.extend(numbers)
         self._values += values
 
     def _spelled(self, known: Known) -> tuple[Known, array[int], bytes]:
-        """Return a state, its fluents by their numbers, and their values: what never changes is spelled once."""
+        """Return a state, the numbers of its fluents, and their values; an immutable state is encoded once."""
         told = known, array("i", map(self._fluents.__getitem__, known)), bytes(known.values())
         if isinstance(known, FrozenDict):
             self._told[id(known)] = told
@@ -89,14 +89,14 @@ class Facts:
         return lists_of(self._sizes, facts, FACTS)
 
 
-class States:
-    """What is known of several states, for each row."""
+class StatesColumn:
+    """A column with the facts of several states a row."""
 
     def __init__(self, fluents: Fluents) -> None:
-        self._sizes, self._facts = array("i"), Facts(fluents)
+        self._sizes, self._facts = array("i"), FactsColumn(fluents)
 
     def add(self, states: Sequence[Known]) -> None:
-        """Add what is known of some states."""
+        """Add the facts of some states."""
         for known in states:
             self._facts.add(known)
         self._sizes.append(len(states))
@@ -106,15 +106,15 @@ class States:
         return lists_of(self._sizes, self._facts.array(), pa.list_(FACTS))
 
 
-class Row(NamedTuple):
-    """A row of a table that has others, too; its place there."""
+class RowReference(NamedTuple):
+    """A row of a larger table, and its position there."""
 
     table: pa.Table
     place: int
 
 
-class Rows:
-    """The rows of a table that are still to be written; some may have been before."""
+class TableBuilder:
+    """Collects the rows of a table before it is written; some may have been written before."""
 
     def __init__(self, table: str, before: pa.Table | None = None) -> None:
         self._schema = SCHEMAS[table]
@@ -135,8 +135,8 @@ class Rows:
         if self._waiting == TOGETHER:
             self._gather()
 
-    def take(self, row: Row, rows: int = 1, **numbers: int) -> None:
-        """Add some rows of another table, from one on, with other `numbers` in some columns, which it may lack."""
+    def take(self, row: RowReference, rows: int = 1, **numbers: int) -> None:
+        """Add consecutive rows of another table, with `numbers` in place of some columns, which it may lack."""
         if self._waiting and not self._taken:
             self._gather()
         table, first, last = self._taken[-1] if self._taken else (None, 0, 0)
@@ -179,12 +179,12 @@ class Rows:
 
 def _column(kind: pa.DataType, fluents: Fluents) -> Column:
     if kind == FACTS:
-        return Facts(fluents)
-    return States(fluents) if kind == pa.list_(FACTS) else Plain(kind)
+        return FactsColumn(fluents)
+    return StatesColumn(fluents) if kind == pa.list_(FACTS) else PlainColumn(kind)
 
 
 def packed(table: pa.Table) -> bytes:
-    """Return rows as they travel."""
+    """Return rows as a stream of Arrow IPC."""
     stream = pa.BufferOutputStream()
     with pa.ipc.new_stream(stream, table.schema) as writer:
         writer.write_table(table)
@@ -193,6 +193,6 @@ def packed(table: pa.Table) -> bytes:
 
 
 def unpacked(content: bytes) -> pa.Table:
-    """Return rows that have travelled."""
+    """Return the rows of a stream of Arrow IPC."""
     with pa.ipc.open_stream(content) as reader:
         return reader.read_all()

@@ -1,4 +1,4 @@
-"""The domain of a data set, kept with it: all files that its tasks and verdicts depend on."""
+"""The snapshot of a domain that a dataset holds: all files that its tasks and verdicts depend on."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ if TYPE_CHECKING:
     from prag_asp.program.sources import Source
 
 DOMAIN, ENCODINGS = "domain", "encodings"
-"""The folders of a data set that hold its domain and the encodings that this was read with."""
+"""The folders of a dataset that hold its domain and the encodings that this was read with."""
 
 
-MEND = "make the data set anew, or copy it once more"
-"""What to do where a file of one is damaged."""
+MEND = "make the dataset anew, or copy it once more"
+"""The remedy for a damaged file."""
 
 BLOCK = 1 << 20
 """Bytes of a file that are read at once."""
 
 
-class KeptFile(msgspec.Struct):
-    """A file of a data set: its path in the folder, its size and its SHA-256."""
+class FileRecord(msgspec.Struct):
+    """A file of a dataset: its path in the folder, its size and its SHA-256."""
 
     path: str
     bytes: int
     sha256: str
 
 
-class KeptDomain(msgspec.Struct):
-    """A domain as dataset.json tells of it: how it is read from its files."""
+class DomainSnapshot(msgspec.Struct):
+    """The description of a snapshot in dataset.json: how the domain is read from its files."""
 
     name: str
     label: str
     constants: dict[str, str]
     flat: bool
-    files: list[KeptFile]
-    encodings: list[KeptFile]
+    files: list[FileRecord]
+    encodings: list[FileRecord]
 
 
-def kept(domain: Domain) -> tuple[KeptDomain, dict[str, bytes]]:
-    """Return what is told of a domain, and the content of its files by their paths in a data set.
+def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
+    """Return the snapshot of a domain, and the content of its files by their paths in a dataset.
 
     Raises:
         OSError: a file of it can no longer be read.
@@ -61,12 +61,14 @@ def kept(domain: Domain) -> tuple[KeptDomain, dict[str, bytes]]:
         f"{ENCODINGS}/{path.relative_to(folder).as_posix()}": read_bytes(path) for path in sorted(folder.rglob("*.lp"))
     }
     flat = not domain.facts.composites and any("composite" in source.text for source in _own_sources(domain))
-    told = KeptDomain(domain.name, domain.label, dict(domain.constants), flat, [*_told(own)], [*_told(encodings)])
-    return told, {**own, **encodings}
+    snapshot = DomainSnapshot(
+        domain.name, domain.label, dict(domain.constants), flat, [*_records(own)], [*_records(encodings)]
+    )
+    return snapshot, {**own, **encodings}
 
 
-def write_kept(folder: Path, files: dict[str, bytes]) -> None:
-    """Write the files of a domain into the folder of a data set, each whole; those that are there stay.
+def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
+    """Write the files of a snapshot into the folder of a dataset, each whole, unless they are there.
 
     Raises:
         OutputError: one cannot be written.
@@ -78,8 +80,8 @@ def write_kept(folder: Path, files: dict[str, bytes]) -> None:
             replace_file(path, content, follow=False)
 
 
-def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domain:
-    """Load the domain of a data set from its folder alone.
+def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False) -> Domain:
+    """Load the domain of a dataset from its folder alone.
 
     Raises:
         DomainError: a file is missing, is not what dataset.json says, or is read though that does not name it.
@@ -88,8 +90,8 @@ def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domai
 
     for name in (DOMAIN, ENCODINGS):
         if not is_inside(folder / name, folder):
-            raise DomainError(f"{folder / name}: leads out of the data set; {MEND}")
-    for file in (*told.files, *told.encodings):
+            raise DomainError(f"{folder / name}: leads out of the dataset; {MEND}")
+    for file in (*snapshot.files, *snapshot.encodings):
         path = folder / file.path
         try:
             content = read_bytes(path, within=folder)
@@ -98,13 +100,13 @@ def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domai
         if sha256(content).hexdigest() != file.sha256:
             raise DomainError(f"{path}: is not what dataset.json says; {MEND}")
     domain = load_domain(
-        folder / DOMAIN, constants=told.constants, encodings=folder / ENCODINGS, flat=told.flat, trust=trust
+        folder / DOMAIN, constants=snapshot.constants, encodings=folder / ENCODINGS, flat=snapshot.flat, trust=trust
     )
-    known = {(folder / file.path).resolve() for file in (*told.files, *told.encodings)}
+    known = {(folder / file.path).resolve() for file in (*snapshot.files, *snapshot.encodings)}
     for path in _read(domain):
         if path.resolve() not in known:
             raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
-    return replace(domain, name=told.name)
+    return replace(domain, name=snapshot.name)
 
 
 def _read(domain: Domain) -> Iterator[Path]:
@@ -118,7 +120,7 @@ def _read(domain: Domain) -> Iterator[Path]:
 
 
 def digest_of(path: Path, *, at_most: int | None = None) -> str:
-    """Return the SHA-256 of a file, of so many bytes at most.
+    """Return the SHA-256 of a file of `at_most` bytes.
 
     Raises:
         OSError: it cannot be read, or is larger.
@@ -130,13 +132,13 @@ def digest_of(path: Path, *, at_most: int | None = None) -> str:
     return found.hexdigest()
 
 
-def _told(files: dict[str, bytes]) -> Iterator[KeptFile]:
+def _records(files: dict[str, bytes]) -> Iterator[FileRecord]:
     for path, content in sorted(files.items()):
-        yield KeptFile(path, len(content), sha256(content).hexdigest())
+        yield FileRecord(path, len(content), sha256(content).hexdigest())
 
 
 def _own_sources(domain: Domain) -> list[Source]:
-    """Return the sources of a domain that every domain has not: rules that were asked for among them."""
+    """Return the sources that belong to this domain alone, requested rules included."""
     from prag_asp.program.sources import HIERARCHY, core_sources
 
     known = {source.path.resolve() for source in core_sources(domain.encodings)}
@@ -145,7 +147,7 @@ def _own_sources(domain: Domain) -> list[Source]:
 
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a domain, as a folder that says the same: those of its own folder as they are."""
+    """Yield the files of a folder that defines the same domain: those of its own folder unchanged."""
     from prag_asp.domain.identity import scene_files
     from prag_asp.domain.load import LEARNED
 

@@ -1,4 +1,4 @@
-"""What is known of a draw: the values that go into rows, and into the journal of a run."""
+"""Results of draws: the values that go into rows, and into the journal of a run."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import msgspec
 NOTHING = msgspec.Raw(b"null")
 
 
-class Recorded(msgspec.Struct):
-    """A recording of a first state, as its row says, and the colours that things have in it, where they vary."""
+class RecordingInfo(msgspec.Struct):
+    """A recording from an initial state, as its row has it, and the colours of things in it, where they vary."""
 
     file: str
     sha256: str
@@ -21,40 +21,40 @@ class Recorded(msgspec.Struct):
     colours: dict[str, str] = {}
 
 
-class Start(msgspec.Struct):
-    """A first state of a task: the index of its search, and where there are some a witness as JSON and a recording."""
+class StartResult(msgspec.Struct):
+    """The result from an initial state of a task: the index of the search, a witness as JSON, and a recording."""
 
     index: int
     witness: msgspec.Raw = NOTHING
-    recording: Recorded | None = None
+    recording: RecordingInfo | None = None
 
     @property
     def text(self) -> str | None:
-        """The witness as JSON, None where there is none."""
+        """The witness as JSON, None without one."""
         content = bytes(self.witness)
         return None if content == bytes(NOTHING) else content.decode()
 
 
-class Looked(msgspec.Struct):
-    """What is known of a draw: the verdict on it, without the witness, and what was found for each first state."""
+class DrawResult(msgspec.Struct):
+    """The result of a draw: its verdict, without the witness, and the result from each initial state."""
 
     part: str
     draw: int
     verdict: dict[str, Any] | None
-    starts: list[Start]
+    starts: list[StartResult]
 
     @property
     def passed(self) -> bool:
-        """Whether it is a task of the data set, and not one of those refused."""
+        """Whether its task belongs to the dataset, and was not refused."""
         return self.verdict is None or self.verdict["status"] == "feasible"
 
     @property
     def witnesses(self) -> int:
-        """How many first states have a witness."""
+        """The number of initial states with a witness."""
         return sum(bytes(start.witness) != bytes(NOTHING) for start in self.starts)
 
     @property
     def colours(self) -> Mapping[str, str]:
-        """The colours of the recording of which the words of the task are, as far as they are not the scene's."""
+        """The colours of the recording that the texts of the task describe, where they differ from the scene's."""
         recording = self.starts[0].recording if self.starts else None
         return {} if recording is None else recording.colours

@@ -1,4 +1,4 @@
-"""What a data set says of one task, and the way back from a row to values."""
+"""An entry of a dataset: a task with its texts and verdict, decoded from a row."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Entry:
-    """A task of a data set: its part, its number there from 0 (None where it was refused), and its draw.
+class DatasetEntry:
+    """A task of a dataset: its part, its number there from 0 (None where it was refused), and its draw.
 
     `rank` is its place among all tasks of its length. `instruction` has it in words, by how much they say, and
     `subgoals` a sentence for each action; `named` are the entities that these call by their names, since nothing that
@@ -40,8 +40,8 @@ class Entry:
     starts: int = 0
 
 
-def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
-    """Return what a row of a table of tasks says.
+def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:
+    """Return the entry of a row of a table of tasks.
 
     Raises:
         QueryError: it lacks a value, or one has no meaning.
@@ -50,8 +50,8 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
         return _entry_of(row, part, constants)
 
 
-def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
-    return Entry(
+def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:
+    return DatasetEntry(
         part,
         row.get("task"),
         row["draw"],
@@ -88,7 +88,7 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
 
 @contextmanager
 def _told(row: Mapping[str, Any]) -> Iterator[None]:
-    """Tell what is wrong with a row by its draw."""
+    """Report what is wrong with a row, by its draw."""
     try:
         yield
     except (TypeError, ValueError, KeyError) as error:

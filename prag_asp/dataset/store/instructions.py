@@ -1,4 +1,4 @@
-"""What a task is told as, in words: the one place where instructions come into a data set."""
+"""The texts of a task in a dataset: instructions, and a sentence for each action."""
 
 from __future__ import annotations
 
@@ -16,40 +16,39 @@ if TYPE_CHECKING:
 LEVELS, PLAIN = ("vague", "default", "exact"), "plain"
 
 
-class Told(NamedTuple):
-    """A task in words by how much they say, a sentence for each action, and what had to be called by its name."""
+class TaskTexts(NamedTuple):
+    """The texts of a task: (level, instruction) pairs, a sentence for each action, and the entities called by name."""
 
     whole: tuple[tuple[str, str], ...]
     subgoals: tuple[str, ...]
     named: tuple[str, ...]
 
 
-Telling = Callable[["Task", Mapping[str, str]], Told]
-"""Tells a task by the colours that some things have in its picture, where they are other than the scene's."""
+Captioner = Callable[["Task", Mapping[str, str]], TaskTexts]
+"""Returns the texts of a task, given the colours of entities that differ from the scene's."""
 
 
-def telling_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Telling:
-    """Return what tells tasks of a domain in a language; the seed chooses among its `phrasings`.
+def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Captioner:
+    """Return a captioner of the tasks of a domain in a language; the seed chooses among its `phrasings`.
 
-    A task that cannot be told without a sentence that means something else as well is told plainly, by the names of its
-    entities, at one level alone: ``plain``.
+    A task that has no unambiguous text is described by the names of its entities, at the single level ``plain``.
 
     Raises:
         QueryError: the domain does not speak the language, or has no such phrasings.
     """
-    return telling_by(instruction_writer_of(domain, language, phrasings=phrasings), domain, seed)
+    return captioner_with(instruction_writer_of(domain, language, phrasings=phrasings), domain, seed)
 
 
-def telling_by(teller: InstructionWriter, domain: Domain, seed: int) -> Telling:
-    """Return what tells tasks as `telling_of` does, by a teller that is there."""
+def captioner_with(teller: InstructionWriter, domain: Domain, seed: int) -> Captioner:
+    """Return the captioner of `captioner_of` for an existing teller."""
 
-    def told(task: Task, colours: Mapping[str, str]) -> Told:
+    def texts(task: Task, colours: Mapping[str, str]) -> TaskTexts:
         try:
             found = teller.recoloured(colours).instructions(task, seed)
         except QueryError:
             templates = domain.settings.language
             plain = tuple(sentence(action, templates) for action in task.actions)
-            return Told(((PLAIN, instruction(task, templates)),), plain, tuple(task.entities))
-        return Told(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
+            return TaskTexts(((PLAIN, instruction(task, templates)),), plain, tuple(task.entities))
+        return TaskTexts(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
 
-    return told
+    return texts

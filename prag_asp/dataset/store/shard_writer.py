@@ -1,4 +1,4 @@
-"""The rows of a part of a data set while they are being written, shard by shard."""
+"""Write the draws of a part of a dataset, shard by shard."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import pyarrow as pa
 
-from prag_asp.dataset.store.columns import Row, Rows
+from prag_asp.dataset.store.columns import RowReference, TableBuilder
 from prag_asp.dataset.store.domain_snapshot import digest_of
-from prag_asp.dataset.store.draw_results import Looked, Start
-from prag_asp.dataset.store.manifest import Cause, LengthTally, PartNote, Reason, Shard, summed
+from prag_asp.dataset.store.draw_results import DrawResult, StartResult
+from prag_asp.dataset.store.manifest import CauseCount, LengthTally, PartManifest, RefusalCount, Shard, summed
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import open_shard, write_shard
 from prag_asp.errors import PragError
@@ -22,44 +22,44 @@ from prag_asp.space.sampling.streams import log_probability
 from prag_asp.versions import versions
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.instructions import Told
-    from prag_asp.dataset.store.shard_reader import Given
+    from prag_asp.dataset.store.instructions import TaskTexts
+    from prag_asp.dataset.store.shard_reader import DrawRows
     from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.task import Task
 
 LIMITS: Mapping[str, int] = {"tasks": 1, "refused": 10, "witnesses": 4}
-"""How many times the rows of tasks in a full shard its other tables have at most, about."""
+"""The most rows of each table in a full shard, as a multiple of its tasks."""
 
 
 TOGETHER = "; "
-"""What stands between the versions of several that have made a shard."""
+"""Separates the versions of the programs that have made a shard."""
 
 SUMMED_TOGETHER = 256
-"""Draws that are counted together."""
+"""Tallies of single draws before they are summed."""
 
 
 class PartWriter:
-    """Takes the draws of a part in their order, and writes a shard whenever one is full."""
+    """Takes the draws of a part in order, and writes a shard whenever one is full."""
 
-    def __init__(self, folder: Path, note: PartNote, shard: int) -> None:
-        """Go on after the shards that a part has; `shard` is how many tasks a full one has at most."""
+    def __init__(self, folder: Path, note: PartManifest, shard: int) -> None:
+        """Continue after the shards that a part has; a full shard has at most `shard` tasks."""
         self._folder, self._limit, self.note, self._ours = folder, shard, note, versions()
         self._begin()
         self._take_up(note.tail)
 
     @property
     def next(self) -> int:
-        """The number of the draw that comes next."""
+        """The number of the next draw."""
         return self._first + self._draws
 
     @property
     def tasks(self) -> int:
-        """How many tasks the part has."""
+        """The number of tasks of the part."""
         return self.note.rows("tasks") + self._rows["tasks"].count
 
     @property
     def full(self) -> bool:
-        """Whether the shard is to be written before another draw is added."""
+        """Whether the shard has to be written before another draw is added."""
         return any(self._rows[table].count >= times * self._limit for table, times in LIMITS.items())
 
     @property
@@ -67,8 +67,8 @@ class PartWriter:
         """Whether there is nothing to be written."""
         return not self._draws
 
-    def add(self, placed: RankedDraw, task: Task, looked: Looked, words: Told) -> None:
-        """Add a draw, and what is known of it."""
+    def add(self, placed: RankedDraw, task: Task, looked: DrawResult, words: TaskTexts) -> None:
+        """Add a draw with its result and texts."""
         row, witnesses = row_of(placed, task, looked, words), looked.witnesses
         if looked.passed:
             self._rows["tasks"].add({**row, "task": self.tasks, "starts": witnesses})
@@ -76,42 +76,42 @@ class PartWriter:
             self._rows["refused"].add(row)
         self._looked_at(looked, len(task))
 
-    def add_row(self, placed: RankedDraw, row: Row, looked: Looked) -> None:
-        """Add a draw whose row was made elsewhere, and what is known of it."""
+    def add_row(self, placed: RankedDraw, row: RowReference, looked: DrawResult) -> None:
+        """Add a draw whose row was made elsewhere, with its result."""
         if looked.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=looked.witnesses)
         else:
             self._rows["refused"].take(row)
         self._looked_at(looked, len(placed.word))
 
-    def _looked_at(self, looked: Looked, length: int) -> None:
-        """Add the first states of the draw whose row was added last, and count it."""
+    def _looked_at(self, looked: DrawResult, length: int) -> None:
+        """Add the initial states of the draw whose row was added last, and count it."""
         for start, each in enumerate(looked.starts) if looked.passed else ():
             self._add_start(self.tasks - 1, start, each)
         self._tally(_tally(length, looked.verdict, looked.witnesses), self._ours)
         self._draws += 1
 
-    def take(self, given: Given) -> None:
-        """Add a draw as another data set has it, with the numbers that it has here."""
+    def take(self, given: DrawRows) -> None:
+        """Add a draw of another dataset, with the numbers that it has here."""
         if given.passed:
             number = self.tasks
-            self._rows["tasks"].take(Row(given.row, 0), task=number, draw=self.next)
+            self._rows["tasks"].take(RowReference(given.row, 0), task=number, draw=self.next)
             if given.witnesses is not None:
-                self._rows["witnesses"].take(Row(given.witnesses, 0), given.witnesses.num_rows, task=number)
+                self._rows["witnesses"].take(RowReference(given.witnesses, 0), given.witnesses.num_rows, task=number)
             for row in given.recordings:
                 self._rows["recordings"].add({**row, "task": number})
         else:
-            self._rows["refused"].take(Row(given.row, 0), draw=self.next)
+            self._rows["refused"].take(RowReference(given.row, 0), draw=self.next)
         self._tally(_tally(given.length, given.verdict, given.starts), given.versions)
         self._draws += 1
 
     def write(self) -> None:
-        """Write the shard, and note it with the part; dataset.json has to be written next.
+        """Write the shard, and add it to the part; dataset.json has to be written next.
 
         Raises:
             OutputError: it cannot be written.
         """
-        stage("writing the data set")
+        stage("writing the dataset")
         number = self.note.shards[-1].number + 1 if self.note.shards else 0
         files = {
             table: write_shard(self._folder, table, self.note.name, number, rows.table())
@@ -128,12 +128,12 @@ class PartWriter:
         """Begin a shard."""
         self._first = self.note.shards[-1].end if self.note.shards else 0
         self._draws = 0
-        self._rows = {table: Rows(table) for table in SCHEMAS}
+        self._rows = {table: TableBuilder(table) for table in SCHEMAS}
         self._tallies: list[LengthTally] = []
         self._versions: set[str] = set()
 
     def _take_up(self, tail: Shard | None) -> None:
-        """Begin with the rows of a shard that was not full, where its files are what dataset.json says."""
+        """Begin with the rows of a shard that was not full, if its files are what dataset.json says."""
         if tail is None:
             return
         try:
@@ -145,12 +145,12 @@ class PartWriter:
                     before[table] = opened.read()
         except (OSError, PragError, pa.ArrowException):
             return
-        self._rows = {table: Rows(table, before.get(table)) for table in SCHEMAS}
+        self._rows = {table: TableBuilder(table, before.get(table)) for table in SCHEMAS}
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
         self._versions = {*tail.versions.split(TOGETHER)}
 
-    def _add_start(self, task: int, start: int, found: Start) -> None:
-        """Add a first state of a task."""
+    def _add_start(self, task: int, start: int, found: StartResult) -> None:
+        """Add an initial state of a task."""
         of_it, text = {"task": task, "start": start}, found.text
         if text is not None:
             self._rows["witnesses"].add({**of_it, "index": found.index, "witness": text})
@@ -158,15 +158,15 @@ class PartWriter:
             self._rows["recordings"].add({**of_it, **msgspec.structs.asdict(found.recording)})
 
     def _tally(self, tally: LengthTally, made_by: str) -> None:
-        """Count a draw, and note what has looked at it."""
+        """Count a draw, and the version that has validated it."""
         self._versions.add(made_by)
         self._tallies.append(tally)
         if len(self._tallies) >= SUMMED_TOGETHER:
             self._tallies = summed(self._tallies)
 
 
-def row_of(placed: RankedDraw, task: Task, looked: Looked, words: Told) -> dict[str, Any]:
-    """Return what tables of tasks say of a draw."""
+def row_of(placed: RankedDraw, task: Task, looked: DrawResult, words: TaskTexts) -> dict[str, Any]:
+    """Return the row of a draw in a table of tasks."""
     return {
         "draw": looked.draw,
         "domain": task.domain,
@@ -198,12 +198,12 @@ def _tally(length: int, told: Mapping[str, Any] | None, witnesses: int) -> Lengt
         not_found=status == "not_found",
         infeasible=status == "infeasible",
         witnesses=witnesses,
-        causes=[Cause(cause, count) for cause, count in verdict["causes"].items()],
-        reasons=[] if status == "feasible" else [Reason(status, reason, 1)],
+        causes=[CauseCount(cause, count) for cause, count in verdict["causes"].items()],
+        reasons=[] if status == "feasible" else [RefusalCount(status, reason, 1)],
     )
 
 
 def _verdict_row(verdict: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a verdict as its column has it."""
+    """Return a verdict as a value of its column."""
     causes = [{"cause": cause, "count": count} for cause, count in verdict["causes"].items()]
     return {**verdict, "causes": causes, "details": verdict.get("details", [])}

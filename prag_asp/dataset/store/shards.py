@@ -1,4 +1,4 @@
-"""The files of a data set's tables: each is written whole, and named by its part and number."""
+"""The Parquet files of a dataset: each is written whole, and named by its part and number."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.safe_reading import is_inside, open_binary
 
 LARGEST_GROUP = 1_000_000_000
-"""Bytes of rows that are read at once, unpacked, by what the file says."""
+"""The most bytes of a row group, unpacked, that the file may claim."""
 
 
 def shard_name(table: str, part: str, number: int) -> str:
-    """Return the path of a shard in the folder of its data set."""
+    """Return the path of a shard in the folder of its dataset."""
     return f"{FOLDERS[table]}/{part}-{number:05d}.parquet"
 
 
 def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table) -> ShardFile:
-    """Write rows as a shard, whole, and return what dataset.json says of it.
+    """Write rows as a shard, whole, and return its record for dataset.json.
 
     Raises:
         OutputError: it cannot be written.
@@ -41,7 +41,7 @@ def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table
 
 
 def _require_groups(file: Path, told: pq.FileMetaData, rows: int) -> None:
-    """Check that the rows of a file are in groups of the right size, and that none is told to unpack to too much.
+    """Check that the rows of a file are in groups of the right size, and that none claims to unpack to too much.
 
     Raises:
         QueryError: they are not.
@@ -62,7 +62,7 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
     """
     file = folder / shard.path
     if not is_inside(file, folder):
-        raise QueryError(f"{file}: leads out of the data set; {MEND}")
+        raise QueryError(f"{file}: leads out of the dataset; {MEND}")
     try:
         open_binary(file).close()  # a regular file; Arrow's threads must not need Python's lock when the program ends
         with pa.OSFile(str(file)) as stream, pq.ParquetFile(stream) as opened:

@@ -1,4 +1,4 @@
-"""Rows of the tables of a data set, read from the shards that have them and from no others."""
+"""Rows of the tables of a dataset, read from the shards that hold them."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from prag_asp.errors import QueryError
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from prag_asp.dataset.store.manifest import PartNote, Shard
+    from prag_asp.dataset.store.manifest import PartManifest, Shard
 
 Row = Mapping[str, Any]
 
 
-class Tables:
-    """The tables of a data set in a folder."""
+class TableReader:
+    """Reads the tables of a dataset in a folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._kept: dict[str, list[tuple[int, str]]] = {}
 
-    def place(self, note: PartNote, table: str, number: int) -> tuple[Shard, int]:
-        """Return the shard of a row of a part, and its place there; there is such a row."""
+    def place(self, note: PartManifest, table: str, number: int) -> tuple[Shard, int]:
+        """Return the shard of a row of a part, and its position there; the row exists."""
         ends = list(accumulate(shard.rows(table) for shard in note.shards))
         at = bisect_right(ends, number)
         return note.shards[at], number - (ends[at - 1] if at else 0)
@@ -41,7 +41,7 @@ class Tables:
             found: Row = file.read_row_group(group).slice(within, 1).to_pylist()[0]
         return found
 
-    def rows(self, note: PartNote, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
+    def rows(self, note: PartManifest, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
         """Yield the rows of a part, each with some columns or with all."""
         for shard in note.shards:
             yield from self.of_shard(table, shard, columns)
@@ -51,10 +51,10 @@ class Tables:
         for _, found in self._groups(table, shard, columns):
             yield from found.to_pylist()
 
-    def found(self, note: PartNote, length: int, rank: int, draw: int | None) -> Iterator[Row]:
-        """Yield the row of the task of a rank; where its draw is known, one shard alone is looked into.
+    def found(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
+        """Yield the row of the task of a rank; where its draw is known, only one shard is read.
 
-        Otherwise the ranks of the part are read once, and kept: about a hundred bytes a task.
+        Otherwise the ranks of the part are read once and cached: about a hundred bytes a task.
         """
         wanted = (length, str(rank))
         if draw is not None:
@@ -68,7 +68,7 @@ class Tables:
             yield self.row("tasks", *self.place(note, "tasks", number))
 
     def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
-        """Return the length and the rank of each task of some shards, which Arrow would import pandas to compare."""
+        """Return the length and the rank of each task of some shards; Arrow would import pandas to compare them."""
         found: list[tuple[int, str]] = []
         for shard in shards:
             if shard.rows("tasks"):
@@ -77,8 +77,8 @@ class Tables:
                 found += zip(keys["length"].to_pylist(), keys["rank"].to_pylist(), strict=True)
         return found
 
-    def starts(self, note: PartNote, table: str, task: Row) -> Iterator[Row]:
-        """Yield the rows of the first states of a task, which stand in one shard with it."""
+    def starts(self, note: PartManifest, table: str, task: Row) -> Iterator[Row]:
+        """Yield the rows of the initial states of a task, which are in the same shard."""
         place = bisect_right([shard.end for shard in note.shards], task["draw"])
         if place == len(note.shards):
             raise QueryError(f"{self.folder}: has no shard of the draw {task['draw']} of {note.name}; {MEND}")
@@ -88,7 +88,7 @@ class Tables:
                 yield self.row(table, shard, first + place)
 
     def _groups(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[tuple[int, pa.Table]]:
-        """Yield the rows of a shard in groups, each with the place of its first one; no file stays open meanwhile."""
+        """Yield the rows of a shard in groups, each with the position of its first row; no file stays open."""
         if not shard.rows(table):
             return
         for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
@@ -98,5 +98,5 @@ class Tables:
 
 
 def _places(values: Sequence[object], wanted: object) -> Iterator[int]:
-    """Yield where a value stands."""
+    """Yield the positions of a value."""
     return (place for place, value in enumerate(values) if value == wanted)

@@ -1,4 +1,4 @@
-"""How many tasks the parts of a suite have, exactly, and that they are apart: by counting what would lie in both."""
+"""Count the tasks of the parts of a suite exactly, and those that two parts have in common."""
 
 from __future__ import annotations
 
@@ -7,36 +7,38 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from prag_asp.dataset.store.manifest import Decimal
 from prag_asp.errors import QueryError
+from prag_asp.integers import digits_of, number_of
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.suites.suite_spec import Part, Suite
+    from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
     from prag_asp.space.limits import Limits
 
 Counted = Callable[[str, int, int], None]
-"""Is told what is being counted, how much was counted, and how much there is to count."""
+"""Takes the progress: what is counted, how many counts were made, and how many there are."""
 
 
-@dataclass(frozen=True)
-class Shared:
-    """How many tasks two parts have in common, and whether one of them says that it may."""
+class Overlap(msgspec.Struct, frozen=True):
+    """The number of tasks that two parts have in common, and whether one of them declares that."""
 
     one: str
     other: str
-    tasks: int
+    tasks: Decimal
     declared: bool
 
 
-@dataclass(frozen=True)
-class Unseen:
-    """How many tasks of a part have something that is held out from it."""
+class HeldOutCount(msgspec.Struct, frozen=True):
+    """The number of tasks of a part that have something held out from it."""
 
     what: str
     part: str
-    tasks: int
+    tasks: Decimal
 
 
 @dataclass(frozen=True)
@@ -44,20 +46,20 @@ class Figures:
     """The exact figures of a suite: the sizes of its parts by length, what parts share, and what is unseen in them."""
 
     sizes: Mapping[str, Mapping[int, int]]
-    shared: tuple[Shared, ...]
-    unseen: tuple[Unseen, ...]
+    shared: tuple[Overlap, ...]
+    unseen: tuple[HeldOutCount, ...]
 
     def size(self, part: str) -> int:
         """Return how many tasks there are of a part."""
         return sum(self.sizes[part].values())
 
     @property
-    def leaks(self) -> tuple[Shared, ...]:
-        """The parts that share tasks, and do not say so."""
-        return tuple(each for each in self.shared if each.tasks and not each.declared)
+    def leaks(self) -> tuple[Overlap, ...]:
+        """The pairs of parts that share tasks without declaring it."""
+        return tuple(each for each in self.shared if number_of(each.tasks) and not each.declared)
 
 
-def space_of(suite: Suite, part: Part, *, limits: Limits = UNLIMITED, engine: str = "auto") -> TaskSpace:
+def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED, engine: str = "auto") -> TaskSpace:
     """Return the space of a part."""
     return _space(suite, part.where, part.lengths, limits, engine)
 
@@ -71,37 +73,39 @@ def count_suite(
         QueryError: a part has fewer tasks than it wants.
         LimitReached: a limit ended a count.
     """
-    count = _Counting(suite, limits, progress)
+    count = _SuiteCounter(suite, limits, progress)
     sizes = {}
     for name, part in suite.parts.items():
         sizes[name] = count.by_length(name, part.where, part.lengths)
         there = sum(sizes[name].values())
         if there < part.tasks:
-            told = f"{name} wants {plural(part.tasks, 'task')}, but there are {there}"
-            raise QueryError(f"{suite.place('parts', name, 'tasks')}: {told}; ask for fewer, or give other conditions")
+            problem = f"{name} wants {plural(part.tasks, 'task')}, but there are {there}"
+            raise QueryError(
+                f"{suite.place('parts', name, 'tasks')}: {problem}; ask for fewer, or give other conditions"
+            )
     shared = []
     for one, other in combinations(suite.parts.values(), 2):
         both = [length for length in one.lengths if length in other.lengths]
         tasks = count.by_length(f"{one.name} and {other.name}", (*one.where, *other.where), both)
-        shared.append(Shared(one.name, other.name, sum(tasks.values()), one.declares(other)))
+        shared.append(Overlap(one.name, other.name, digits_of(sum(tasks.values())), one.declares(other)))
     unseen = []
     for held in suite.held:
         for part in suite.parts.values():
             if held.what not in part.unseen:
                 tasks = count.by_length(f"{held.what} in {part.name}", (*part.where, held.having), part.lengths)
-                unseen.append(Unseen(held.what, part.name, sum(tasks.values())))
+                unseen.append(HeldOutCount(held.what, part.name, digits_of(sum(tasks.values()))))
     return Figures(sizes, tuple(shared), tuple(unseen))
 
 
-class _Counting:
+class _SuiteCounter:
     """Counts tasks under conditions, each number once."""
 
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
         self._suite, self._limits, self._progress = suite, limits, progress
         self._known: dict[tuple[frozenset[str], int], int] = {}
-        self._wanted: dict[frozenset[str], set[int]] = {}
+        self._lengths: dict[frozenset[str], set[int]] = {}
         for part in suite.parts.values():
-            self._wanted.setdefault(frozenset(part.where), set()).update(part.lengths)
+            self._lengths.setdefault(frozenset(part.where), set()).update(part.lengths)
         parts = len(suite.parts)
         self._done, self._total = 0, parts + parts * (parts - 1) // 2 + parts * len(suite.held)
 
@@ -109,17 +113,17 @@ class _Counting:
         """Return the number of tasks of each length that satisfy all of some conditions."""
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
-        asked = frozenset(clauses)
-        if any({held.having, held.without} <= asked for held in self._suite.held):
+        conditions = frozenset(clauses)
+        if any({held.having, held.without} <= conditions for held in self._suite.held):
             return dict.fromkeys(lengths, 0)  # each is the negation of the other
-        if any((asked, length) not in self._known for length in lengths):
+        if any((conditions, length) not in self._known for length in lengths):
             # What is explored for the longest holds for all, those of other parts under the same conditions among them.
-            wanted = self._wanted.get(asked, set()).union(lengths)
-            missing = sorted(length for length in wanted if (asked, length) not in self._known)
+            lengths_needed = self._lengths.get(conditions, set()).union(lengths)
+            missing = sorted(length for length in lengths_needed if (conditions, length) not in self._known)
             space = _space(self._suite, tuple(dict.fromkeys(clauses)), missing, self._limits)
             for length in reversed(missing):
-                self._known[asked, length] = space.at(length).count()
-        return {length: self._known[asked, length] for length in lengths}
+                self._known[conditions, length] = space.at(length).count()
+        return {length: self._known[conditions, length] for length in lengths}
 
 
 def _space(
@@ -135,10 +139,10 @@ def refuse_leaks(suite: Suite, figures: Figures) -> None:
     Raises:
         QueryError: there are some.
     """
-    told = []
+    problems = []
     for leak in figures.leaks:
-        what = f"{leak.one} and {leak.other} have {plural(leak.tasks, 'task')} in common"
+        what = f"{leak.one} and {leak.other} have {plural(number_of(leak.tasks), 'task')} in common"
         mend = f'tell them apart by conditions, or add shares = "{leak.one}" to [parts.{leak.other}]'
-        told.append(f"{suite.place('parts', leak.other)}: {what}; {mend}")
-    if told:
-        raise QueryError(*told)
+        problems.append(f"{suite.place('parts', leak.other)}: {what}; {mend}")
+    if problems:
+        raise QueryError(*problems)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from prag_asp.atom import split_terms
-from prag_asp.dataset.suites.suite_spec import Held, Part, Suite
+from prag_asp.dataset.suites.suite_spec import HeldOut, Suite, SuitePart
 from prag_asp.dataset.suites.suite_tables import (
     OWN_OF_COPIES,
     PartTable,
@@ -115,7 +115,7 @@ class _SuiteReader:
             Phrasings.parse(self._table.phrasings)
         budget, staging, demonstrate = self._physics()
         held = self._held()
-        parts: dict[str, Part] = {}
+        parts: dict[str, SuitePart] = {}
         for name, table in self._parts.items():
             part = self._part(name, table, held, checked=budget is not None) if table.of is None else None
             parts |= {} if part is None else {name: part}
@@ -179,9 +179,9 @@ class _SuiteReader:
             staging = Staging(tuple(table.cameras), _pixels(table.size), vary=tuple(table.vary), **rate)
         return budget, staging, True
 
-    def _held(self) -> dict[str, Held]:
+    def _held(self) -> dict[str, HeldOut]:
         """Return all that is held out of some parts, by its words."""
-        found: dict[str, Held] = {}
+        found: dict[str, HeldOut] = {}
         for name, table in self._parts.items():
             lengths = self._lengths(name, table) if table.unseen else None
             for what in texts(table.unseen) if lengths else ():
@@ -189,7 +189,7 @@ class _SuiteReader:
                     found[what] = self._held_out(what, TaskSpace(self._domain, max(lengths or ())))
         return found
 
-    def _held_out(self, what: str, space: TaskSpace) -> Held:
+    def _held_out(self, what: str, space: TaskSpace) -> HeldOut:
         """Return the conditions of something that is held out: an initial value, or what `TaskSpace.hold_out` takes.
 
         Raises:
@@ -203,9 +203,9 @@ class _SuiteReader:
             other = no if no != fluent else f"not {fluent}"
             having, lacking = str(Condition.parse(what)), str(Condition.parse(f"{STARTS}{other}"))
             space.where(having)
-            return Held(what, having, lacking)
+            return HeldOut(what, having, lacking)
         without, with_it = space.hold_out(what)
-        return Held(what, str(with_it.condition), str(without.condition))
+        return HeldOut(what, str(with_it.condition), str(without.condition))
 
     def _lengths(self, name: str, table: PartTable) -> range | None:
         """Return the lengths of a part, or those of the suite; None where there are none, which is reported."""
@@ -217,7 +217,7 @@ class _SuiteReader:
             return lengths_of(lengths)
         return None
 
-    def _part(self, name: str, table: PartTable, held: Mapping[str, Held], *, checked: bool) -> Part | None:
+    def _part(self, name: str, table: PartTable, held: Mapping[str, HeldOut], *, checked: bool) -> SuitePart | None:
         """Return a part that has its own tasks, None where its lengths or conditions have problems.
 
         `checked` says whether physics checks tasks.
@@ -245,13 +245,13 @@ class _SuiteReader:
             report.add((*keys, "evenly"), text)
         if table.starts > 1 and not checked:
             report.add((*keys, "starts"), f"starts = {table.starts} needs physics; leave it out, or add a scene")
-        part = Part(
+        part = SuitePart(
             name, table.tasks, lengths, tuple(map(str, where.clauses)), own, None, texts(table.shares), table.about,
             self._table.seed if table.seed is None else table.seed, table.starts, shares, table.skeletons, table.evenly,
         )  # fmt: skip
         return self._worded(part, table, self._table.language, self._table.phrasings)
 
-    def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, Part]) -> Iterator[Part]:
+    def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
         """Yield a part that has the tasks of another one, in other words; none where that part has problems.
 
         Raises:
@@ -274,7 +274,7 @@ class _SuiteReader:
             raise QueryError(f"{text}; write phrasings = '1 of 2' for one and '2 of 2' for the other")
         yield part
 
-    def _worded(self, part: Part, table: PartTable, language: str, phrasings: str) -> Part:
+    def _worded(self, part: SuitePart, table: PartTable, language: str, phrasings: str) -> SuitePart:
         """Return a part with its language and its phrasings, unchanged where the domain does not have them."""
         from prag_asp.dataset.language import instruction_writer_of
 

@@ -1,12 +1,13 @@
-"""A suite as a value: its parts, each with the conditions that keep it apart from the others."""
+"""A suite as a value: its parts, each with the conditions that distinguish it from the others."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.tables.toml_text import key_line
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Held:
-    """Something that only some parts have: the conditions that a task has it, and that it has nothing of it."""
+class HeldOut:
+    """Something that only some parts have: the condition that a task has it, and its negation."""
 
     what: str
     having: str
@@ -26,8 +27,8 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Part:
-    """A part: which tasks it draws from, how many, and in which words they are told.
+class SuitePart:
+    """A part: the tasks that it samples from, their number, and the language of their texts.
 
     `where` are all its conditions, those of the suite and of what is held out included. `unseen` are the things that
     its tasks have and those of other parts do not, `of` the part whose tasks it has, and `shares` are the parts with
@@ -50,13 +51,13 @@ class Part:
     language: str = "en"
     phrasings: str = ""
 
-    def apart(self, other: Part) -> bool:
-        """Return whether the two parts have no sentence in common."""
+    def apart(self, other: SuitePart) -> bool:
+        """Return whether two parts have no sentence of an action in common."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
-    def declares(self, other: Part) -> bool:
-        """Return whether one of two parts declares that it may share tasks with the other."""
+    def declares(self, other: SuitePart) -> bool:
+        """Return whether one of two parts declares that it may have tasks of the other."""
         return other.name in (*self.shares, self.of) or self.name in (*other.shares, other.of)
 
 
@@ -66,23 +67,23 @@ class Suite:
 
     name: str
     domain: Domain
-    parts: Mapping[str, Part]
+    parts: Mapping[str, SuitePart]
     title: str = ""
     description: str = ""
     uniform: bool = False
     budget: Budget | None = None
     staging: Staging | None = None
     demonstrate: bool = False
-    held: tuple[Held, ...] = ()
+    held: tuple[HeldOut, ...] = ()
     path: Path = field(default_factory=Path)
     text: str = field(default="", repr=False)
 
     def place(self, *keys: str) -> str:
-        """Return where a key stands, as messages begin."""
+        """Return the file and line of a key, as messages begin."""
         return f"{self.path}:{key_line(self.text, keys)}"
 
     def at_most(self, tasks: int) -> Suite:
-        """Return the suite with so many tasks a part at most, to try it; the whole one goes on from there.
+        """Return the suite with at most `tasks` tasks a part, to try it; the whole suite extends its datasets.
 
         Raises:
             QueryError: that is none.
@@ -93,12 +94,18 @@ class Suite:
             self, parts={name: replace(part, tasks=min(tasks, part.tasks)) for name, part in self.parts.items()}
         )
 
-    def drawing(self, part: Part) -> dict[str, Any]:
-        """Return what `generate` is asked for a part, beside its space and folder."""
-        return {
-            "tasks": part.tasks, "seed": part.seed, "split": part.split, "skeletons": part.skeletons,
-            "starts": part.starts, "demonstrate": self.demonstrate, "evenly": part.evenly,
-            "weights": {} if self.uniform or part.evenly else self.domain.settings.weights,
-            "physics": self.budget is not None, "budget": self.budget, "language": part.language,
-            "phrasings": part.phrasings, "staging": self.staging,
-        }  # fmt: skip
+    def dataset_spec(self, part: SuitePart) -> DatasetSpec:
+        """Return the request of the dataset of a part.
+
+        Raises:
+            QueryError: values of the part contradict each other; the message names the part.
+        """
+        try:
+            return DatasetSpec.of(
+                self.domain, tasks=part.tasks, seed=part.seed, split=part.split, skeletons=part.skeletons,
+                starts=part.starts, demonstrate=self.demonstrate, evenly=part.evenly,
+                weights={} if self.uniform or part.evenly else None, physics=self.budget is not None,
+                budget=self.budget, language=part.language, phrasings=part.phrasings, staging=self.staging,
+            )  # fmt: skip
+        except QueryError as error:
+            raise QueryError(f"{self.name}: parts.{part.name}: {error}") from None

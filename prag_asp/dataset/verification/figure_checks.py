@@ -1,4 +1,4 @@
-"""The figures of dataset.json: what follows from its shards, from the space, and from what was asked for."""
+"""Check the figures of dataset.json, which follow from its shards, the space and the request."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ from copy import deepcopy
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import msgspec
-
-from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, Shard, derive
+from prag_asp.dataset.store.manifest import NAME, Manifest, PartManifest, Shard, derive, identity_of
 from prag_asp.dataset.verification.finding import Finding
 from prag_asp.integers import grouped, number_of
-from prag_asp.output.digests import digest
 
 if TYPE_CHECKING:
     from prag_asp.space.distinct_sampling import TaskOrder
@@ -31,17 +28,16 @@ def wrong_figures(manifest: Manifest) -> Iterator[Finding]:
                 yield Finding(NAME, None, f"parts, {part.name}: {name} is not what its shards add up to")
         if part.tail is not None:
             yield Finding(NAME, None, f"parts, {part.name}: a shard of it is not written to its end")
-        if part.tasks > part.wanted:
-            yield Finding(NAME, None, f"parts, {part.name}: has more tasks than the {part.wanted} that were wanted")
+        if part.tasks > part.requested:
+            yield Finding(NAME, None, f"parts, {part.name}: has more tasks than the {part.requested} requested")
         yield from _wrong_shards(part)
     if manifest.covered != again.covered:
         yield Finding(NAME, None, "covered is not the share of the space that the parts have")
-    identity = digest([msgspec.to_builtins(manifest.domain), msgspec.to_builtins(manifest.asked)])
-    if manifest.identity != identity:
-        yield Finding(NAME, None, "identity is not that of the domain and of what was asked for")
+    if manifest.identity != identity_of(manifest.domain, manifest.request):
+        yield Finding(NAME, None, "identity is not that of the domain and of the request")
 
 
-def _wrong_shards(part: PartNote) -> Iterator[Finding]:
+def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
     for number, shard in enumerate(part.shards):
         if shard.number != number:
             yield Finding(NAME, None, f"parts, {part.name}: shard {number} has the number {shard.number}")
@@ -54,7 +50,7 @@ def _wrong_shards(part: PartNote) -> Iterator[Finding]:
         yield Finding(NAME, None, f"parts, {part.name}: the first shard begins at draw {part.shards[0].first}")
 
 
-def _wrong_shard(part: PartNote, shard: Shard) -> Iterator[Finding]:
+def _wrong_shard(part: PartManifest, shard: Shard) -> Iterator[Finding]:
     """Yield what the tally of a shard says otherwise than its files."""
     passed = sum(each.feasible for each in shard.tally)
     refused = sum(each.not_found + each.infeasible for each in shard.tally)
@@ -63,8 +59,8 @@ def _wrong_shard(part: PartNote, shard: Shard) -> Iterator[Finding]:
     counted = {table: shard.rows(table) for table in ("tasks", "refused", "witnesses")}
     for what, number in {**counted, "draws": shard.end - shard.first}.items():
         if said[what] != number:
-            told = f"the tally of shard {shard.number} has {said[what]} {what}; there are {number}"
-            yield Finding(NAME, None, f"parts, {part.name}: {told}")
+            problem = f"the tally of shard {shard.number} has {said[what]} {what}; there are {number}"
+            yield Finding(NAME, None, f"parts, {part.name}: {problem}")
 
 
 def wrong_sizes(
@@ -74,9 +70,11 @@ def wrong_sizes(
     for space in manifest.spaces:
         count = spaces[space.length].count()
         if number_of(space.tasks) != count:
-            told = f"there are {grouped(count)} tasks of length {space.length}, not {grouped(number_of(space.tasks))}"
-            yield Finding(NAME, None, f"spaces: {told}")
+            problem = (
+                f"there are {grouped(count)} tasks of length {space.length}, not {grouped(number_of(space.tasks))}"
+            )
+            yield Finding(NAME, None, f"spaces: {problem}")
     for part in manifest.parts:
         if number_of(part.size) != parts[part.name].size:
-            told = f"has {grouped(parts[part.name].size)} tasks to draw, not {grouped(number_of(part.size))}"
-            yield Finding(NAME, None, f"parts, {part.name}: {told}")
+            problem = f"has {grouped(parts[part.name].size)} tasks to draw, not {grouped(number_of(part.size))}"
+            yield Finding(NAME, None, f"parts, {part.name}: {problem}")

@@ -1,4 +1,4 @@
-"""What is wrong with a data set, and where."""
+"""A finding of the verification of a dataset."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import NamedTuple
 
 from prag_asp.errors import one_line
 
-Looked = Callable[[str, int, int], None]
-"""Is told what is being looked at, at how many was looked, and of how many."""
+Progress = Callable[[str, int, int], None]
+"""Takes the progress: what is checked, how many were, and how many there are."""
 
 
 class Finding(NamedTuple):
-    """Something that is wrong: the file, the row in it from 0 or None for all of it, and what it is."""
+    """A defect: the file, the row in it from 0 or None for the whole file, and what is wrong."""
 
     file: str
     row: int | None
     what: str
 
     def __str__(self) -> str:
-        """Return it as one line of a message, whatever the files of a stranger are called and say."""
+        """Return it as one line that is safe for a terminal, whatever untrusted files contain."""
         place = self.file if self.row is None else f"{self.file}: row {self.row}"
         return one_line(f"{place}: {self.what}")

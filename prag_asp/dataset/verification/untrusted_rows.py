@@ -1,4 +1,4 @@
-"""Rows of tables that somebody else may have written: a value may be missing wherever Parquet allows it."""
+"""Rows of untrusted tables: a value may be missing wherever Parquet allows it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Row = tuple[int, Mapping[str, Any]]
 
 
 def whole_rows(file: str, rows: Iterable[Mapping[str, Any]]) -> tuple[list[Row], list[Finding]]:
-    """Return the rows of a file that have all their values, and which others lack some."""
+    """Return the complete rows of a file, and a finding for each other row."""
     found, wrong = list[Row](), list[Finding]()
     for place, row in enumerate(rows):
         lacking = sorted({name for name, value in row.items() for _ in _missing(name, value)})

@@ -1,4 +1,4 @@
-"""All that is wrong with a data set, from what is cheap to look at to what is dear."""
+"""Verify one dataset, checks in order of cost."""
 
 from __future__ import annotations
 
@@ -8,40 +8,40 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.manifest import NAME, Manifest
-from prag_asp.dataset.store.tables import Tables
+from prag_asp.dataset.store.tables import TableReader
 from prag_asp.dataset.verification.figure_checks import wrong_figures, wrong_sizes
 from prag_asp.dataset.verification.file_checks import wrong_card, wrong_files
-from prag_asp.dataset.verification.finding import Finding, Looked
-from prag_asp.dataset.verification.row_checks import Rows
+from prag_asp.dataset.verification.finding import Finding, Progress
+from prag_asp.dataset.verification.row_checks import RowChecks
 from prag_asp.errors import PragError
 from prag_asp.physics import require_physics
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.without_replacement import Division, ordered_parts, with_tasks
+from prag_asp.space.without_replacement import ordered_parts, with_tasks
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 
-def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progress: Looked) -> Iterator[Finding]:
-    """Yield what is wrong with one data set, as `verify` of any of them does."""
+def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progress: Progress) -> Iterator[Finding]:
+    """Yield what is wrong with one dataset, as `verify` does."""
     data = Dataset.open(folder, trust=trust)
-    manifest, tables = data.manifest, Tables(data.folder)
+    manifest, tables = data.manifest, TableReader(data.folder)
     progress("files", 0, 1)
     yield from wrong_files(data.folder, manifest, _recordings(manifest, tables))
     yield from wrong_figures(manifest)
     try:
         domain = data.domain
     except PragError as error:
-        yield Finding(NAME, None, f"the domain cannot be read, so nothing else was looked at: {error}")
+        yield Finding(NAME, None, f"the domain cannot be read, so nothing else was checked: {error}")
         return
     yield from wrong_card(data.folder, manifest, domain)
     yield from _wrong_tasks(manifest, domain, tables, progress)
-    if physics and manifest.asked.budget is not None:
+    if physics and manifest.spec.budget is not None:
         yield from _wrong_starts(data.folder, manifest, domain, tables, workers, progress)
 
 
-def _recordings(manifest: Manifest, tables: Tables) -> frozenset[str]:
-    """Return the files that the tables of recordings name, as far as they can be read."""
+def _recordings(manifest: Manifest, tables: TableReader) -> frozenset[str]:
+    """Return the files that the readable tables of recordings name."""
     found = set[str]()
     for part in manifest.parts:
         for shard in part.shards:
@@ -52,35 +52,34 @@ def _recordings(manifest: Manifest, tables: Tables) -> frozenset[str]:
     return frozenset(found)
 
 
-def _wrong_tasks(manifest: Manifest, domain: Domain, tables: Tables, progress: Looked) -> Iterator[Finding]:
-    """Yield what is wrong with sizes and rows, beside what is counted and drawn now."""
-    asked = manifest.asked
-    if [space.length for space in manifest.spaces] != list(asked.lengths):  # Of others, nothing may ever be counted.
-        yield Finding(NAME, None, "spaces are not of the lengths that were asked for, so no task was looked at")
+def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
+    """Yield what is wrong with sizes and rows, compared with those counted and sampled now."""
+    spec, lengths = manifest.spec, manifest.lengths
+    if [space.length for space in manifest.spaces] != lengths:  # to count others might never end
+        yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
         return
     try:
-        space = TaskSpace(domain, asked.lengths).where(*asked.where)
-        division = Division.parse(asked.split, skeletons=asked.skeletons, hold_out=asked.hold_out)
+        space = TaskSpace(domain, lengths).where(*manifest.where)
         parts = ordered_parts(
-            space, division, seed=asked.seed, weights=space.weights(asked.weights, asked.temperature),
-            evenly=asked.evenly, deal=asked.deal,
+            space, spec.division, seed=spec.seed, weights=space.weights(spec.weights, spec.temperature),
+            evenly=spec.evenly, deal=spec.deal,
         )  # fmt: skip
     except PragError as error:
-        yield Finding(NAME, None, f"what was asked for cannot be drawn: {error}")
+        yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")
         return
-    yield from wrong_sizes(manifest, {length: space.at(length) for length in asked.lengths}, parts)
-    rows = Rows(manifest, domain, tables, progress)
+    yield from wrong_sizes(manifest, {length: space.at(length) for length in lengths}, parts)
+    rows = RowChecks(manifest, domain, tables, progress)
     for note in manifest.parts:
         yield from rows.wrong(note, with_tasks(space, parts[note.name].draws()))
 
 
 def _wrong_starts(
-    folder: Path, manifest: Manifest, domain: Domain, tables: Tables, workers: int, progress: Looked
+    folder: Path, manifest: Manifest, domain: Domain, tables: TableReader, workers: int, progress: Progress
 ) -> Iterator[Finding]:
     """Yield what is wrong with witnesses and recordings."""
     require_physics()
-    from prag_asp.dataset.verification.initial_state_checks import Starts
+    from prag_asp.dataset.verification.initial_state_checks import InitialStateChecks
 
-    starts = Starts(folder, manifest, domain, tables, workers, progress)
+    starts = InitialStateChecks(folder, manifest, domain, tables, workers, progress)
     for note in manifest.parts:
         yield from starts.wrong(note)

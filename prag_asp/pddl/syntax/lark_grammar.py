@@ -13,7 +13,7 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.missing import require_pddl
-from prag_asp.output.cache_files import cache_folder, keep, read_kept
+from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
 from prag_asp.output.digests import digest
 
 if TYPE_CHECKING:
@@ -44,11 +44,11 @@ def grammar() -> Lark:
     texts = [path.read_text(encoding="utf-8") for path in sorted(PARSERS_DIRECTORY.glob("*.lark"))]
     key = digest([lark.__version__, *texts])
     path = folder / f"{key}.grammar"
-    known = read_kept(path, LARGEST)
+    known = read_cached(path, LARGEST)
     found = None if known is None else _read(known)
     if found is None:
         found = _made()
-        keep(path, _written(found))
+        write_cached(path, _written(found))
     return found
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.output.cache_files import keep, read_kept
+from prag_asp.output.cache_files import read_cached, write_cached
 
 HEADER = "header"
 SUFFIX = ".arrays"
@@ -38,7 +38,7 @@ class CacheEntry:
 
 def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | None:
     """Return what was kept under a key, of its arrays those of some names; or None."""
-    content = read_kept(folder / f"{key}{SUFFIX}", LARGEST_FILE)
+    content = read_cached(folder / f"{key}{SUFFIX}", LARGEST_FILE)
     if content is None:
         return None
     from prag_asp.array_archive import BadArchive, read_arrays  # zipfile is not loaded where there is no entry
@@ -59,7 +59,7 @@ def write_entry(folder: Path, key: str, entry: CacheEntry) -> bool:
     np.savez(buffer, **arrays)
     if buffer.tell() > LARGEST_FILE:
         return False
-    if not keep(folder / f"{key}{SUFFIX}", buffer.getvalue()):
+    if not write_cached(folder / f"{key}{SUFFIX}", buffer.getvalue()):
         return False
     with suppress(OSError):
         _shrink(folder)
