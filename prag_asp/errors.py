@@ -10,6 +10,7 @@ PragError
 │   ├── PhysicsMissingError
 │   ├── PicturesMissingError
 │   ├── DatasetsMissingError
+│   ├── LearningMissingError
 │   ├── PddlMissingError
 │   └── RayMissingError
 ├── NotFound           less was found than was asked for

@@ -127,11 +127,8 @@ class Asked:
         Raises:
             QueryError: a condition is empty.
         """
-        from prag_asp.space.limits import Limits
-
         self.conditions()
-        seconds, memory, begun = exit_control.limits()
-        return Limits(memory, seconds, self.cached, begun)
+        return exit_control.limits(cached=self.cached)
 
 
 def _note_unread(names: Sequence[str]) -> None:

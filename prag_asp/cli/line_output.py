@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
-from prag_asp.cli.terminal import for_terminal, tell_line, whole_lines
+from prag_asp.cli.terminal import for_terminal, tell_line
 from prag_asp.errors import OutputError
 from prag_asp.output import Lines
 from prag_asp.output.atomic_files import is_stream, told
@@ -67,12 +67,11 @@ def writer(output: str | None, run: str | None = None, fits: Fits = lambda lines
     Raises:
         OutputError: the file cannot be written.
     """
-    with whole_lines():
-        if output is None or is_stream(Path(output)):
-            with _stream(output) as stream:
-                yield stream
-        else:
-            yield from _file(output, run, fits)
+    if output is None or is_stream(Path(output)):
+        with _stream(output) as stream:
+            yield stream
+    else:
+        yield from _file(output, run, fits)
 
 
 @contextmanager

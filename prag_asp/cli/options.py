@@ -27,7 +27,7 @@ def _limit_time(context: click.Context, parameter: click.Parameter, given: str |
     if given and not context.resilient_parsing:
         from prag_asp.space.limits import parse_time
 
-        exit_control.limit(seconds=parse_time(given))
+        exit_control.set_limits(seconds=parse_time(given))
 
 
 def _limit_memory(context: click.Context, parameter: click.Parameter, given: str | None) -> None:
@@ -38,7 +38,7 @@ def _limit_memory(context: click.Context, parameter: click.Parameter, given: str
         memory = parse_memory(given)
         if memory < LEAST_MEMORY:
             raise QueryError(f"--memory {given}: no command does with {memory:,} bytes; write 500MB or 4GB")
-        exit_control.limit(memory=memory)
+        exit_control.set_limits(memory=memory)
 
 
 LEAST_MEMORY = 10**7
@@ -123,15 +123,14 @@ LIMITS = (
 """Every command has these, which the list of commands gives it."""
 
 
-def with_limits(command: click.Command) -> click.Command:
-    """Return a command with the options of limits, which it is given once; of a group, each of its commands."""
+def add_limits(command: click.Command) -> None:
+    """Add the options of limits to a command, or to each command of a group, once."""
     if isinstance(command, click.Group):
         for each in command.commands.values():
-            with_limits(each)
+            add_limits(each)
     elif not any(each.name == "memory" for each in command.params):
         for option in LIMITS:
             option(command)
-    return command
 
 
 SPACE = (*DOMAIN, LENGTH, *ANSWERED)

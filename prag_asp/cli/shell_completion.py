@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import wraps
 from pathlib import Path
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 
 Items = list["CompletionItem[Any]"]
 Offer = Callable[[click.Context, click.Parameter, str], Items]
+
+ONE_WORD = re.compile(r"[\w./:=+@%^-]*")
+"""What bash reads as one word."""
 
 ENTITIES, ACTIONS = ("uses", "avoids"), ("begins", "has", "lacks")
 """Conditions that speak of entities and classes, and of actions."""
@@ -188,3 +193,36 @@ def _after(typed: str, found: Iterable[str]) -> Iterator[str]:
         if depth == 0 and character in " ,":
             start = position + 1
     yield from (f"{typed[:start]}{each}" for each in found)
+
+
+def complete(group: click.Group, program: str, variable: str) -> int:
+    """Answer a shell that asks for completions by an environment variable, and return the exit code."""
+    from click.shell_completion import shell_complete
+
+    add_shells()
+    return shell_complete(group, {}, program, variable, os.environ[variable])
+
+
+def add_shells() -> None:
+    """Adapt click's completion of bash and fish to texts with parentheses and commas, as actions are."""
+    from click.shell_completion import BashComplete, FishComplete, add_completion_class
+
+    class Bash(BashComplete):
+        """Quotes what bash would not read as one word."""
+
+        def format_completion(self, item: CompletionItem[Any]) -> str:
+            """Return an item as the script reads it; if the user has opened a quote, as it is."""
+            words = os.environ["COMP_WORDS"].split("\n")
+            number = int(os.environ["COMP_CWORD"])
+            quoted = number < len(words) and words[number][:1] in ("'", '"')
+            if item.type == "plain" and not quoted and not ONE_WORD.fullmatch(item.value):
+                return f"{item.type},'{item.value}'"
+            return super().format_completion(item)
+
+    class Fish(FishComplete):
+        """Splits only the type off an item, because its value may contain commas."""
+
+        source_template = FishComplete.source_template.replace('split ","', 'split --max 1 ","')
+
+    add_completion_class(Bash)
+    add_completion_class(Fish)

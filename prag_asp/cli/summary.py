@@ -35,7 +35,7 @@ def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
     try:
         yield
     except PragError:
-        mistaken = exit_control.asked_for() is None
+        mistaken = not exit_control.interrupted()
         raise
     finally:
         if not mistaken:

@@ -21,7 +21,7 @@ def completion(shell: str) -> None:
     from click.shell_completion import get_completion_class
 
     from prag_asp.cli.registry import COMPLETION, PROGRAM, cli
-    from prag_asp.cli.shells import add_shells
+    from prag_asp.cli.shell_completion import add_shells
 
     add_shells()
     found = get_completion_class(shell)

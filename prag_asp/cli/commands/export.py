@@ -13,7 +13,7 @@ from prag_asp.cli.bundles.task_selection import Chosen, names_tasks
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, say, whole_lines
+from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import OutputError
 from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import nearest
@@ -132,7 +132,7 @@ def _of_data(form: str, told: str, place: str) -> None:
         from prag_asp import Dataset
         from prag_asp.dataset.formats.exporting import export as write
 
-        with progress() as tell, whole_lines():
+        with progress() as tell:
             data = Dataset.open(folder)
             data = data if part is None else data.part(part)
             conditions = Asked(where=where).conditions()

@@ -15,7 +15,7 @@ from prag_asp.cli import options, shell_completion
 from prag_asp.cli.bundles.camera_options import Filming, films
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.options import Checking, Weighing, asks
-from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
+from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
 
@@ -113,7 +113,7 @@ def generate(
     checking.limits()
     filming.refuse_at_odds(output if performed else None)
     shares = None if split is None else parse_shares_option(split)
-    with progress() as tell, whole_lines(), warnings_as_lines():
+    with progress() as tell, warnings_as_lines():
         space = asked.spaces(tell)
         looks = physics if physics is not None else bool(space.domain.settings.scene)
         if not looks:

@@ -15,8 +15,7 @@ from prag_asp.cli import options
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.table import aligned
-from prag_asp.cli.terminal import progress, say, tell_line
+from prag_asp.cli.terminal import aligned, progress, say, tell_line
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, replace_file
 

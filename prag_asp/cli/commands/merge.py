@@ -6,7 +6,7 @@ import click
 
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.commands.generate import show, tell_what_is_there, warnings_as_lines
-from prag_asp.cli.terminal import progress, tell_line, whole_lines
+from prag_asp.cli.terminal import progress, tell_line
 from prag_asp.errors import NotFound
 
 
@@ -39,7 +39,7 @@ def merge(
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
-    with progress() as tell, whole_lines(), warnings_as_lines():
+    with progress() as tell, warnings_as_lines():
         tell_what_is_there(output)
         try:
             made = make(parts, output, workers=workers, on=on, max_draws=max_draws, trust=trust, progress=tell)

@@ -15,7 +15,7 @@ from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import asks
 from prag_asp.cli.run_fingerprint import run_on_file
-from prag_asp.cli.terminal import progress, say, whole_lines
+from prag_asp.cli.terminal import progress, say
 from prag_asp.dataset.task_origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
 from prag_asp.output import Steps, file_in, make_folder
@@ -107,7 +107,7 @@ def render(
     targets = _targets(Path(output), chosen, form)
     steps = None if len(chosen) == 1 else _steps(asked, file, drawing, Path(output), [targets[n] for n in chosen])
     tellers: dict[str, Teller] = {}
-    with progress() as show, whole_lines():
+    with progress() as show:
         for done, number in enumerate(chosen):
             if steps is None or done >= steps.done:
                 record = records[number - 1]

@@ -13,8 +13,7 @@ from prag_asp.cli import options, shell_completion
 from prag_asp.cli.domain_options import Asked
 from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import Weighing, asks
-from prag_asp.cli.table import aligned
-from prag_asp.cli.terminal import progress
+from prag_asp.cli.terminal import aligned, progress
 
 if TYPE_CHECKING:
     from prag_asp.space.sampling.statistics import Statistics

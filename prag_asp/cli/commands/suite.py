@@ -8,7 +8,7 @@ import click
 
 from prag_asp.cli import exit_control, options, shell_completion
 from prag_asp.cli.commands.generate import warnings_as_lines
-from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
+from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import NotFound, QueryError
 
 if TYPE_CHECKING:
@@ -42,13 +42,11 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
     """
     from prag_asp.dataset.suites.counting import count_suite, refuse_leaks
     from prag_asp.dataset.suites.suite_reader import load_suite
-    from prag_asp.space.limits import Limits
 
     if counts == (output is not None):
         raise QueryError("give either --count, or --output DIR to write it")
-    seconds, memory, begun = exit_control.limits()
-    limits = Limits(memory, seconds, True, begun)
-    with progress() as tell, whole_lines(), warnings_as_lines():
+    limits = exit_control.limits()
+    with progress() as tell, warnings_as_lines():
         found = load_suite(name, trust=trust)
         found = found if most is None else found.at_most(most)
         if output is None:
