@@ -83,7 +83,7 @@ def test_draws_are_the_same_without_physics(python: Path) -> None:
 def test_what_needs_pyarrow_says_so_in_a_line(python: Path, tmp_path: Path) -> None:
     done = prag(python, "generate", "blocks", "-n", "2", "--tasks", "1", "-o", tmp_path / "data")
     assert done.returncode == 2 and not (tmp_path / "data").exists()
-    assert done.stderr == 'data sets need pyarrow; install it: pip install "prag_asp[datasets]"\n'
+    assert done.stderr == 'datasets need pyarrow; install it: pip install "prag_asp[datasets]"\n'
 
 
 @pytest.fixture(scope="module")

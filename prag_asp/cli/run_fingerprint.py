@@ -14,7 +14,7 @@ from prag_asp.errors import PragError
 from prag_asp.safe_reading import open_binary
 
 if TYPE_CHECKING:
-    from prag_asp.cli.domain_options import Asked
+    from prag_asp.cli.domain_options import DomainOptions
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
 
@@ -41,7 +41,7 @@ def run_of(*domains: Domain, told: Iterable[Any] = ()) -> str:
     return digest([context.info_name, sorted(asked.items()), [*map(domain_digest, domains)], list(told), made_by])
 
 
-def run_on_file(asked: Asked, file: str, told: Iterable[Any] = ()) -> str | None:
+def run_on_file(asked: DomainOptions, file: str, told: Iterable[Any] = ()) -> str | None:
     """Return the same for a command on a file of tasks, None where that can be read only once.
 
     Raises:
@@ -53,7 +53,7 @@ def run_on_file(asked: Asked, file: str, told: Iterable[Any] = ()) -> str | None
     return run_of(*domains, told=[content, *told])
 
 
-def domains_of(asked: Asked, file: str) -> tuple[list[Domain], str]:
+def domains_of(asked: DomainOptions, file: str) -> tuple[list[Domain], str]:
     """Return the domains that the tasks of a file are of, and a digest of it.
 
     Raises:

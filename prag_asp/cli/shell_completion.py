@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli.arguments import domain_and_others
+from prag_asp.cli.arguments import domain_and_others, parse_constant_options
 from prag_asp.program.paths import PDDL, data_folder, is_file_name, rule_names, shipped_domains, shipped_suites
 from prag_asp.safe_reading import STANDARD_INPUT
 
@@ -169,7 +169,6 @@ def _domains(given: Sequence[str]) -> Offer:
 
 def _domain(context: click.Context) -> Domain:
     """Load the domain that the command line gives so far; an option without its value leaves it unparsed."""
-    from prag_asp.cli.domain_options import parse_constant_options
     from prag_asp.domain.load import load_domain
 
     given, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)

@@ -81,7 +81,7 @@ def _require_addresses() -> None:
     allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
     if allowed != resource.RLIM_INFINITY and allowed < LEAST_ADDRESSES:
         least = f"{LEAST_ADDRESSES / 10**6:,.0f} MB"
-        _print(f"the system allows only {allowed / 10**6:,.0f} MB of addresses (ulimit -v); allow {least} or more")
+        _write_line(f"the system allows only {allowed / 10**6:,.0f} MB of addresses (ulimit -v); allow {least} or more")
         _exit(Exit.LIMIT)
 
 
@@ -192,7 +192,7 @@ class _Supervisor:
             line, code = ENDS[signal.Signals(-status)]
         else:
             line, code = f"{_crash(status)}{while_(self._stage)}; {_advice(status)}", Exit.LIMIT
-        _print(line)
+        _write_line(line)
         return code
 
 
@@ -217,7 +217,7 @@ def grace(seconds: float) -> float:
     return min(max(seconds / 10, LEAST_GRACE), MOST_GRACE)
 
 
-def _print(line: str) -> None:
+def _write_line(line: str) -> None:
     """Print a line on stderr; on a terminal, remove a progress bar and show the cursor."""
     clear = "\r\x1b[K\x1b[?25h" if os.isatty(2) and os.environ.get("TERM") != "dumb" else ""
     try:

@@ -187,7 +187,7 @@ def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) ->
         (["sample", "prag", "-n", "3", "--weight", "grasp=-2"], "below 0"),
         (["sample", "prag", "-n", "3", "--weight", "apple_1=2"], "interchangeable"),
         (["sample", "blocks", "-n", "3", "--physics"], "no [scene]"),
-        (["enumerate", "prag", "-n", "3", "--by", "skeleton", "--format", "jsonl"], "no form jsonl"),
+        (["enumerate", "prag", "-n", "3", "--by", "skeleton", "--format", "jsonl"], "cannot be printed as jsonl"),
         (["sample", "blocks", "-n", "3", "--tier", "settling"], "--tier needs physics"),
         (["sample", "prag", "-n", "3", "--no-physics", "--demonstrate", "recorded"], "--demonstrate needs physics"),
         (["sample", "prag", "-n", "3", "--no-physics", "--budget", "2x2"], "--budget needs physics"),

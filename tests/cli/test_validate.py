@@ -152,7 +152,7 @@ def test_drawing_that_is_told_to_end_leaves_whole_lines_and_says_how_far_it_came
     assert process.returncode == 143
     lines = file.read_text().splitlines()
     assert all(json.loads(line)["witness"] for line in lines)
-    found = int(err.split(" drawn, ")[1].split()[0])
+    found = int(err.split(" sampled, ")[1].split()[0])
     assert found - 1 <= len(lines) <= found and lines  # the last one may be found and not yet written
     assert not (tmp_path / "tasks.jsonl").exists() and f"tasks.jsonl.part keeps {len(lines)} line" in err
 

@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import DomainOptions
 from prag_asp.dataset import physics_filter
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.output import lines
@@ -79,7 +79,7 @@ def physics(feasible: Verdict, monkeypatch: pytest.MonkeyPatch) -> Physics:
 def remembered(method: Callable[..., Any]) -> Callable[..., Any]:
     """Return a method of what a command line asks for that answers the same question once."""
 
-    def found(asked: Asked, *given: Any, **more: Any) -> Any:
+    def found(asked: DomainOptions, *given: Any, **more: Any) -> Any:
         key = f"{method.__name__} {asked}"
         if key not in ANSWERS:
             ANSWERS[key] = method(asked, *given, **more)
@@ -92,7 +92,7 @@ def remembered(method: Callable[..., Any]) -> Callable[..., Any]:
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have each domain loaded once, and nothing flushed: no power is lost here."""
     for name in ("domain", "space", "spaces"):
-        monkeypatch.setattr(Asked, name, remembered(getattr(Asked, name)))
+        monkeypatch.setattr(DomainOptions, name, remembered(getattr(DomainOptions, name)))
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)
 
 

@@ -1,4 +1,4 @@
-"""``prag-asp sample``: tasks drawn with exact probabilities, and kept where physics finds them feasible."""
+"""``prag-asp sample``: tasks sampled with exact probabilities, and kept if physics finds them feasible."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.bundles.camera_options import Filming, films
-from prag_asp.cli.bundles.task_format import Telling, tells
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
-from prag_asp.cli.options import Checking, Weighing, asks
+from prag_asp.cli.options import WeightOptions, whole
+from prag_asp.cli.physics_options import CameraOptions, PhysicsOptions, camera_options, physics_options
 from prag_asp.cli.run_fingerprint import run_of
+from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
@@ -26,70 +26,74 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
 
-DRAWS_FOR_EACH = 1000
-"""Draws after which `sample` gives up, for each task wanted."""
+DRAWS_PER_TASK = 1000
+"""Sampled tasks after which `sample` gives up, for each feasible task to find."""
 
 
 @click.command()
-@asks((*options.SPACES, options.TRUST))
-@click.option("--count", "wanted", type=options.whole(0), default=10, show_default=True, help="How many tasks.")
+@domain_options(*SPACES, options.trust)
+@click.option("--count", "wanted", type=whole(0), default=10, show_default=True, help="Number of tasks.")
 @options.seed
-@options.weighs
+@options.weight_options
 @click.option(
     "--over",
     type=click.Choice(["skeletons", "goals"]),
-    help="Draw a skeleton (or a goal) uniformly first, then a task that has it.",
+    help="Sample a skeleton (or a goal) uniformly first, then a task that has it.",
 )
-@click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
-@click.option("--distinct", is_flag=True, help="No task twice: each is drawn among those that are left.")
-@click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
-@options.checks
-@films
-@click.option("--max-draws", type=options.whole(1), metavar="K", help="Give up after K draws.  [1000 a task]")
-@tells
+@click.option(
+    "--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="Sample plans, or tasks."
+)
+@click.option("--distinct", is_flag=True, help="Sample without replacement: no task occurs twice.")
+@click.option(
+    "--physics/--no-physics", default=None, help="Keep only feasible tasks.  [default: if the domain has a scene]"
+)
+@physics_options
+@camera_options
+@click.option("--max-draws", type=whole(1), metavar="K", help="Stop after sampling K tasks.  [default: 1000 per task]")
+@format_options(LINE_FORMAT)
 @options.output
 def sample(
     *,
-    asked: Asked,
+    request: DomainOptions,
     wanted: int,
     seed: int,
-    weighing: Weighing,
+    weighting: WeightOptions,
     over: Any,
     by: Any,
     distinct: bool,
     physics: bool | None,
-    checking: Checking,
-    filming: Filming,
+    validation: PhysicsOptions,
+    filming: CameraOptions,
     max_draws: int | None,
-    telling: Telling,
+    task_format: TaskFormat,
     output: str | None,
 ) -> None:
-    """Draw tasks of length N, each with a probability proportional to its weight, exactly.
+    """Sample tasks of length N, with exact probabilities.
 
-    Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end; a run that was broken
-    off goes on where it was when it is started again.
+    The probability of a task is proportional to its weight; by default, all tasks have the same. Of several lengths,
+    the tasks of all lengths are sampled together.
     """
     from prag_asp.dataset.jsonl import Record
     from prag_asp.space.without_replacement import drawn_tasks
 
-    telling.check()
+    task_format.check()
     require_writable(output)
-    checking.limits()
-    filming.refuse_at_odds(checking.demonstrate)
+    validation.parse_budget()
+    filming.check(validation.demonstrate)
     with progress() as tell:
-        space = asked.spaces(tell)
+        space = request.spaces(tell)
         if physics is None:
             physics = bool(space.domain.settings.scene)
         if physics and space.domain.settings.scene:
             from prag_asp.physics import require_physics
 
-            require_physics(f"the scene of {space.domain.name} needs physics (--no-physics draws without)")
-        line = telling.line(space.domain, seed)
+            require_physics(f"the scene of {space.domain.name} needs physics (--no-physics samples without it)")
+        line = task_format.line(space.domain, seed)
         drawing = _distinct(over, by) if distinct else {"by": by, "over": over}
-        drawing.update(weighing.arguments(space.domain))
-        run = run_of(space.domain, told=[physics]) if output or checking.demonstrate else None
+        drawing.update(weighting.arguments(space.domain))
+        run = run_of(space.domain, told=[physics]) if output or validation.demonstrate else None
         if not physics:
-            checking.refuse_without_physics({"--max-draws": max_draws is not None})
+            validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = drawn_tasks(space, seed=seed, **drawing) if wanted else iter(())
             with writer(output, run, lambda lines, _: lines <= wanted) as out:
                 found = out.lines
@@ -97,30 +101,30 @@ def sample(
                     out.write(line(Record(task)))
                     found += 1
             if found < wanted:
-                raise NotFound(f"only {found} of {plural(wanted, 'task')}: no others are left to draw")
+                raise NotFound(f"only {found} of {plural(wanted, 'task')}: there are no others")
             return
         from prag_asp.dataset.scenes import scene_of
 
-        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_FOR_EACH * wanted
-        _feasible(_Drawing(space, wanted, limit, seed, {**drawing, "staging": staging}), checking, output, run, line,
-                  tell)  # fmt: skip
+        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_PER_TASK * wanted
+        sample_request = _SampleRequest(space, wanted, limit, seed, {**drawing, "staging": staging})
+        _feasible(sample_request, validation, output, run, line, tell)
 
 
 def _distinct(over: str | None, by: str) -> dict[str, Any]:
-    """Return the arguments of a draw of different tasks.
+    """Return the arguments for sampling without replacement.
 
     Raises:
-        QueryError: something else is to be drawn, or first.
+        QueryError: something other than tasks is to be sampled.
     """
     if over is not None or by != "task":
         given = f"--over {over}" if over is not None else f"--by {by}"
-        raise QueryError(f"--distinct draws tasks among those that are left; leave {given} out")
+        raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
     return {"distinct": True}
 
 
 @dataclass(frozen=True)
-class _Drawing:
-    """What is drawn, how many feasible tasks are wanted, and in how many draws."""
+class _SampleRequest:
+    """What to sample, how many feasible tasks, and from at most how many sampled tasks."""
 
     space: TaskSpace | TaskSpaces
     wanted: int
@@ -130,13 +134,13 @@ class _Drawing:
 
 
 def _feasible(
-    drawing: _Drawing, checking: Checking, output: str | None, run: str | None, line: Callable[[Record], str],
-    tell: Tell,
+    drawing: _SampleRequest, validation: PhysicsOptions, output: str | None, run: str | None,
+    line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
-    """Write the feasible ones of the tasks that are drawn.
+    """Write the feasible ones of sampled tasks.
 
     Raises:
-        NotFound: they are fewer than wanted.
+        NotFound: there are too few.
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset.episode_files import claim, remove_after
@@ -144,32 +148,32 @@ def _feasible(
     from prag_asp.dataset.physics_filter import draws_looked_at
 
     tally, wanted, limit = Tally(), drawing.wanted, drawing.limit
-    folder = checking.demonstrate
+    folder = validation.demonstrate
 
-    def told() -> str:
-        return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
+    def summary() -> str:
+        return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
 
     if folder is not None:
         claim(folder, run)
-    with tallied(tally, told), writer(output, run, lambda _, state: _fits(state, drawing, folder)) as out:
+    with tallied(tally, summary), writer(output, run, lambda _, state: _fits(state, drawing, folder)) as out:
         tally.go_on(out.state)
         looked_at = draws_looked_at(
-            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **checking.arguments(), **drawing.how
+            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **validation.arguments(), **drawing.how
         )
         with closing(looked_at):
             for record in looked_at if tally.passed < wanted else ():
                 out.write(line(record) if record is not None else None, tally.state())
-                tell(told(), tally.passed, wanted)
+                tell(summary(), tally.passed, wanted)
                 if tally.passed == wanted:
                     break
         if folder is not None:
             remove_after(folder, tally.passed)
     if tally.passed < wanted:
-        found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
+        found = f"only {tally.passed} of {plural(wanted, 'task')} found among {plural(tally.seen, 'sampled task')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)
 
 
-def _fits(state: Any, drawing: _Drawing, folder: str | None) -> bool:
+def _fits(state: Any, drawing: _SampleRequest, folder: str | None) -> bool:
     """Tell whether a broken run has come no further than this one is to, and has left its recordings."""
     from prag_asp.dataset.episode_files import recorded
     from prag_asp.dataset.pass_rates import Tally

@@ -234,4 +234,4 @@ def test_without_pyarrow_it_is_told_what_to_install(numbers: Path, monkeypatch: 
     with pytest.raises(DatasetsMissingError, match=r'pip install "prag_asp\[datasets\]"'):
         Dataset.open(numbers)
     done = run("generate", "kitchen", "-n", "2", "--tasks", "1", "-o", str(numbers.parent / "none"))
-    assert (done.returncode, done.stdout) == (2, "") and done.stderr.startswith("data sets need pyarrow; install it")
+    assert (done.returncode, done.stdout) == (2, "") and done.stderr.startswith("datasets need pyarrow; install it")
